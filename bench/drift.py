@@ -91,7 +91,7 @@ def print_burns(number: int) -> None:
             )
             start = rng.uniform(0.0, 30.0) * DAY_S
             end = start + days * DAY_S
-            cost = float(drift.delta_v(drift_pair.prepare(first, second, rule), start, end))
+            cost = float(drift.delta_v(drift_pair.prepare(first, second, rule, 0.0), start, end))
             if cost > CLASSES_M_S[-1]:
                 continue
             try:
@@ -132,7 +132,7 @@ def print_later(number: int) -> None:
         )
         start = rng.uniform(0.0, 30.0) * DAY_S
         end = start + days * DAY_S
-        found = drift.splits(drift_pair.prepare(first, second, rule), start + free, end - free)
+        found = drift.splits(drift_pair.prepare(first, second, rule, 0.0), start + free, end - free)
         if found[0, 0, 0] <= CLASSES_M_S[-1]:
             rows.append((days, found[0, 0, 0], found[:, :, 0].min()))
     table = np.array(rows)
@@ -183,7 +183,7 @@ def print_long(runs: int) -> None:
     rng = np.random.default_rng(0)
     rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
     first, second = (np.array(body(rng, 71.0, raan)) for raan in (0.0, 20.0))
-    pair = drift_pair.prepare(first, second, rule)
+    pair = drift_pair.prepare(first, second, rule, 0.0)
     took = []
     for _ in range(runs + 1):
         began = time.perf_counter()

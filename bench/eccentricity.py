@@ -91,19 +91,19 @@ def case_of(
     """A short connection of an instance as a leg, with the elements as they are on departure."""
     rows, rule = instance.orbits(), instance.transfer_rule()
     first, second = rows[ends[0]], rows[ends[1]]
-    pair = co_elliptic.prepare(first, second, 0.0, rule)
+    pair = co_elliptic.prepare(first, second, 0.0, rule, 0.0)
     stand_off = arrival - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     if instance.dynamics == "j2":
         departure = precession.leaving(pair, rule, laps, departure, stand_off)
     radius = co_elliptic.phasing_radius(pair, rule, laps, stand_off - departure)
     alpha_i, alpha_j, theta = ephemeris.relative_node(
-        first[ephemeris.INCLINATION], ephemeris.node_at(first, departure),
-        second[ephemeris.INCLINATION], ephemeris.node_at(second, departure),
+        ephemeris.inclination_at(first, departure), ephemeris.node_at(first, departure),
+        ephemeris.inclination_at(second, departure), ephemeris.node_at(second, departure),
     )  # fmt: skip
     vectors = [
         cmath.rect(
-            row[ephemeris.ECCENTRICITY],
-            row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * departure - alpha,
+            ephemeris.eccentricity_at(row, departure),
+            ephemeris.perigee_at(row, departure) - alpha,
         )
         for row, alpha in ((first, alpha_i), (second, alpha_j))
     ]

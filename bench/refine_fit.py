@@ -23,7 +23,7 @@ from refine_loop import instances
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.fly.trajectory.bodies import body_states
-from adr_opt.kernels.orbits.eccentricity import matchings
+from adr_opt.kernels.orbits.matchings import matchings
 from adr_opt.plan.refined_plan import RefinedLeg
 from adr_opt.problem.instance import Instance
 
@@ -87,7 +87,7 @@ def main() -> None:
             continue
         plan = adr_opt.solve(instance, arguments.method, time_limit=30.0, seed=0).plan
         assert plan is not None
-        matching = matchings(instance.orbits())
+        matching = matchings(instance.orbits(), 0.0)
         for freedom in ("free", "planned"):
             refined = adr_opt.refine(instance, plan, freedom=freedom, jobs=arguments.jobs)
             for kind in ("short", "drift"):

@@ -192,7 +192,7 @@ def _is_blocked(
 ) -> bool:
     """Whether keep-out zones leave no sequence at all at a departure event."""
     rows, rule = instance.orbits(), instance.transfer_rule()
-    pair = transfer.prepare(rows[origin], rows[destination], 0.0, rule)
+    pair = transfer.prepare(rows[origin], rows[destination], 0.0, rule, 0.0)
     _, half_turns = transfer.first_departure(pair)
     lead = transfer.target_lead(pair, departure, half_turns + event)
     found = sequences.best_sequence(pair, rule, departure, lead, -math.inf, math.inf)
@@ -315,7 +315,7 @@ def drift() -> Any:
             for node in (0.0, asked)
         )
         pair = drifts.prepare(
-            here, there, EARTH_RADIUS_M + 300e3, EARTH_RADIUS_M + 2000e3, OBLATENESS_M2
+            here, there, EARTH_RADIUS_M + 300e3, EARTH_RADIUS_M + 2000e3, OBLATENESS_M2, 0.0
         )
         direct = pair.speed * pair.sine * asked
         shares, heights = [], []

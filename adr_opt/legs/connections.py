@@ -18,6 +18,7 @@ from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
 from ..kernels.legs import drifting_connections, given_connections
 from ..kernels.legs.found import ConnectionArrays
+from ..kernels.legs.wanted import Times
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.tows import leaving_eccentricity_delta_v, leaving_orbits
@@ -441,12 +442,12 @@ def _is_regular(instance: Instance) -> bool:
     return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
 
 
-def _times(instance: Instance) -> drifting_connections.Times | None:
+def _times(instance: Instance) -> Times | None:
     """When transfers may leave; None where events are regular or given: no such thing is needed."""
     settings = instance.transfer
     if _is_regular(instance) or settings.given is not None:
         return None
-    return drifting_connections.Times(
+    return Times(
         settings.departure_spacing_s, settings.drift_step_s, settings.max_drift_s,
         instance.largest_tank_m_s + SLACK_M_S,
     )  # fmt: skip

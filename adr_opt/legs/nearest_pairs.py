@@ -15,7 +15,8 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from ..common.constants import MU_M3_S2
-from ..kernels.orbits.ephemeris import ECCENTRICITY, INCLINATION, PERIGEE, RAAN, RAAN_RATE, RADIUS
+from ..kernels.orbits import elements
+from ..kernels.orbits.ephemeris import EPOCH_S, planes_drift
 from ..kernels.tables.timetable_making import WAVE, Pairs
 from ..problem.instance import Instance
 
@@ -79,7 +80,7 @@ PERIODS = 12
 
 def neighbours(instance: Instance, ranks: int) -> Neighbours:
     """So many destinations of each body, as they lie in the middle of each period."""
-    periods = PERIODS if instance.oblateness_m2 else 1
+    periods = PERIODS if planes_drift(instance.oblateness_m2) else 1
     ranks = min(ranks, len(instance.names) - 1)
     length_s = max(instance.mission.duration_s, 1.0) / periods
     middles = [(number + 0.5) * length_s for number in range(periods)]
@@ -119,8 +120,8 @@ def _places(instance: Instance, time_s: float) -> FloatArray:
     Where nodes drift planes are as they are at a time.
     """
     orbits = instance.orbits()
-    node = orbits[:, RAAN] + orbits[:, RAAN_RATE] * time_s
-    inclination, radius = orbits[:, INCLINATION], orbits[:, RADIUS]
+    node = elements.nodes(orbits, time_s)
+    inclination, radius = elements.inclinations(orbits, time_s), elements.radii(orbits, time_s)
     middle = float(np.median(radius))
     speed = math.sqrt(MU_M3_S2 / middle)
     normal = np.stack(
@@ -129,12 +130,12 @@ def _places(instance: Instance, time_s: float) -> FloatArray:
     )  # fmt: skip
     across = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
     ahead = np.cross(normal, across)
-    perigee = orbits[:, PERIGEE]
+    perigee = elements.perigees(orbits, EPOCH_S)
     shape = np.cos(perigee)[:, None] * across + np.sin(perigee)[:, None] * ahead
     half = 0.5 * speed
     return np.concatenate(
         [speed * normal, (half / middle * radius)[:, None],
-         half * orbits[:, ECCENTRICITY, None] * shape], axis=1
+         half * elements.eccentricities(orbits, time_s)[:, None] * shape], axis=1
     )  # fmt: skip
 
 

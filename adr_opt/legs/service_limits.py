@@ -9,7 +9,7 @@ import numpy as np
 from ..common.constants import SLACK_S
 from ..common.records import Window
 from ..kernels.core.windows import service_ends
-from ..kernels.orbits.ephemeris import revolution
+from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
 from ..plan.tows import tows_of
@@ -30,7 +30,7 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     """
     mission, first = instance.mission, instance.first_target
     # Nothing is counted in the period of a body without an orbit.
-    periods = np.nan_to_num(np.array([revolution(row) for row in instance.orbits()]))
+    periods = np.nan_to_num(np.array([revolution_at(row, EPOCH_S) for row in instance.orbits()]))
     service = mission.refuel_revolutions * periods
     if mission.service_revolutions is not None:
         service[first:] = mission.service_revolutions * periods[first:]

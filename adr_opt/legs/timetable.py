@@ -94,7 +94,7 @@ class Timetable(Shown):
         There is not enough memory. Or a time value that is no number ≥ 0.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         instance: AnyInstance,
         threads: int | None = None,

@@ -85,7 +85,7 @@ def certify(  # noqa: PLR0913
     )  # fmt: skip
 
 
-def certify_routes(
+def certify_routes(  # noqa: PLR0913
     problem: Problem,
     method: str,
     routes: Iterable[Iterable[int | str]] | None,

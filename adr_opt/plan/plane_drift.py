@@ -6,6 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ..common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
+from ..kernels.orbits import elements
+from ..kernels.orbits.ephemeris import EPOCH_S
 from ..problem.instance import Instance
 from .plan import Plan
 
@@ -88,5 +90,6 @@ def _of_all_pairs(
 def _turn_m_s(instance: Instance) -> npt.NDArray[np.float64]:
     """What a radian of node is worth at each body, V sin i, shape (bodies,) [m/s]."""
     orbits = instance.orbits()
-    worth: npt.NDArray[np.float64] = np.sqrt(MU_M3_S2 / orbits[:, 0]) * np.sin(orbits[:, 1])
+    speed = np.sqrt(MU_M3_S2 / elements.radii(orbits, EPOCH_S))
+    worth: npt.NDArray[np.float64] = speed * np.sin(elements.inclinations(orbits, EPOCH_S))
     return worth

@@ -28,7 +28,9 @@ import numpy.typing as npt
 from ..common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ..kernels.legs.burns import half_ellipse_speeds
 from ..kernels.orbits import ephemeris
-from ..kernels.orbits.eccentricity import matchings
+from ..kernels.orbits.body_rows import as_left, with_orbit
+from ..kernels.orbits.ephemeris import EPOCH_S
+from ..kernels.orbits.matchings import matchings
 from ..problem.instance import Instance
 from ..problem.orbit import Orbit
 from .planes import Arcs, Plane, ahead, outward
@@ -95,19 +97,26 @@ def leaving_orbits(instance: Instance) -> FloatArray:
     """The bodies as they are left, shape (bodies, columns): as :meth:`Instance.orbits` says.
 
     Those that are towed are left from the disposal orbit. Where there are some, rows have one
-    column more, :data:`adr_opt.kernels.orbits.ephemeris.COASTING_RAAN_RATE`.
+    column more, see :func:`adr_opt.kernels.orbits.body_rows.as_left`.
     """
     rows, tows = instance.orbits(), tows_of(instance)
     if not tows:
         return rows
-    rows = np.column_stack([rows, rows[:, ephemeris.RAAN_RATE]])
+    rows = as_left(rows)
     for body, tow in tows.items():
         row = rows[body]
-        row[ephemeris.RADIUS], row[ephemeris.ECCENTRICITY] = tow.radius_m, 0.0
-        row[ephemeris.RAAN] += tow.shift_rad - row[ephemeris.RAAN_RATE] * tow.time_s
-        row[ephemeris.ARGUMENT_OF_LATITUDE] += math.pi - row[ephemeris.LATITUDE_RATE] * tow.time_s
-        row[ephemeris.COASTING_RAAN_RATE] = ephemeris.node_rate(
-            tow.radius_m, row[ephemeris.INCLINATION], instance.oblateness_m2
+        node, node_rate = ephemeris.node_tangent(row, EPOCH_S)
+        latitude, latitude_rate = ephemeris.latitude_tangent(row, EPOCH_S)
+        inclination = ephemeris.inclination_at(row, EPOCH_S)
+        rows[body] = with_orbit(
+            row,
+            radius_m=tow.radius_m,
+            node=node + (tow.shift_rad - node_rate * tow.time_s),
+            latitude=latitude + (math.pi - latitude_rate * tow.time_s),
+            eccentricity=0.0,
+            coasting_node_rate=ephemeris.node_rate(
+                tow.radius_m, inclination, instance.oblateness_m2
+            ),
         )
     return rows
 
@@ -115,9 +124,11 @@ def leaving_orbits(instance: Instance) -> FloatArray:
 def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
     """The disposal orbit of a chaser that has released an object at a time, and stays there."""
     row = leaving_orbits(instance)[instance.names.index(name)]
-    radius, inclination = float(row[ephemeris.RADIUS]), float(row[ephemeris.INCLINATION])
+    radius = float(ephemeris.radius_at(row, time_s))
+    inclination = float(ephemeris.inclination_at(row, time_s))
     latitude_rate = float(ephemeris.latitude_rate(radius, inclination, instance.oblateness_m2))
-    node = float(ephemeris.node_at(row, time_s)) - row[ephemeris.COASTING_RAAN_RATE] * time_s
+    coasting = float(ephemeris.coasting_node_rate_at(row, time_s))
+    node = float(ephemeris.node_at(row, time_s)) - coasting * time_s
     latitude = float(ephemeris.latitude_at(row, time_s)) - latitude_rate * time_s
     return Orbit(
         semi_major_axis_m=radius,
@@ -142,7 +153,7 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
         columns = rows.shape[1]
         for other in range(len(rows)):
             ends = np.array([leaving[body, :columns], rows[other]])
-            costs[body, other] = 0.0 if other == body else matchings(ends)[0, 1]
+            costs[body, other] = 0.0 if other == body else matchings(ends, EPOCH_S)[0, 1]
     return costs
 
 
@@ -155,7 +166,9 @@ def burn_vectors(orbit: FloatArray, tow: TowPath, start_s: float) -> tuple[Float
         Row of the object, :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     """
     latitude = float(ephemeris.latitude_at(orbit, start_s))
-    plane = Plane(float(orbit[ephemeris.INCLINATION]), float(ephemeris.node_at(orbit, start_s)))
+    plane = Plane(
+        float(ephemeris.inclination_at(orbit, start_s)), float(ephemeris.node_at(orbit, start_s))
+    )
     after = plane.carried(tow.shift_rad)
     return (
         -tow.burns_m_s[0] * ahead(plane, outward(plane, latitude)),

@@ -22,7 +22,8 @@ from ..common.errors import InputError
 from ..common.files import check_writable, parse_model, read_model, sentence, write_text
 from ..common.records import Window
 from ..kernels.legs.co_elliptic import TransferRule
-from ..kernels.orbits.eccentricity import matchings
+from ..kernels.orbits.ephemeris import EPOCH_S
+from ..kernels.orbits.matchings import matchings
 from .chasers import availability
 from .given import Given
 from .given_files import read_named, write_given
@@ -323,7 +324,7 @@ class Instance(Shown, InstanceFile):
         """
         if self.dynamics == "j2" or not self.is_approximate:
             return np.zeros((len(self.names), len(self.names)))
-        return np.asarray(matchings(self.orbits()))
+        return np.asarray(matchings(self.orbits(), EPOCH_S))
 
     def transfer_rule(self, time_value_m_s_per_h: float | None = None) -> TransferRule:
         """The transfer settings and zones as the kernels take them (radii, m/s per s).

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from ..common.constants import EARTH_RADIUS_M
 from ..common.records import Angle, Length, Record
-from ..kernels.orbits import ephemeris as kernels
+from ..kernels.orbits.ephemeris import body_row
 
 
 class Orbit(Record):
@@ -68,14 +68,12 @@ class Orbit(Record):
         (columns,) float
             :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
         """
-        radius, inclination, raan, latitude = self.circular_elements()
-        node, perigee, anomaly = kernels.secular_rates(
-            radius, self.eccentricity, inclination, oblateness_m2
+        return body_row(
+            *self.circular_elements(),
+            eccentricity=self.eccentricity,
+            perigee=math.radians(self.argument_of_perigee_deg),
+            oblateness_m2=oblateness_m2,
         )
-        return (
-            radius, inclination, raan, latitude, node, perigee + anomaly, self.eccentricity,
-            math.radians(self.argument_of_perigee_deg), perigee,
-        )  # fmt: skip
 
     def eccentricity_vector(self) -> npt.NDArray[np.float64]:
         """Inertial eccentricity vector, shape (3,)."""

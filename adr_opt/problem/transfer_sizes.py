@@ -17,7 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..common.constants import DAY_S, OBLATENESS_M2
-from ..kernels.orbits import ephemeris as kernels
+from ..kernels.orbits import elements
+from ..kernels.orbits.ephemeris import EPOCH_S
 from .orbit import Orbit
 from .settings import TransferSettings
 
@@ -141,9 +142,9 @@ def phase_period_s(orbits: Sequence[Orbit]) -> float | None:
     if len(orbits) < 2:
         return None
     rows = np.array([orbit.row(OBLATENESS_M2) for orbit in orbits])
-    inclination = rows[:, kernels.INCLINATION]
+    cosine = np.cos(elements.inclinations(rows, EPOCH_S))
     # The rate of the mean longitude, counted along the plane of the body.
-    rates = rows[:, kernels.LATITUDE_RATE] + np.cos(inclination) * rows[:, kernels.RAAN_RATE]
+    rates = elements.latitude_rates(rows, EPOCH_S) + cosine * elements.node_rates(rows, EPOCH_S)
     # Of large fields as many, evenly over all rates, as tell the median.
     rates = np.sort(rates)[:: 1 + len(orbits) // MOST_COMPARED]
     first, second = np.triu_indices(rates.size, 1)

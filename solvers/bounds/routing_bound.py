@@ -16,6 +16,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs import co_elliptic
+from adr_opt.kernels.orbits.ephemeris import EPOCH_S
 from adr_opt.kernels.rules.rules import Rules
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
@@ -66,7 +67,7 @@ def _least(j, departure, arrival, delta_v, rules):
 @kernel
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
     """The same in closed form, for sequences of whatever phase: less, and known at once."""
-    pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule)
+    pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule, EPOCH_S)
     approach = transfer_rule.approach_revolutions * TURN_RAD / pair.rate_j
     if pair.floor_delta_v > rules.budget:
         return math.inf, math.inf

@@ -15,6 +15,7 @@ from adr_opt.mission.result import Result
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
 from . import many_routes, one_route
+from .many_routes import Goals
 
 
 @dataclass(frozen=True)
@@ -54,11 +55,11 @@ def auto(
     problem = problem_of(problem)
     if problem.alone is not None:
         return one_route.plan(
-            "auto", problem.alone, seed=seed, stop=stop, progress=progress,
+            problem.alone, seed=seed, stop=stop, progress=progress,
             start=None if start is None else next(iter(start)), options=options,
             proves=options.prove, time_value_m_s_per_h=options.time_value_m_s_per_h,
         )  # fmt: skip
     return many_routes.plan(
         "auto", problem, seed=seed, stop=stop, progress=progress, start=start, options=options,
-        proves=options.prove,
+        goals=Goals(proves=options.prove),
     )  # fmt: skip

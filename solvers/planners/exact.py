@@ -81,7 +81,7 @@ def exact(
         return _one_route(problem.alone, seed, stop, progress, start, options)
     return many_routes.plan(
         "exact", problem, seed=seed, stop=stop, progress=progress, start=start, options=options,
-        until_done=True, cost=options.cost,
+        goals=many_routes.Goals(until_done=True, cost=options.cost),
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -52,6 +53,29 @@ LAST_FOR_COST = 0.1
 EXCHANGES = 30
 """Of targets, for each one that is serviced, by which the plan is made cheaper; also in each round
 where planes drift, so that routes are more than a way through a cloud."""
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What planning by rounds is asked for.
+
+    Attributes
+    ----------
+    proves : bool
+        Whether to work on the bound.
+    until_done : bool
+        End when the proof can do no more.
+    cost : bool
+        Go on to the least cost of plans that collect as much, once the prizes are proven, with the
+        plan made cheaper first.
+    prizes_alone : bool
+        The plan need not be cheap: no time is kept for that.
+    """
+
+    proves: bool = True
+    until_done: bool = False
+    cost: bool = False
+    prizes_alone: bool = False
 
 
 class _Prover(ConcurrentProof[ColumnProof]):
@@ -161,10 +185,7 @@ def plan(
     progress: Progress,
     start: Iterable[Iterable[int]] | None = None,
     options: ProofOptions,
-    proves: bool = True,
-    until_done: bool = False,
-    cost: bool = False,
-    prizes_alone: bool = False,
+    goals: Goals,
 ) -> Result:
     """The best plan that the time allows, and a proof where one is found.
 
@@ -182,52 +203,44 @@ def plan(
         Whose result it is.
     start : sequence of sequences of int, optional
         Routes to begin from.
-    proves : bool
-        Whether to work on the bound.
-    until_done : bool
-        End when the proof can do no more.
-    cost : bool
-        Go on to the least cost of plans that collect as much, once the prizes are proven, with the
-        plan made cheaper first.
-    prizes_alone : bool
-        The plan need not be cheap: no time is kept for that.
+    goals : Goals
     """
     began = time.perf_counter()
     certificate, pool = GapTracker(problem, progress), RoutePool(problem)
-    asks_for_cost = problem.instance.objective.asks_for_more and not prizes_alone
+    asks_for_cost = problem.instance.objective.asks_for_more and not goals.prizes_alone
     within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
     search = _Search(problem, seed, within, certificate, pool)
     prover, scale = None, 1
-    if proves and fits_memory(problem):
+    if goals.proves and fits_memory(problem):
         scale = max(1, round(sweep_s(problem) / USUAL_SWEEP_S))
         prover = _Prover(problem, certificate, pool, seed, within, options)
     search.begin(None if start is None else tuple(map(tuple, start)), scale)
     lacking = lacks_plan(problem, certificate)
     rounds = 0
     infeasible = lacking and settle(problem, certificate, pool, stop)
-    if proves and prover is None:
+    if goals.proves and prover is None:
         certificate.lower(floor_bound(problem))
     if not infeasible:
         rounds = run(
             certificate, search, prover, stop=stop, within=within, cores=options.cores,
-            until_done=until_done,
+            until_done=goals.until_done,
         )  # fmt: skip
-    if proves and problem.limits and not (lacking or certificate.proven):
+    if goals.proves and problem.limits and not (lacking or certificate.proven):
         settle(problem, certificate, pool, stop)
         search.routes.pack(PACKING_S)
-    if asks_for_cost or (cost and certificate.proven):
-        search.exchange(ShareOfTime(stop, FOR_COST) if cost else stop)
+    if asks_for_cost or (goals.cost and certificate.proven):
+        search.exchange(ShareOfTime(stop, FOR_COST) if goals.cost else stop)
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
     cost_bound = None
-    if cost and certificate.proven and certificate.routes is not None:
+    if goals.cost and certificate.proven and certificate.routes is not None:
         if problem.instance.objective.cost == "duration":
             cost_bound, counted = prove_end(
                 problem, certificate, stop,
                 lambda sooner, within: plan(
                     method, sooner, seed=seed, stop=within, progress=silent, options=options,
-                    until_done=True, prizes_alone=True,
+                    goals=Goals(until_done=True, prizes_alone=True),
                 ),
                 lambda found: certificate.offer(*found.routes),
             )  # fmt: skip

@@ -299,7 +299,6 @@ def _one_after_another(first: Task | None, then: Task) -> Task:
 
 
 def plan(
-    method: str,
     mission: Mission,
     *,
     seed: int,
@@ -321,8 +320,6 @@ def plan(
 
     Parameters
     ----------
-    method : str
-        Whose result it is.
     start : sequence of int, optional
         A plan to begin from: bodies in order.
     proves : bool
@@ -346,7 +343,7 @@ def plan(
     problem = Problem.of(mission)
     return certify_routes(
         problem,
-        method,
+        "auto",
         certificate.routes,
         seed=seed,
         runtime_s=time.perf_counter() - began,

@@ -169,7 +169,7 @@ def chain(
             )  # fmt: skip
             made += settings.chunk
             if best is None or found < best.expense:
-                best = Tour(*better, found)
+                best = Tour(better.order, better.begins, better.at, found)
                 if tell is not None:
                     tell(share, best)
     assert best is not None

@@ -18,13 +18,15 @@ with the mass of an empty chaser, the first level. In the place of walks there a
 them, whose masses are right in the mean.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 
 from .costs import FAR, FORBIDDEN
+
+Real = np.floating[Any] | float
 
 
 class MassCosts(NamedTuple):
@@ -44,9 +46,9 @@ class MassCosts(NamedTuple):
 
     growth: np.ndarray
     level: np.ndarray
-    per_kg: float
-    fixed: float
-    kit: float
+    per_kg: Real
+    fixed: Real
+    kit: Real
 
 
 class Memories(NamedTuple):

@@ -30,7 +30,8 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.windows import service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.legs.fixed_points import BAND_S
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import elements
+from adr_opt.kernels.orbits.ephemeris import EPOCH_S, inclination_at, planes_drift, radius_at
 from adr_opt.mission.evidence import Evidence, Floors
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
@@ -215,28 +216,29 @@ def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     """
     leaving, arriving, _, rule = mission.transfer_inputs
     settings, service = mission.instance.transfer, mission.rules.service
-    drifts = rule.oblateness != 0.0
+    drifts = planes_drift(rule.oblateness)
     strength = 1.5 * rule.oblateness
-    widening = strength * (4.0 * np.cos(leaving[:, ephemeris.INCLINATION]) ** 2 - 1.0)
+    widening = strength * (4.0 * np.cos(elements.inclinations(leaving, EPOCH_S)) ** 2 - 1.0)
+    radii = elements.radii(leaving, EPOCH_S)
     flown = _flights(
-        float(leaving[:, ephemeris.RADIUS].min()), float(widening.max()), arriving, strength,
+        float(radii.min()), float(widening.max()), arriving, strength,
         rule.first_leg_fraction, rule.min_radius,
     )  # fmt: skip
-    laps = 2.0 * math.pi / arriving[:, ephemeris.LATITUDE_RATE]
+    laps = 2.0 * math.pi / elements.latitude_rates(arriving, EPOCH_S)
     flown += rule.approach_revolutions * laps - SLACK_S - drifts * BAND_S
     if drifts:
         if settings.max_drift_s > 0.0:
             flown = np.minimum(flown, settings.drift_step_s)
         return flown + service, np.zeros_like(flown)
-    approach = 0.5 * rule.standoff * np.sqrt(MU_M3_S2 / arriving[:, ephemeris.RADIUS] ** 3)
-    slowest = rule.max_radius + leaving[:, ephemeris.RADIUS]
-    slowest = np.sqrt(2.0 * MU_M3_S2 * leaving[:, ephemeris.RADIUS] / (rule.max_radius * slowest))
+    cubes = elements.radii(arriving, EPOCH_S) ** 3
+    approach = 0.5 * rule.standoff * np.sqrt(MU_M3_S2 / cubes)
+    slowest = np.sqrt(2.0 * MU_M3_S2 * radii / (rule.max_radius * (rule.max_radius + radii)))
     return flown + service, approach + _turns(_normals(leaving), _normals(arriving), slowest)
 
 
 def _normals(bodies: np.ndarray) -> np.ndarray:
     """Unit vectors across the planes of bodies, shape (bodies, 3)."""
-    inclination, node = bodies[:, ephemeris.INCLINATION], bodies[:, ephemeris.RAAN]
+    inclination, node = elements.inclinations(bodies, EPOCH_S), elements.nodes(bodies, EPOCH_S)
     return np.stack(
         [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
          np.cos(inclination)], axis=1
@@ -248,10 +250,11 @@ def _flights(radius_i, widening_i, arriving, strength, fraction, least):
     """Least flight times to each body, without the approach [s]."""
     flown = np.empty(arriving.shape[0])
     for j in range(flown.size):
-        cosine = math.cos(arriving[j, ephemeris.INCLINATION])
+        body = arriving[j]
+        cosine = math.cos(inclination_at(body, EPOCH_S))
         widening_j = strength * (4.0 * cosine * cosine - 1.0)
         flown[j] = co_elliptic.flight_time(
-            radius_i, arriving[j, ephemeris.RADIUS], widening_i, widening_j, fraction, least
+            radius_i, radius_at(body, EPOCH_S), widening_i, widening_j, fraction, least
         )[0]
     return flown
 

@@ -24,7 +24,7 @@ from adr_opt.analysis import Replanned, price, replan
 from adr_opt.analysis.state import states_at
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Leg, Plan
@@ -123,7 +123,7 @@ def as_enumerated(instance: Instance) -> Field:
     }
     service = instance.mission.service_revolutions
     stays = {
-        target.name: service * ephemeris.revolution(instance.orbits()[number[target.name]])
+        target.name: service * ephemeris.revolution_at(instance.orbits()[number[target.name]], 0.0)
         + tows.get(target.name, (0.0,))[0]
         for target in instance.targets
     }
@@ -229,7 +229,7 @@ def test_after_the_last_tow_a_chaser_is_on_the_disposal_orbit(dynamics: str) -> 
     for angle in (ephemeris.node_at, ephemeris.latitude_at):
         off = math.remainder(angle(row, end.end_s) - angle(left, end.end_s), 2.0 * math.pi)
         assert abs(off) < 1e-9
-    assert row[ephemeris.RADIUS] == left[ephemeris.RADIUS]
+    assert row[columns.RADIUS] == left[columns.RADIUS]
     assert adr_opt.check(made.instance, made.plan) == ()
     assert made.prize_after > 0.0
     assert "waits" in made.notes[0]

@@ -64,7 +64,7 @@ def test_no_leg_of_a_cell_is_cheaper_than_its_bound(field):
     near = 0
     for _ in range(400):
         i, j = random.choice(len(rows), 2, replace=False)
-        pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2)
+        pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2, 0.0)
         width, longest = random.uniform(0.2, 5.0) * DAY_S, random.uniform(0.2, 25.0) * DAY_S
         begin = random.uniform(23467.0, 26400.0) * DAY_S
         bound = cells.least_cost(pair, begin, begin + width, longest)
@@ -119,7 +119,7 @@ def test_the_estimate_with_a_phase_is_near_the_flight(close, leg):
     """A leg of four days costs within a tenth of what the estimate with a phase says, or less."""
     rows = read_debris(close)
     one, other, found = leg
-    pair = drift.prepare(rows[0], rows[1], *LIMITS_M, OBLATENESS_M2)
+    pair = drift.prepare(rows[0], rows[1], *LIMITS_M, OBLATENESS_M2, 0.0)
     times = 23600.0 * DAY_S, 23604.0 * DAY_S
     phased = phased_cost(pair, latitude_of(one), latitude_of(other), *times)
     assert phased >= drift.delta_v(pair, *times) - 1e-9

@@ -38,7 +38,7 @@ def next_leg(
     i, j = instance.names.index(origin), instance.names.index(destination)
     bodies, rule = instance.orbits(), instance.transfer_rule()
     extra = float(instance.eccentricity_delta_v()[i, j])
-    pair = co_elliptic.prepare(bodies[i], bodies[j], extra, rule)
+    pair = co_elliptic.prepare(bodies[i], bodies[j], extra, rule, 0.0)
     first, half_turns = co_elliptic.first_departure(pair)
     event = max(0, math.ceil((ready_s - first) * pair.rate_i / math.pi))
     departure = first + event * math.pi / pair.rate_i

@@ -1,4 +1,4 @@
-"""What rooms keep to themselves: how a timetable is kept, and what kernels stand on."""
+"""What rooms keep to themselves: timetables, the columns of a body, and what kernels stand on."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from adr_opt.kernels.orbits import columns
 from adr_opt.kernels.tables.stacked_timetables import PackedColumn
 from adr_opt.kernels.tables.timetable import Table
 
@@ -73,15 +74,78 @@ def test_the_modules_themselves_are_full_of_it() -> None:
     assert used == OWN
 
 
+def module_of(node: ast.ImportFrom, package: str) -> str:
+    """The whole name of the module that a statement in a package imports from."""
+    parts = package.split(".")
+    above = parts[: len(parts) + 1 - node.level] if node.level else []
+    return ".".join([*above, *([node.module] if node.module else [])])
+
+
+EPHEMERIS = ROOT / "adr_opt/kernels/orbits"
+"""The room that knows how a row holds the orbit of a body."""
+
+ELEMENTS = {name for name in vars(columns) if name.isupper()} - {"ORBIT_COLUMNS"}
+"""The names of the columns."""
+
+
+def columns_named(source: str, package: str) -> Iterator[str]:
+    """Every use of a column of a body by its name, or by its number in the rows of an instance."""
+    tree, rooms = ast.parse(source), {"ephemeris", "columns"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            module = module_of(node, package)
+            if module.startswith("adr_opt.kernels.orbits"):
+                names = {alias.name for alias in node.names}
+                rooms |= {alias.asname or alias.name for alias in node.names}
+                if module.endswith(".columns") or names & {*ELEMENTS, "columns"}:
+                    yield f"line {node.lineno}: {ast.unparse(node)}"
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr in ELEMENTS:
+            holder = getattr(node.value, "attr", None) or getattr(node.value, "id", None)
+            if holder in rooms:
+                yield f"line {node.lineno}: {ast.unparse(node)}"
+        elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Tuple):
+            made = node.value.func if isinstance(node.value, ast.Call) else None
+            if isinstance(made, ast.Attribute) and made.attr == "orbits":
+                yield f"line {node.lineno}: {ast.unparse(node)}"
+
+
+def test_only_the_ephemeris_knows_the_columns_of_a_body() -> None:
+    """Elements and rates come from accessors with a time; outside their room no column is named."""
+    found = [
+        f"{path.relative_to(ROOT)}, {where}"
+        for room in ("adr_opt", "solvers")
+        for path in sorted((ROOT / room).rglob("*.py"))
+        if path.parent != EPHEMERIS
+        for where in columns_named(path.read_text(), ".".join(path.parent.relative_to(ROOT).parts))
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from ..orbits.columns import RADIUS",
+        "from ..orbits import columns",
+        "from ..orbits.ephemeris import node_at, RAAN_RATE",
+        "import adr_opt\nadr_opt.kernels.orbits.columns.RAAN",
+        "rate = orbit[ephemeris.RAAN_RATE]",
+        "from ..orbits import ephemeris as bodies\nrate = rows[:, bodies.LATITUDE_RATE]",
+        "lowest = instance.orbits()[:, 0].min()",
+    ],
+)
+def test_a_named_column_is_seen(line: str) -> None:
+    """The search above finds columns under every name that a module may give them."""
+    assert len(list(columns_named(line, "adr_opt.kernels.legs"))) == 1
+
+
 def imported(source: str, package: str) -> Iterator[str]:
     """Modules that one in a package imports, by their whole names."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            parts = package.split(".")
-            above = parts[: len(parts) + 1 - node.level] if node.level else []
-            yield ".".join([*above, *([node.module] if node.module else [])])
+            yield module_of(node, package)
 
 
 def may_be_imported(module: str) -> bool:

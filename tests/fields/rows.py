@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from adr_opt.common.constants import EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.kernels.legs import co_elliptic
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns
+from adr_opt.kernels.orbits.ephemeris import body_row
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,10 +30,11 @@ def row(
     perigee: float = 0.0,
 ) -> FloatArray:
     """A body: metres and radians, with the rates that it has at an oblateness J2 R² [m²]."""
-    node, turning, anomaly = ephemeris.secular_rates(radius, eccentricity, inclination, oblateness)
     return np.array(
-        [radius, inclination, raan, latitude, node, turning + anomaly, eccentricity, perigee,
-         turning]
+        body_row(
+            radius, inclination, raan, latitude,
+            eccentricity=eccentricity, perigee=perigee, oblateness_m2=oblateness,
+        )
     )  # fmt: skip
 
 
@@ -47,13 +49,13 @@ def changed(
 ) -> FloatArray:
     """A body beside another one, by so much; the inclination stays between 0 and π."""
     return row(
-        orbit[ephemeris.RADIUS] + radius,
-        min(math.pi, max(0.0, orbit[ephemeris.INCLINATION] + inclination)),
-        orbit[ephemeris.RAAN] + raan,
-        orbit[ephemeris.ARGUMENT_OF_LATITUDE] + latitude,
+        orbit[columns.RADIUS] + radius,
+        min(math.pi, max(0.0, orbit[columns.INCLINATION] + inclination)),
+        orbit[columns.RAAN] + raan,
+        orbit[columns.ARGUMENT_OF_LATITUDE] + latitude,
         oblateness=oblateness,
-        eccentricity=orbit[ephemeris.ECCENTRICITY],
-        perigee=orbit[ephemeris.PERIGEE],
+        eccentricity=orbit[columns.ECCENTRICITY],
+        perigee=orbit[columns.PERIGEE],
     )
 
 

@@ -11,7 +11,7 @@ from drifting_plans import DAY_S, drifting_instance, drifting_plan
 
 from adr_opt.fly.trajectory import body_states, sample
 from adr_opt.fly.trajectory.sampling import LONG_STEP_S, STEP_S, Arc, LegPath
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 
 DOCKED = ("wait", "service")
 
@@ -88,15 +88,13 @@ def test_legs_meet_their_targets(eccentricity: float) -> None:
     for path, arc in approaches:
         row = rows[path.leg.destination]
         behind = row.copy()
-        behind[ephemeris.ARGUMENT_OF_LATITUDE] -= (
-            instance.transfer.standoff_m / row[ephemeris.RADIUS]
-        )
-        goal, velocity = ephemeris.state(behind, arc.start_s)
+        behind[columns.ARGUMENT_OF_LATITUDE] -= instance.transfer.standoff_m / row[columns.RADIUS]
+        goal, velocity = ephemeris.state_at(behind, arc.start_s)
         assert np.linalg.norm(arc.positions_m[0] - goal) < 1.0
         terminal = next(arc for arc in path.arcs if arc.phase == "terminal")
         assert np.linalg.norm(terminal.positions_m[-1] - goal) < 1.0
         assert np.linalg.norm(arc.velocities_m_s[0] - velocity) < 1.0  # its first impulse
-        docked = ephemeris.state(row, arc.end_s)[0]
+        docked = ephemeris.state_at(row, arc.end_s)[0]
         assert np.linalg.norm(arc.positions_m[-1] - docked) < 1.0
 
 
@@ -157,7 +155,7 @@ def test_bodies_drift() -> None:
     for name, row in zip(instance.names, instance.orbits(), strict=True):
         positions, velocities = body_states(instance, name, times)
         for time, r, v in zip(times, positions, velocities, strict=True):
-            r_0, v_0 = ephemeris.state(row, time)
+            r_0, v_0 = ephemeris.state_at(row, time)
             assert np.linalg.norm(r - r_0) < 1e-3
             assert np.linalg.norm(v - v_0) < 1e-6
 

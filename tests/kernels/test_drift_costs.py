@@ -12,7 +12,9 @@ from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.drift import drift_cost
 from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_laps, drift_pair
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.legs.short_transfers import Shorts
+from adr_opt.kernels.legs.wanted import Times
+from adr_opt.kernels.orbits import columns, ephemeris
 
 CASES = 1500
 NO_ZONES = np.empty((0, 4))
@@ -49,7 +51,7 @@ def judged(
     first: FloatArray, second: FloatArray, departure: float, arrival: float
 ) -> tuple[float, float]:
     """What the judge finds: ΔV, and how much of it eccentricity adds [m/s]."""
-    left = np.append(first, first[ephemeris.RAAN_RATE])
+    left = np.append(first, first[columns.RAAN_RATE])
     return drift_cost(left, second, RULE, departure, arrival)
 
 
@@ -60,7 +62,7 @@ def test_the_judge_finds_the_same_optimum():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.7, 2.8) * DAY_S
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         found = drift.delta_v(pair, departure, departure + span)
         expected, shape = judged(first, second, departure, departure + span)
         if min(found, expected) > DEAREST_M_S:
@@ -88,9 +90,9 @@ def test_the_judge_agrees_about_tips():
             for _ in range(2)
         )  # fmt: skip
         arrival = 10 ** rng.uniform(0.0, 1.0) * DAY_S
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         found = float(drift.delta_v(pair, 0.0, arrival))
-        left = np.append(first, ephemeris.coasting_node_rate(first))
+        left = np.append(first, ephemeris.coasting_node_rate_at(first, 0.0))
         wanted, _ = drift_cost(left, second, RULE, 0.0, arrival)
         if wanted < DEAREST_M_S:
             assert found == pytest.approx(wanted, abs=ACCURATE_M_S), (first, second, arrival)
@@ -103,9 +105,9 @@ def test_steps_do_not_go_to_and_fro_about_a_tip():
     ends = [instance.names.index(name) for name in ("station", "debris-001")]
     first, second = (np.array(instance.body_orbits[at].row(OBLATENESS_M2)) for at in ends)
     departure, arrival = 14.0 * DAY_S, 18.0 * DAY_S
-    split = drift.best_split(drift_pair.prepare(first, second, rule), departure, arrival)
+    split = drift.best_split(drift_pair.prepare(first, second, rule, 0.0), departure, arrival)
     assert abs(split.climb) < 1.0
-    left = np.append(first, ephemeris.coasting_node_rate(first))
+    left = np.append(first, ephemeris.coasting_node_rate_at(first, 0.0))
     wanted, _ = drift_cost(left, second, rule, departure, arrival)
     assert split.delta_v == pytest.approx(wanted, abs=ACCURATE_M_S)
 
@@ -115,7 +117,7 @@ def test_the_optimum_at_a_tip_is_found_from_afar():
     departure, span = 49.742 * DAY_S, 198.409 * DAY_S
     first = row(7512531.512, 1.24, -2.505357150, 4.820490584, oblateness=OBLATENESS_M2)
     second = row(7524616.243, 1.24, -2.517625281, 5.747949683, oblateness=OBLATENESS_M2)
-    found = drift.delta_v(drift_pair.prepare(first, second, RULE), departure, departure + span)
+    found = drift.delta_v(drift_pair.prepare(first, second, RULE, 0.0), departure, departure + span)
     expected, _ = judged(first, second, departure, departure + span)
     assert found == pytest.approx(expected, abs=ACCURATE_M_S)
     assert found < 6.0
@@ -127,7 +129,7 @@ def test_the_target_is_met_after_whole_laps():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.3, 2.8) * DAY_S
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         split = drift.best_split(pair, departure, departure + span)
         if not math.isfinite(split.delta_v):
             continue
@@ -145,7 +147,7 @@ def test_free_phase_costs_no_more_than_whole_laps():
     for _ in range(CASES):
         first, second = drawn(rng)
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10 ** rng.uniform(-0.7, 2.8) * DAY_S
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         leg = drift_pair.task(pair, departure, departure + span)
         free = drift_free.free_phase(pair, leg, *drift_free.first_guess(pair, leg))
         found = drift_laps.split(pair, leg, free).delta_v
@@ -159,7 +161,7 @@ def test_nothing_costs_less_than_radius_and_inclination():
     for _ in range(CASES):
         first, second = drawn(rng)
         span, arrival = 10 ** rng.uniform(-1.0, 3.0) * DAY_S, rng.uniform(0.0, 1e8)
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         leg = drift_pair.task(pair, arrival - span, arrival)
         least = math.hypot(math.hypot(pair.climb, pair.linear.tilt), 2.0 * leg.shape)
         assert drift.delta_v(pair, arrival - span, arrival) >= least - 1e-9
@@ -194,8 +196,8 @@ def test_what_is_listed_is_what_nothing_else_dominates():
     kept_short = left_short = kept_long = 0
     for _ in range(150):
         first, second = drawn(rng)
-        second[ephemeris.RAAN] = first[ephemeris.RAAN] + rng.normal() * 0.1
-        pair = drift_pair.prepare(first, second, RULE)
+        second[columns.RAAN] = first[columns.RAAN] + rng.normal() * 0.1
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         step, duration = rng.uniform(0.5, 4.0) * DAY_S, rng.uniform(20.0, 90.0) * DAY_S
         longest, resolution = rng.uniform(0.2, 1.2) * duration, float(rng.choice([0.0, 0.1, 5.0]))
         every = grid_of(pair, step, longest, duration)
@@ -204,8 +206,9 @@ def test_what_is_listed_is_what_nothing_else_dominates():
         shorts = short_ones(rng, duration, 0.5 * most, most)
         kept = np.empty(len(shorts), np.bool_)
         begins, ends, costs = drift_grid.of_pair(
-            pair, NO_ZONES, step, longest, duration, most, resolution, *shorts.T.copy(), kept
-        )
+            pair, NO_ZONES, Times(0.0, step, longest, most), duration, resolution,
+            Shorts(*shorts.T.copy(), np.zeros(len(shorts), np.int8)), kept,
+        )  # fmt: skip
         assert np.all(np.diff(begins * 100000 + ends) > 0)
         long = np.column_stack([begins * step, ends * step, costs])
         listed = np.concatenate([long, shorts[kept]])
@@ -242,17 +245,17 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
     """What is listed beside a zone is what no zone touches that is closed meanwhile."""
     rng = np.random.default_rng(7)
     forbidden = allowed = 0
-    none = np.empty(0)
+    duration = 40.0 * DAY_S
+    times, none = Times(0.0, DAY_S, duration, 1e9), Shorts(*np.empty((3, 0)), np.empty(0, np.int8))
     for _ in range(60):
         first, second = drawn(rng)
-        pair = drift_pair.prepare(first, second, RULE)
+        pair = drift_pair.prepare(first, second, RULE, 0.0)
         low = EARTH_RADIUS_M + rng.uniform(300e3, 1900e3)
         opens = rng.uniform(0.0, 40.0) * DAY_S
         zones = np.array([[low, low + 20e3, opens, opens + rng.uniform(0.0, 10.0) * DAY_S]])
         begins, ends, _ = drift_grid.of_pair(
-            pair, zones, DAY_S, 40.0 * DAY_S, 40.0 * DAY_S, 1e9, 0.0, none, none, none,
-            np.empty(0, np.bool_),
-        )  # fmt: skip
+            pair, zones, times, duration, 0.0, none, np.empty(0, np.bool_)
+        )
         for begin, end in zip(begins * DAY_S, ends * DAY_S, strict=True):
             touches = zones[0, 2] <= end and begin <= zones[0, 3]
             climb = drift.best_split(pair, begin, end).climb
@@ -262,9 +265,8 @@ def test_zones_that_are_closed_anywhere_near_forbid_a_drift():
             assert not (touches and crosses), (first, second, zones, begin, end)
             allowed += 1
         free, _, _ = drift_grid.of_pair(
-            pair, NO_ZONES, DAY_S, 40.0 * DAY_S, 40.0 * DAY_S, 1e9, 0.0, none, none, none,
-            np.empty(0, np.bool_),
-        )  # fmt: skip
+            pair, NO_ZONES, times, duration, 0.0, none, np.empty(0, np.bool_)
+        )
         forbidden += free.size > begins.size
     assert allowed > 1000
     assert forbidden > 10

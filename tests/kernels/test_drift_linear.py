@@ -10,7 +10,7 @@ from rows import HIGHEST_M, LOWEST_M, FloatArray, row
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.legs import drift_linear as drift
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns
 
 CASES = 4000
 
@@ -36,7 +36,7 @@ def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArra
 
 
 def prepared(first: FloatArray, second: FloatArray) -> drift.LinearPair:
-    return drift.prepare(first, second, LOWEST_M, HIGHEST_M, OBLATENESS_M2)
+    return drift.prepare(first, second, LOWEST_M, HIGHEST_M, OBLATENESS_M2, 0.0)
 
 
 def by_matrices(
@@ -47,21 +47,21 @@ def by_matrices(
     The least squares over b_x and b_z alone where b_y is at a limit.
     """
     span = arrival - departure
-    ri, rj = first[ephemeris.RADIUS], second[ephemeris.RADIUS]
+    ri, rj = first[columns.RADIUS], second[columns.RADIUS]
     radius = 0.5 * (ri + rj)
-    tilt = second[ephemeris.INCLINATION] - first[ephemeris.INCLINATION]
-    inclination = first[ephemeris.INCLINATION] + 0.5 * tilt
+    tilt = second[columns.INCLINATION] - first[columns.INCLINATION]
+    inclination = first[columns.INCLINATION] + 0.5 * tilt
     speed = math.sqrt(MU_M3_S2 / radius)
     nodes, perigees = (
         [b[at] + b[rate] * arrival for b in (first, second)]
         for at, rate in (
-            (ephemeris.RAAN, ephemeris.RAAN_RATE),
-            (ephemeris.PERIGEE, ephemeris.PERIGEE_RATE),
+            (columns.RAAN, columns.RAAN_RATE),
+            (columns.PERIGEE, columns.PERIGEE_RATE),
         )
     )
     lag = math.remainder(nodes[1] - nodes[0], 2.0 * math.pi)
     v = speed * np.array([lag * math.sin(inclination), (rj - ri) / (2.0 * radius), tilt])
-    rate = 0.5 * (first[ephemeris.RAAN_RATE] + second[ephemeris.RAAN_RATE])
+    rate = 0.5 * (first[columns.RAAN_RATE] + second[columns.RAAN_RATE])
     m = 7.0 * rate * math.sin(inclination) * span
     per_cosine = -1.5 * OBLATENESS_M2 / radius**2 * math.sqrt(MU_M3_S2 / radius**3)
     if abs(math.cos(inclination)) > 1e-3:
@@ -76,8 +76,8 @@ def by_matrices(
         wanted -= every[:, 1] * b1[1]
         b1[[0, 2]] = np.linalg.lstsq(every[:, [0, 2]], wanted, rcond=None)[0]
     chord = abs(
-        second[ephemeris.ECCENTRICITY] * np.exp(1j * perigees[1])
-        - first[ephemeris.ECCENTRICITY] * np.exp(1j * perigees[0])
+        second[columns.ECCENTRICITY] * np.exp(1j * perigees[1])
+        - first[columns.ECCENTRICITY] * np.exp(1j * perigees[0])
     )
     return v, matrix, b1, 0.25 * speed * float(chord)
 
@@ -191,8 +191,8 @@ def test_a_retrograde_drift_is_the_mirror_image_of_a_prograde_one():
         mirrored = []
         for orbit in (first, second):
             shape = {
-                "eccentricity": orbit[ephemeris.ECCENTRICITY],
-                "perigee": orbit[ephemeris.PERIGEE],
+                "eccentricity": orbit[columns.ECCENTRICITY],
+                "perigee": orbit[columns.PERIGEE],
             }
             mirrored.append(
                 row(orbit[0], math.pi - orbit[1], -orbit[2], 0.0, oblateness=OBLATENESS_M2, **shape)

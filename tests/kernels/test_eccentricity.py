@@ -17,7 +17,8 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.eccentric import StatedSequence, matching_cost
 from adr_opt.kernels.legs import co_elliptic, precession
-from adr_opt.kernels.orbits import eccentricity, ephemeris
+from adr_opt.kernels.orbits import columns, eccentricity, ephemeris
+from adr_opt.kernels.orbits.matchings import matchings
 from adr_opt.problem.orbit import Orbit
 from adr_opt.sources.catalogue import MissionOutline
 
@@ -51,7 +52,7 @@ def drawn(rng: np.random.Generator, most: float, spread: float = 2.0) -> Orbit:
 def pair_of(first: Orbit, second: Orbit, oblateness: float = 0.0) -> co_elliptic.Pair:
     bodies = np.array([first.row(oblateness), second.row(oblateness)])
     law = rows.rule()._replace(oblateness=oblateness)
-    return co_elliptic.prepare(bodies[0], bodies[1], eccentricity.matchings(bodies)[0, 1], law)
+    return co_elliptic.prepare(bodies[0], bodies[1], matchings(bodies, 0.0)[0, 1], law, 0.0)
 
 
 def test_a_leg_costs_no_less_than_its_sequence_and_than_its_ends_ask_for() -> None:
@@ -114,11 +115,10 @@ def test_matching_costs_the_same_there_and_back_and_from_any_node() -> None:
         for _ in range(100):
             ends = [drawn(rng, 0.02, spread) for _ in range(2)]
             bodies = np.array([end.row(0.0) for end in ends])
-            costs = eccentricity.matchings(bodies)
+            costs = matchings(bodies, 0.0)
             assert costs[0, 1] == costs[1, 0]
             normals = [
-                ephemeris.frame(body[ephemeris.INCLINATION], body[ephemeris.RAAN])[2]
-                for body in bodies
+                ephemeris.frame(body[columns.INCLINATION], body[columns.RAAN])[2] for body in bodies
             ]
             cross = np.cross(normals[1], normals[0])
             sine, cosine = float(np.linalg.norm(cross)), float(normals[0] @ normals[1])

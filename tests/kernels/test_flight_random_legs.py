@@ -111,7 +111,7 @@ def draw(rng, opposite=False):
 
 def flown(orbit_i, orbit_j, rule, ready):
     """Choose the sequence of the first event after a time and fly it; None if there is none."""
-    pair = co_elliptic.prepare(orbit_i, orbit_j, 0.0, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, 0.0, rule, 0.0)
     first, half_turns = co_elliptic.first_departure(pair)
     half_period = math.pi / pair.rate_i
     event = max(0, math.ceil((ready - first) / half_period))

@@ -36,7 +36,7 @@ def random_pairs(highest_m: float, count: int):
         if number % 5 == 0:
             beside = node
         orbits = row(radius, inclination, node, latitude), row(other, inclination, beside, ahead)
-        yield co_elliptic.prepare(orbits[0], orbits[1], 2.0, rule), rule, rng
+        yield co_elliptic.prepare(orbits[0], orbits[1], 2.0, rule, 0.0), rule, rng
 
 
 @pytest.mark.parametrize(

@@ -22,12 +22,13 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
-from adr_opt.kernels.orbits import ephemeris as orbits
+from adr_opt.kernels.legs.wanted import Times
+from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S
-NO_DRIFT = drifting_connections.Times(0.0, DAY_S, 0.0, 1e9)
+NO_DRIFT = Times(0.0, DAY_S, 0.0, 1e9)
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +41,13 @@ def heights(i: FloatArray, j: FloatArray, times: FloatArray) -> FloatArray:
     """How far the chaser is above the plane of the target, in sines."""
     (u, node), (_, other) = (
         (
-            orbit[orbits.ARGUMENT_OF_LATITUDE] + orbit[orbits.LATITUDE_RATE] * times,
-            orbit[orbits.RAAN] + orbit[orbits.RAAN_RATE] * times,
+            orbit[columns.ARGUMENT_OF_LATITUDE] + orbit[columns.LATITUDE_RATE] * times,
+            orbit[columns.RAAN] + orbit[columns.RAAN_RATE] * times,
         )
         for orbit in (i, j)
     )
-    ci, si = math.cos(i[orbits.INCLINATION]), math.sin(i[orbits.INCLINATION])
-    cj, sj = math.cos(j[orbits.INCLINATION]), math.sin(j[orbits.INCLINATION])
+    ci, si = math.cos(i[columns.INCLINATION]), math.sin(i[columns.INCLINATION])
+    cj, sj = math.cos(j[columns.INCLINATION]), math.sin(j[columns.INCLINATION])
     d = other - node
     found: FloatArray = np.cos(u) * sj * np.sin(d) + np.sin(u) * (si * cj - ci * sj * np.cos(d))
     return found
@@ -54,7 +55,7 @@ def heights(i: FloatArray, j: FloatArray, times: FloatArray) -> FloatArray:
 
 def crossings(i: FloatArray, j: FloatArray, duration: float) -> FloatArray:
     """When the chaser crosses the plane of the target, by sampling and bisection [s]."""
-    step = math.pi / i[orbits.LATITUDE_RATE] / 40.0
+    step = math.pi / i[columns.LATITUDE_RATE] / 40.0
     times = np.arange(0.0, duration + step, step)
     sign = heights(i, j, times) > 0.0
     at = np.flatnonzero(sign[1:] != sign[:-1])
@@ -78,11 +79,11 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
     for apart in (0.3, -0.02, 0.001):
         first = drawn(rng, inclination_deg, 40.0)
         second = drawn(rng, inclination_deg + apart, 40.0, altitudes_m=(900e3, 1e6))
-        rates = [orbit.row(OBLATENESS_M2)[orbits.RAAN_RATE] for orbit in (first, second)]
+        rates = [orbit.row(OBLATENESS_M2)[columns.RAAN_RATE] for orbit in (first, second)]
         # In line after half a year.
         ahead = math.degrees((rates[0] - rates[1]) * 0.5 * 365.0 * DAY_S)
         pair = pair_of(first, second.replace(raan_deg=40.0 + ahead))
-        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule())
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule(), 0.0)
         half_turns, numbers = departure_events.events_of(made, 365.0 * DAY_S, 0.0)
         expected = crossings(pair.i, pair.j, 365.0 * DAY_S)
         assert np.all(np.diff(half_turns) == 1)
@@ -98,7 +99,7 @@ def test_every_crossing_of_a_year_is_an_event(inclination_deg):
 def test_events_keep_their_spacing():
     """With a spacing, some of all events are left, none much closer and none much farther apart."""
     for pair in pairs(1, 24):
-        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule())
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, oblate_rule(), 0.0)
         every = departure_events.events_of(made, 60.0 * DAY_S, 0.0)[1][:, 0]
         for spacing in (1e4, DAY_S, 2.5 * DAY_S):
             some = departure_events.events_of(made, 60.0 * DAY_S, spacing)[1][:, 0]
@@ -136,7 +137,7 @@ def test_listed_transfers_fly_to_the_stand_off(truth):
             assert met.tilted < 1e-9, case
             # An eccentric target drifts otherwise than its circle, on which the approach is flown.
             circle = rows.row(*pair.j[:4], oblateness=OBLATENESS_M2)
-            other = np.abs(pair.j - circle)[[orbits.RAAN_RATE, orbits.LATITUDE_RATE]].sum()
+            other = np.abs(pair.j - circle)[[columns.RAAN_RATE, columns.LATITUDE_RATE]].sum()
             assert met.arrival < 0.7 + 2.0 * pair.j[0] * other * (times[-1] - times[-2]), case
             assert met.arrival < 0.7 or pair.orbit_j.eccentricity > 0.0
             burnt = np.linalg.norm(vectors, axis=1).sum() + burn_kernels.eccentric_share(
@@ -181,7 +182,7 @@ def test_no_connection_dominates_another():
     law = oblate_rule()
     both = all_ = superfluous = 0
     for number, pair in enumerate(pairs(5, 18, spread_deg=6.0)):
-        times = drifting_connections.Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
+        times = Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
         resolution = (0.1, 1.0, 5.0)[number % 3]
         found = drifting_connections.of_pair(
             pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution
@@ -212,7 +213,7 @@ def test_no_sequence_is_missed():
     law = oblate_rule(k_max=6)
     duration, missed, all_ = 1.5 * DAY_S, 0, 0
     for pair in pairs(6, 18):
-        made = co_elliptic.prepare(pair.i, pair.j, 0.0, law)
+        made = co_elliptic.prepare(pair.i, pair.j, 0.0, law, 0.0)
         found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
@@ -251,7 +252,9 @@ def test_oblateness_that_fades_leads_to_two_body_motion():
         for share in (0.0, 1e-3, 1.0):
             oblateness = share * OBLATENESS_M2
             pair = pair_of(whole.orbit_i, whole.orbit_j, oblateness)
-            prepared = co_elliptic.prepare(pair.i, pair.j, 0.0, law._replace(oblateness=oblateness))
+            prepared = co_elliptic.prepare(
+                pair.i, pair.j, 0.0, law._replace(oblateness=oblateness), 0.0
+            )
             event = precession.first_event(prepared)
             made.append((event.time, event.theta, prepared.flight, prepared.lap))
         plain, faint, full = (np.array(values) for values in made)
@@ -280,7 +283,7 @@ def test_departures_between_planes_that_nearly_coincide_are_found_again() -> Non
         leaving, orbits, extra, rule = connecting.inputs
         for i, j in ((1, 2), (2, 1)):
             found = connecting.find(i, j, 0.1)
-            pair = co_elliptic.prepare(leaving[i], orbits[j], extra[i, j], rule)
+            pair = co_elliptic.prepare(leaving[i], orbits[j], extra[i, j], rule, 0.0)
             approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
             for c in range(found.departure.size):
                 departure = precession.leaving(

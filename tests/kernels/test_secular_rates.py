@@ -60,7 +60,7 @@ def test_what_a_change_drifts_to_is_the_derivative_of_the_drift():
     for _ in range(CASES):
         radius, inclination = drawn(rng)
         orbit = row(radius, inclination, 0.0, 0.0, oblateness=OBLATENESS_M2)
-        pair = drift.prepare(orbit, orbit, radius - 1e5, radius + 1e5, OBLATENESS_M2)
+        pair = drift.prepare(orbit, orbit, radius - 1e5, radius + 1e5, OBLATENESS_M2, 0.0)
         speed = math.sqrt(MU_M3_S2 / radius)
         dr, di = 10.0, 1e-5
         by_radius = ephemeris.node_rate(radius + dr, inclination, OBLATENESS_M2)

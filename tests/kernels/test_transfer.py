@@ -41,7 +41,7 @@ def pairs(seed: int = 0):
     for case in range(CASES):
         i = random_orbit(rng)
         j = near(rng, i) if case % 2 else random_orbit(rng)
-        pair = co_elliptic.prepare(i, j, 0.0, rule)
+        pair = co_elliptic.prepare(i, j, 0.0, rule, 0.0)
         first, half_turns = co_elliptic.first_departure(pair)
         event = int(rng.integers(0, 200))
         departure = first + event * math.pi / pair.rate_i
@@ -98,7 +98,7 @@ def test_departure_is_at_the_node():
     for i, j, pair, departure, lead in pairs(2):
         if pair.theta < 1e-3:
             continue
-        position, _ = ephemeris.state(i, departure)
+        position, _ = ephemeris.state_at(i, departure)
         _, _, hi = ephemeris.frame(i[1], i[2])
         _, _, hj = ephemeris.frame(j[1], j[2])
         node = np.cross(hi, hj) / np.linalg.norm(np.cross(hi, hj))
@@ -106,7 +106,7 @@ def test_departure_is_at_the_node():
         # Turning the chaser's direction about h_j by Δ gives the target's direction.
         outward = position / i[0]
         ahead = np.cross(hj, outward)
-        target, _ = ephemeris.state(j, departure)
+        target, _ = ephemeris.state_at(j, departure)
         expected = math.cos(lead) * outward + math.sin(lead) * ahead
         assert target / j[0] == pytest.approx(expected, abs=1e-6), (i, j, departure)
 

@@ -21,7 +21,7 @@ DAY_S = 86400.0
 
 def every_sequence(origin, destination, extra, rule, duration):
     """All sequences (k, m) of all departure events as rows (departure, arrival, ΔV, k)."""
-    pair = co_elliptic.prepare(origin, destination, extra, rule)
+    pair = co_elliptic.prepare(origin, destination, extra, rule, 0.0)
     approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     first, half_turns = co_elliptic.first_departure(pair)
     found = []
@@ -103,7 +103,7 @@ def test_those_of_a_crossing_arrive_together():
     """Connections of a pair have one crossing if and only if they arrive at one time."""
     for origin, destination, rule, resolution in random_cases(30):
         found = connections.of_pair(origin, destination, 3.0, rule, 0.7 * DAY_S, resolution)
-        half_turn = math.pi / co_elliptic.prepare(origin, destination, 3.0, rule).rate_j
+        half_turn = math.pi / co_elliptic.prepare(origin, destination, 3.0, rule, 0.0).rate_j
         if found.departure.size:
             after = (found.arrival - found.arrival[0]) / half_turn
             crossings = found.crossing - found.crossing[0]

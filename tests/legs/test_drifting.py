@@ -17,7 +17,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.fly.flight.mean import MeanDynamics
 from adr_opt.fly.trajectory.kepler import drift as coast
 from adr_opt.kernels.legs import drift, drift_pair
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.legs.families.drift_burns import DriftBurns, flown
 from adr_opt.mission.problem import Problem
 
@@ -70,7 +70,7 @@ def drifts(
             )
         )  # fmt: skip
         # Planes drift apart until the departure; most drifts that are flown are cheap ones.
-        ahead = (pair.i[ephemeris.RAAN_RATE] - pair.j[ephemeris.RAAN_RATE]) * (departure + span)
+        ahead = (pair.i[columns.RAAN_RATE] - pair.j[columns.RAAN_RATE]) * (departure + span)
         raan = pair.orbit_j.raan_deg + math.degrees(ahead)
         pair = pair_of(pair.orbit_i, pair.orbit_j.replace(raan_deg=raan))
         arrival = departure + span
@@ -81,8 +81,8 @@ def drifts(
             continue
         circles = [orbit.copy() for orbit in (pair.i, pair.j)]
         for circle in circles:
-            circle[ephemeris.ECCENTRICITY] = 0.0
-        planned = float(drift.delta_v(drift_pair.prepare(*circles, law), departure, arrival))
+            circle[columns.ECCENTRICITY] = 0.0
+        planned = float(drift.delta_v(drift_pair.prepare(*circles, law, 0.0), departure, arrival))
         met = fly(truth, pair, flight.times, flight.vectors, law.standoff)
         found.append(Drifted(pair, departure, arrival, planned, flight, met))
     return found, none
@@ -126,8 +126,8 @@ def test_nothing_flies_for_less_than_radius_and_inclination(truth):
     """Burns are worth at least the change of speed and the turn between the two orbits."""
     for case in drifts(truth, 2, 100, (2.0, 90.0))[0]:
         i, j = case.pair.i, case.pair.j
-        speeds = [math.sqrt(MU_M3_S2 / orbit[ephemeris.RADIUS]) for orbit in (i, j)]
-        tilt = j[ephemeris.INCLINATION] - i[ephemeris.INCLINATION]
+        speeds = [math.sqrt(MU_M3_S2 / orbit[columns.RADIUS]) for orbit in (i, j)]
+        tilt = j[columns.INCLINATION] - i[columns.INCLINATION]
         least = math.sqrt(
             speeds[0] ** 2 + speeds[1] ** 2 - 2.0 * speeds[0] * speeds[1] * math.cos(tilt)
         )

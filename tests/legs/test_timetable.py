@@ -14,7 +14,7 @@ from random_rules import all_filled, random_mission
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
 from adr_opt.kernels.legs import co_elliptic, sequences
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.kernels.tables import stacked_timetables
 from adr_opt.kernels.tables import timetable as kernels
 from adr_opt.problem.settings import KeepOutZone
@@ -132,7 +132,7 @@ def test_what_lies_on_a_limit_is_not_left_to_rounding():
     behind = instance.targets[0].orbit.replace(true_anomaly_deg=340.0)
     instance = instance.replace(targets=(instance.targets[0].replace(orbit=behind),))
     elements, rule = instance.orbits(), instance.transfer_rule()
-    pair = co_elliptic.prepare(elements[0], elements[1], 0.0, rule)
+    pair = co_elliptic.prepare(elements[0], elements[1], 0.0, rule, 0.0)
     first, half_turns = co_elliptic.first_departure(pair)
     lead = co_elliptic.target_lead(pair, first, half_turns)
     chosen = sequences.best_sequence(pair, rule, first, lead, -math.inf, math.inf)
@@ -159,8 +159,8 @@ def test_the_clock_of_a_year_is_that_of_the_angles():
     table, limits = made.table, made.limits
     elements, rule = instance.orbits(), instance.transfer_rule()
     for i, j in itertools.permutations(range(3), 2):
-        pair = co_elliptic.prepare(elements[i], elements[j], 0.0, rule)
-        approach = rule.approach_revolutions * ephemeris.period(elements[j, ephemeris.RADIUS])
+        pair = co_elliptic.prepare(elements[i], elements[j], 0.0, rule, 0.0)
+        approach = rule.approach_revolutions * ephemeris.period(elements[j, columns.RADIUS])
         best, expected = math.inf, (math.inf, math.inf)
         for m in range(kernels.events(table, i, j) - 1, -1, -1):
             departure = kernels.departure_at(table, i, j, m)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from adr_opt.kernels.legs import co_elliptic, zones
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.problem.instance import Instance
 
 
@@ -44,8 +44,8 @@ def of_pair(instance: Instance, i: int, j: int, since: float, until: float) -> l
     """The sequences of each departure event of a pair between two times, in order of departure."""
     elements, rule = instance.orbits(), instance.transfer_rule()
     extra = float(instance.eccentricity_delta_v()[i, j])
-    pair = co_elliptic.prepare(elements[i], elements[j], extra, rule)
-    half_period = 0.5 * ephemeris.period(elements[i, ephemeris.RADIUS])
+    pair = co_elliptic.prepare(elements[i], elements[j], extra, rule, 0.0)
+    half_period = 0.5 * ephemeris.period(elements[i, columns.RADIUS])
     half_turns = math.ceil((pair.phase_i + pair.rate_i * since) / math.pi)
     found = []
     while (departure := (half_turns * math.pi - pair.phase_i) / pair.rate_i) <= until:

@@ -20,7 +20,7 @@ from every_sequence import Flown
 
 import adr_opt
 from adr_opt.kernels.legs import burns
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.plan.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisited
 from adr_opt.problem.instance import Instance
 
@@ -121,7 +121,7 @@ def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
 def _service_s(instance: Instance, j: int) -> float:
     """How long a chaser stays at a body."""
     revolutions = instance.mission.service_revolutions if j else instance.mission.refuel_revolutions
-    return float((revolutions or 0.0) * ephemeris.period(instance.orbits()[j, ephemeris.RADIUS]))
+    return float((revolutions or 0.0) * ephemeris.period(instance.orbits()[j, columns.RADIUS]))
 
 
 def plan_of(instance: Instance, way: Sequence[tuple[int, int, Flown]], favour: float = 0.0) -> Plan:

@@ -28,7 +28,7 @@ from adr_opt.fly.flight import fly
 from adr_opt.fly.trajectory import sample
 from adr_opt.judge.check.tank import TankLevel
 from adr_opt.kernels.legs import drift_linear
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.kernels.rules.loads import after_service
 from adr_opt.learning.episodes import check_playable
 from adr_opt.mission.mission import Mission
@@ -207,10 +207,10 @@ def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
     instance = field("j2", every=1)
     leaving, rows, first = leaving_orbits(instance), instance.orbits(), instance.first_target
     ends = leaving[first], rows[first + 1]
-    pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2)
+    pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2, 0.0)
     tow, i = tows_of(instance)[first], rows[first]
-    lower = ephemeris.node_rate(tow.radius_m, i[ephemeris.INCLINATION], instance.oblateness_m2)
-    assert abs(lower) > 1.05 * abs(i[ephemeris.RAAN_RATE])
+    lower = ephemeris.node_rate(tow.radius_m, i[columns.INCLINATION], instance.oblateness_m2)
+    assert abs(lower) > 1.05 * abs(i[columns.RAAN_RATE])
     for departure, arrival in ((0.0, 1e6), (3e5, 2e6), (1e6, 1e7)):
         node = ephemeris.node_at(i, departure - tow.time_s) + tow.shift_rad
         node += lower * (arrival - departure)
@@ -317,7 +317,7 @@ def test_burns_of_tows_are_against_the_motion():
         if leg.tow is None:
             continue
         row, burn = rows[leg.destination], leg.tow.burns[0]
-        plane = (row[ephemeris.INCLINATION], ephemeris.node_at(row, burn.time_s))
+        plane = (row[columns.INCLINATION], ephemeris.node_at(row, burn.time_s))
         motion = ahead(plane, outward(plane, ephemeris.latitude_at(row, burn.time_s)))
         assert np.array(burn.delta_v_m_s) / burn.size_m_s == pytest.approx(-motion, abs=1e-9)
         sizes = [burn.size_m_s for burn in leg.tow.burns]

@@ -22,7 +22,7 @@ import adr_opt
 from adr_opt.fly.flight.mean_flight import fly_mean
 from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine import refine
-from adr_opt.kernels.orbits import ephemeris
+from adr_opt.kernels.orbits import columns
 from adr_opt.plan.refined_plan import Missing
 from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budget
@@ -90,7 +90,7 @@ def test_the_chaser_goes_from_node_to_node() -> None:
         at_origin = track.times_s[0] < leg.burns[0].time_s
         row = rows[instance.names.index(leg.origin if at_origin else leg.destination)]
         times, angles = of_track(shown, track)
-        bodies = np.degrees(row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * times)
+        bodies = np.degrees(row[columns.RAAN] + row[columns.RAAN_RATE] * times)
         off = angles + shown.common_deg_s * times - bodies
         assert np.abs(np.remainder(off + 180.0, 360.0) - 180.0).max() < 1e-6
     (drift,) = (track for track in found if track.phase == "drift")

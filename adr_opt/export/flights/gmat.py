@@ -297,15 +297,16 @@ def _mean_elements(
 ) -> tuple[float, float, float, float, float, float]:
     """The circle that is planned with, as mean elements in GMAT's units (km, degrees)."""
     orbit = instance.body_orbits[instance.names.index(body)]
-    row = orbit.row(instance.oblateness_m2)
+    row = np.array(orbit.row(instance.oblateness_m2))
     angles = (
-        row[ephemeris.INCLINATION],
+        ephemeris.inclination_at(row, time_s),
         ephemeris.node_at(row, time_s),
         ephemeris.latitude_at(row, time_s),
     )
     turned = angles if axes.matrix is None else _turned(axes, *angles)
     inclination, node, latitude = (math.degrees(angle) for angle in turned)
-    return row[ephemeris.RADIUS] / 1e3, 0.0, inclination, node % 360.0, 0.0, latitude % 360.0
+    radius_km = float(ephemeris.radius_at(row, time_s)) / 1e3
+    return radius_km, 0.0, inclination, node % 360.0, 0.0, latitude % 360.0
 
 
 def _turned(axes: Axes, inclination: float, node: float, latitude: float) -> tuple[float, ...]:

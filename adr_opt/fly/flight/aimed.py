@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M
-from ...kernels.orbits import ephemeris, equinoctial, mean_motion
+from ...kernels.orbits import elements, equinoctial, mean_motion
 from ...plan.plan import Leg, Tow
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -70,20 +70,8 @@ def true_state(orbit: Orbit, oblateness_m2: float, time_s: float) -> Array:
     time_s : float
         Since the epoch.
     """
-    row = orbit.row(oblateness_m2)
-    frame = np.array(
-        ephemeris.frame(
-            row[ephemeris.INCLINATION], row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * time_s
-        )
-    )
-    perigee = row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * time_s
-    longitude = row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * time_s
-    e = row[ephemeris.ECCENTRICITY]
-    elements = [
-        row[ephemeris.RADIUS], e * math.cos(perigee), e * math.sin(perigee), 0.0, 0.0,
-        math.remainder(longitude, math.tau),
-    ]  # fmt: skip
-    state: Array = equinoctial.state_of(np.array(elements), frame)
+    mean, frame = elements.equinoctial_at(np.array(orbit.row(oblateness_m2)), time_s)
+    state: Array = equinoctial.state_of(mean, frame)
     return state
 
 

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from ...common.constants import MU_M3_S2, OBLATENESS_M2
-from ...kernels.orbits import coast, ephemeris, equinoctial
+from ...kernels.orbits import coast, elements, equinoctial
 from ...kernels.orbits.gravity import FIELDS
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -125,18 +125,8 @@ def state_at_epoch(orbit: Orbit, gravity: Gravity, span_s: float) -> Array:
 
 def mean_at(orbit: Orbit, gravity: Gravity, time_s: float) -> tuple[Array, Array]:
     """Mean equinoctial elements of a body at a time, and the frame of its mean plane then."""
-    row = orbit.row(0.0 if gravity == "two-body" else OBLATENESS_M2)
-    towards, ahead, normal = ephemeris.frame(
-        row[ephemeris.INCLINATION], row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * time_s
-    )
-    perigee = row[ephemeris.PERIGEE] + row[ephemeris.PERIGEE_RATE] * time_s
-    e = row[ephemeris.ECCENTRICITY]
-    longitude = row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * time_s
-    mean = [
-        row[ephemeris.RADIUS], e * math.cos(perigee), e * math.sin(perigee), 0.0, 0.0,
-        math.remainder(longitude, math.tau),
-    ]  # fmt: skip
-    return np.array(mean), np.array([towards, ahead, normal])
+    row = np.array(orbit.row(0.0 if gravity == "two-body" else OBLATENESS_M2))
+    return elements.equinoctial_at(row, time_s)
 
 
 def _ahead(state: Array, other: Array) -> float:

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
-from ...kernels.orbits import ephemeris
+from ...kernels.orbits import elements, ephemeris
+from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.plan import Tow
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
@@ -66,9 +67,10 @@ def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
 def body_secular(instance: Instance, body: str) -> tuple[float, float]:
     """Pace and rate of the node of a body, as :func:`.kepler.secular` gives them."""
     orbit = instance.body_orbits[instance.names.index(body)]
-    row = orbit.row(instance.oblateness_m2)
-    pace = row[ephemeris.LATITUDE_RATE] / ephemeris.mean_motion(row[ephemeris.RADIUS])
-    return float(pace), float(row[ephemeris.RAAN_RATE])
+    row = np.array(orbit.row(instance.oblateness_m2))
+    motion = ephemeris.mean_motion(ephemeris.radius_at(row, EPOCH_S))
+    pace = ephemeris.latitude_rate_at(row, EPOCH_S) / motion
+    return float(pace), float(ephemeris.node_rate_at(row, EPOCH_S))
 
 
 def body_positions(
@@ -105,22 +107,24 @@ def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
 
 
 def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
-    row = orbit.row(oblateness_m2)
-    u = (row[ephemeris.ARGUMENT_OF_LATITUDE] + row[ephemeris.LATITUDE_RATE] * times)[:, None]
+    row = np.array(orbit.row(oblateness_m2))
+    u = elements.latitudes(row, times)[:, None]
     node, ahead = _axes(orbit)
-    speed = math.sqrt(MU_M3_S2 / row[ephemeris.RADIUS])
-    positions = row[ephemeris.RADIUS] * (np.cos(u) * node + np.sin(u) * ahead)
+    radius = float(ephemeris.radius_at(row, EPOCH_S))
+    speed = math.sqrt(MU_M3_S2 / radius)
+    positions = radius * (np.cos(u) * node + np.sin(u) * ahead)
     velocities = speed * (np.cos(u) * ahead - np.sin(u) * node)
-    return _precessed(positions, velocities, row[ephemeris.RAAN_RATE] * times)
+    return _precessed(positions, velocities, float(ephemeris.node_rate_at(row, EPOCH_S)) * times)
 
 
 def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
     """Kepler motion at the pace of the mean anomaly, whose perigee and node move."""
-    row = orbit.row(oblateness_m2)
-    perigee_rate, axis = row[ephemeris.PERIGEE_RATE], row[ephemeris.RADIUS]
-    pace = (row[ephemeris.LATITUDE_RATE] - perigee_rate) / ephemeris.mean_motion(axis)
+    row = np.array(orbit.row(oblateness_m2))
+    perigee_rate = float(ephemeris.perigee_rate_at(row, EPOCH_S))
+    anomaly_rate = float(ephemeris.latitude_rate_at(row, EPOCH_S)) - perigee_rate
+    pace = anomaly_rate / float(ephemeris.mean_motion(ephemeris.radius_at(row, EPOCH_S)))
     positions, velocities = propagate(*true_state_at_epoch(orbit), pace * times)
-    if oblateness_m2 == 0.0:
+    if not ephemeris.planes_drift(oblateness_m2):
         return positions, velocities
     node, ahead = _axes(orbit)
     # Within its plane the whole orbit turns with the perigee.
@@ -128,7 +132,7 @@ def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array
     for vectors in (positions, velocities):
         x, y = (vectors @ node)[:, None], (vectors @ ahead)[:, None]
         vectors[:] = (c * x - s * y) * node + (s * x + c * y) * ahead
-    return _precessed(positions, velocities, row[ephemeris.RAAN_RATE] * times)
+    return _precessed(positions, velocities, float(ephemeris.node_rate_at(row, EPOCH_S)) * times)
 
 
 def _precessed(positions: Array, velocities: Array, angles: Array) -> tuple[Array, Array]:

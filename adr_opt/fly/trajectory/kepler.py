@@ -50,7 +50,7 @@ def drift(
         As :func:`propagate`.
     """
     times = np.atleast_1d(np.asarray(after_s, dtype=float))
-    if oblateness_m2 == 0.0:
+    if not ephemeris.planes_drift(oblateness_m2):
         return propagate(position_m, velocity_m_s, times)
     pace, node_rate = secular(position_m, velocity_m_s, oblateness_m2)
     positions, velocities = propagate(position_m, velocity_m_s, pace * times)
@@ -74,7 +74,7 @@ def secular(
     ArithmeticError
         The orbit is not closed.
     """
-    if oblateness_m2 == 0.0:
+    if not ephemeris.planes_drift(oblateness_m2):
         return 1.0, 0.0
     r, v = np.asarray(position_m, dtype=float), np.asarray(velocity_m_s, dtype=float)
     inverse_axis = 2.0 / math.hypot(*r) - float(v @ v) / MU_M3_S2

@@ -93,48 +93,61 @@ def ends_of(
         As it is left, with the rate of its node after that in a last column.
     destination : (columns,) float64
     """
-    origin, rate_i = origin[:-1], origin[-1]
-    rate_j, span = destination[ephemeris.RAAN_RATE], arrival - departure
-    mean = 0.5 * (origin + destination)
-    radius, inclination = mean[ephemeris.RADIUS], mean[ephemeris.INCLINATION]
+    rate_i = float(ephemeris.coasting_node_rate_at(origin, departure))
+    rate_j = float(ephemeris.node_rate_at(destination, arrival))
+    radius_i = float(ephemeris.radius_at(origin, departure))
+    radius_j = float(ephemeris.radius_at(destination, arrival))
+    inclination_i = float(ephemeris.inclination_at(origin, departure))
+    inclination_j = float(ephemeris.inclination_at(destination, arrival))
+    span = arrival - departure
+    radius, inclination = 0.5 * (radius_i + radius_j), 0.5 * (inclination_i + inclination_j)
     speed, sine = math.sqrt(MU_M3_S2 / radius), math.sin(inclination)
     node = ephemeris.node_at(destination, arrival) - ephemeris.node_at(origin, departure)
     if sine > 0.0:
         # By the nearer way if half of the size and of the inclination is changed at either end.
-        halfway = rate_i * span - _half_drift(origin, destination, rate_i, speed, rule) * span
+        change = radius_j - radius_i, inclination_j - inclination_i
+        lags = _half_drift(radius, inclination, change, 0.5 * (rate_i + rate_j), rule.oblateness)
+        halfway = rate_i * span - lags * span
         node = halfway + math.remainder(node - halfway, 2.0 * math.pi)
-    approach = rule.approach_revolutions * ephemeris.revolution(destination)
+    approach = rule.approach_revolutions * ephemeris.revolution_at(destination, arrival)
     met = arrival - approach
     ahead = ephemeris.latitude_at(destination, met) - ephemeris.latitude_at(origin, departure)
     ahead += math.cos(inclination) * (node - rate_j * approach)
-    ahead -= rule.standoff / destination[ephemeris.RADIUS]
+    ahead -= rule.standoff / radius_j
     perigees = mean_perigee(origin, arrival), mean_perigee(destination, arrival)
     vectors = [
-        orbit[ephemeris.ECCENTRICITY] * np.array([math.cos(perigee), math.sin(perigee)])
+        float(ephemeris.eccentricity_at(orbit, arrival))
+        * np.array([math.cos(perigee), math.sin(perigee)])
         for orbit, perigee in zip((origin, destination), perigees, strict=True)
     ]
     return Ends(
-        float(origin[ephemeris.RADIUS]), float(origin[ephemeris.INCLINATION]),
-        float(destination[ephemeris.RADIUS]), float(destination[ephemeris.INCLINATION]),
-        speed, sine, math.cos(inclination), span, float(approach), float(node), float(rate_j),
+        radius_i, inclination_i, radius_j, inclination_j,
+        speed, sine, math.cos(inclination), span, float(approach), float(node), rate_j,
         float(ahead), 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0])),
         rule.first_leg_fraction, rule.oblateness,
     )  # fmt: skip
 
 
 def _half_drift(
-    origin: FloatArray, destination: FloatArray, rate_i: float, speed: float, rule: TransferRule
+    radius: float, inclination: float, change: tuple[float, float], rate: float, oblateness: float
 ) -> float:
-    """How much more the node lags behind, to first order, halfway between both orbits [rad/s]."""
-    later = destination[: ephemeris.INCLINATION + 1] - origin[: ephemeris.INCLINATION + 1]
-    mean = 0.5 * (origin + destination)
-    inclination, radius = mean[ephemeris.INCLINATION], mean[ephemeris.RADIUS]
-    rate = 0.5 * (rate_i + destination[ephemeris.RAAN_RATE])
+    """How much more the node lags behind, to first order, halfway between both orbits [rad/s].
+
+    Parameters
+    ----------
+    radius, inclination, rate : float
+        Means of both orbits; the rate is that of the node [m], [rad], [rad/s].
+    change : (float, float)
+        From the origin to the destination of radius and inclination [m], [rad].
+    oblateness : float
+        J2 R² [m²].
+    """
     by_inclination = rate * math.tan(inclination)
     if abs(math.cos(inclination)) <= POLAR:
-        by_inclination = -1.5 * rule.oblateness * speed / radius**3 * math.sin(inclination)
-    climb = 0.5 * float(later[ephemeris.RADIUS]) / radius
-    return float(0.5 * (7.0 * rate * climb + by_inclination * later[ephemeris.INCLINATION]))
+        speed = math.sqrt(MU_M3_S2 / radius)
+        by_inclination = -1.5 * oblateness * speed / radius**3 * math.sin(inclination)
+    climb = 0.5 * change[0] / radius
+    return 0.5 * (7.0 * rate * climb + by_inclination * change[1])
 
 
 POLAR = 1e-3

@@ -41,7 +41,7 @@ class StatedSequence(NamedTuple):
 
 def mean_perigee(orbit: npt.NDArray[np.float64], time: float) -> float:
     """Argument of perigee of a body at a time [rad]."""
-    return float(orbit[ephemeris.PERIGEE] + orbit[ephemeris.PERIGEE_RATE] * time)
+    return float(ephemeris.perigee_at(orbit, time))
 
 
 def matching_cost(
@@ -56,23 +56,25 @@ def matching_cost(
     Written out once more, with vectors where :mod:`adr_opt.kernels.orbits.eccentricity` has angles;
     0 for circles. Perigees and nodes are those at the departure [s].
     """
-    if origin[ephemeris.ECCENTRICITY] == destination[ephemeris.ECCENTRICITY] == 0.0:
+    shapes = [float(ephemeris.eccentricity_at(orbit, departure)) for orbit in (origin, destination)]
+    if shapes == [0.0, 0.0]:
         return 0.0
     vectors, normals = [], []
-    for orbit in (origin, destination):
+    for orbit, shape in zip((origin, destination), shapes, strict=True):
         node, ahead, normal = ephemeris.frame(
-            orbit[ephemeris.INCLINATION], ephemeris.node_at(orbit, departure)
+            ephemeris.inclination_at(orbit, departure), ephemeris.node_at(orbit, departure)
         )
         perigee = mean_perigee(orbit, departure)
         vector = math.cos(perigee) * node + math.sin(perigee) * ahead
-        vectors.append(orbit[ephemeris.ECCENTRICITY] * vector)
+        vectors.append(shape * vector)
         normals.append(normal)
     # The destination's vector, its plane turned into the origin's about their line of nodes.
     axis = np.cross(normals[1], normals[0])
     once = np.cross(axis, vectors[1])
     along = max(1.0 + float(normals[0] @ normals[1]), SMALLEST)
     turned = vectors[1] + once + np.cross(axis, once) / along
-    ri, rj, r = origin[ephemeris.RADIUS], destination[ephemeris.RADIUS], sequence.radius
+    ri, rj = (float(ephemeris.radius_at(orbit, departure)) for orbit in (origin, destination))
+    r = sequence.radius
     corner = r + rule.first_leg_fraction * (rj - r)
     comes = burn_kernels.half_ellipse_speeds(ri, r)[1]
     leaves = (

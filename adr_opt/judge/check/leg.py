@@ -13,6 +13,7 @@ from ...common.constants import SLACK_S
 from ...kernels.legs import burns as burn_kernels
 from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
+from ...kernels.orbits.body_rows import as_left
 from ...plan.plan import Leg
 from ...problem.given import Given
 from ...problem.instance import Instance
@@ -50,7 +51,7 @@ class Physics(NamedTuple):
     def of(cls, instance: Instance) -> Physics:
         """That of an instance."""
         elements = instance.orbits()
-        left = np.column_stack([elements, elements[:, ephemeris.RAAN_RATE]])
+        left = as_left(elements)
         towed = towed_bodies(instance, elements)
         for body, name in enumerate(instance.names):
             if name in towed:
@@ -77,7 +78,7 @@ def check_transfer(
         ends = physics.left[i], physics.elements[j]
         return (yield from check_drift(instance, ends, physics.rule, number, leg, free))
     origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
-    pair = co_elliptic.prepare(origin, destination, 0.0, rule)
+    pair = co_elliptic.prepare(origin, destination, 0.0, rule, ephemeris.EPOCH_S)
     if instance.dynamics == "j2":
         sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
     else:

@@ -203,7 +203,7 @@ def _check_service(
     """
     opens, closes = bodies.windows.get(leg.destination, (0.0, None))
     at_station = leg.destination in bodies.stations
-    end = max(arrival, opens) + _service_s(instance, elements, at_station)
+    end = max(arrival, opens) + _service_s(instance, elements, arrival, at_station)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     free = end + (towed.time_s if towed else 0.0)
@@ -219,7 +219,9 @@ def _check_service(
     return end
 
 
-def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+def _service_s(
+    instance: Instance, elements: npt.NDArray[np.float64], arrival: float, at_station: bool
+) -> float:
     """How long a chaser stays at a body [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:
@@ -228,7 +230,7 @@ def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station
     assert revolutions is not None
     if revolutions == 0.0:  # also of a body without an orbit, which has no period
         return 0.0
-    return revolutions * 2.0 * math.pi / float(elements[ephemeris.LATITUDE_RATE])
+    return revolutions * 2.0 * math.pi / float(ephemeris.latitude_rate_at(elements, arrival))
 
 
 def _check_tank(

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
+from ...kernels.orbits.body_rows import as_left, with_orbit
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
@@ -56,7 +57,8 @@ def towed_bodies(instance: Instance, elements: FloatArray) -> dict[str, Towed]:
 
 def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
     low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
-    high, tilt = float(orbit[ephemeris.RADIUS]), float(orbit[ephemeris.INCLINATION])
+    high = float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S))
+    tilt = float(ephemeris.inclination_at(orbit, ephemeris.EPOCH_S))
     oblateness, axis = instance.oblateness_m2, 0.5 * (high + low)
     time = math.pi / float(ephemeris.latitude_rate(axis, tilt, oblateness))
     shift = time * float(ephemeris.node_rate(axis, tilt, oblateness))
@@ -64,11 +66,15 @@ def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
         math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
         math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
     )
-    left = np.append(orbit, ephemeris.node_rate(low, tilt, oblateness))
-    left[ephemeris.RADIUS], left[ephemeris.ECCENTRICITY] = low, 0.0
     # Who leaves at t = 0 has begun to tow a while before, at the angles that the object had then.
-    left[ephemeris.RAAN] = ephemeris.node_at(orbit, -time) + shift
-    left[ephemeris.ARGUMENT_OF_LATITUDE] = ephemeris.latitude_at(orbit, -time) + math.pi
+    left = with_orbit(
+        as_left(orbit[None])[0],
+        radius_m=low,
+        node=float(ephemeris.node_at(orbit, -time)) + shift,
+        latitude=float(ephemeris.latitude_at(orbit, -time)) + math.pi,
+        eccentricity=0.0,
+        coasting_node_rate=float(ephemeris.node_rate(low, tilt, oblateness)),
+    )
     return Towed(orbit, left, time, slower[0] + slower[1], mass_kg, shift, slower)
 
 
@@ -121,7 +127,8 @@ def _check_burn(
     """A burn of a tow is against the motion, in the plane of the object as it is carried."""
     raan = ephemeris.node_at(towed.orbit, times[0]) + which * towed.shift
     latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * math.pi
-    ascending, ahead, _ = ephemeris.frame(towed.orbit[ephemeris.INCLINATION], raan)
+    tilt = ephemeris.inclination_at(towed.orbit, times[0])
+    ascending, ahead, _ = ephemeris.frame(tilt, raan)
     motion = math.cos(latitude) * ahead - math.sin(latitude) * ascending
     late = abs(burn.time_s - times[which])
     off = float(np.linalg.norm(np.array(burn.delta_v_m_s) + towed.slower[which] * motion))

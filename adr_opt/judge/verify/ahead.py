@@ -106,14 +106,14 @@ class Onward(NamedTuple):
     cost: int
     top: int
     code: int
-    came_from: int
+    came_from: np.int32
 
 
 class Packing(NamedTuple):
     """Bits of the next body in a packed value, and the value of what is not possible."""
 
-    mask: int
-    never: int
+    mask: np.int32
+    never: np.int32
 
 
 @inlined

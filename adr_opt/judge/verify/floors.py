@@ -22,7 +22,8 @@ import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
 from ...common.errors import InputError
-from ...kernels.orbits import ephemeris
+from ...kernels.orbits import elements
+from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.certificate import Certificate
 from ...problem.instance import Instance
 from .terms import services_s
@@ -107,14 +108,15 @@ def _least_s(instance: Instance) -> FloatArray:
     Three half ellipses from the lowest origin over the lowest phasing radius, and the approach.
     """
     rows, settings = instance.orbits(), instance.transfer
-    radius, cosine = rows[:, ephemeris.RADIUS], np.cos(rows[:, ephemeris.INCLINATION])
+    radius = elements.radii(rows, EPOCH_S)
+    cosine = np.cos(elements.inclinations(rows, EPOCH_S))
     slower = 1.5 * instance.oblateness_m2 * (4.0 * cosine**2 - 1.0)
     low = EARTH_RADIUS_M + settings.min_altitude_m
     coelliptic = low + settings.first_leg_fraction * (radius - low)
     flown = _half_s(np.array(0.5 * (radius.min() + low)), slower.max())
     flown = flown + _half_s(0.5 * (low + coelliptic), slower)
     flown = flown + _half_s(0.5 * (coelliptic + radius), slower)
-    laps = 2.0 * math.pi / rows[:, ephemeris.LATITUDE_RATE]
+    laps = 2.0 * math.pi / elements.latitude_rates(rows, EPOCH_S)
     flown = flown + settings.safety_ellipse_revolutions * laps - 2.0 * SLACK_S
     if instance.dynamics == "j2":
         flown = flown - UNSTEADY_S
@@ -132,8 +134,8 @@ def _least_m_s(instance: Instance) -> FloatArray:
     rows, settings = instance.orbits(), instance.transfer
     if instance.dynamics == "j2":
         return np.zeros(len(rows))
-    radius, high = rows[:, ephemeris.RADIUS], EARTH_RADIUS_M + settings.max_altitude_m
-    inclination, node = rows[:, ephemeris.INCLINATION], rows[:, ephemeris.RAAN]
+    radius, high = elements.radii(rows, EPOCH_S), EARTH_RADIUS_M + settings.max_altitude_m
+    inclination, node = elements.inclinations(rows, EPOCH_S), elements.nodes(rows, EPOCH_S)
     normal = np.stack(
         [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
          np.cos(inclination)], axis=1

@@ -98,7 +98,7 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
     then one that meets the target on an earlier crossing is as good if it costs no more.
     """
     rule = physics.rule
-    pair = co_elliptic.prepare(physics.left[i], physics.elements[j], 0.0, rule)
+    pair = co_elliptic.prepare(physics.left[i], physics.elements[j], 0.0, rule, ephemeris.EPOCH_S)
     approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     ends = physics.left[i], physics.elements[j]
     cheapest: dict[int, tuple[Way, bool]] = {}

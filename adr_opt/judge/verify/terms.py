@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
-from ...kernels.orbits.ephemeris import LATITUDE_RATE
+from ...kernels.orbits.ephemeris import EPOCH_S, latitude_rate_at
 from ...legs.connections import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
@@ -147,7 +147,7 @@ def services_s(instance: Instance) -> FloatArray:
             continue
         revolutions = mission.service_revolutions if at_target else mission.refuel_revolutions
         if revolutions:  # a body without an orbit has no period, and none is asked for
-            service[body] = revolutions * 2.0 * math.pi / float(row[LATITUDE_RATE])
+            service[body] = revolutions * 2.0 * math.pi / float(latitude_rate_at(row, EPOCH_S))
     return service
 
 

@@ -41,7 +41,7 @@ class StackedFields(NamedTuple):
         The same for all fields: the first body is the only station.
     tables : Table
         With a leading axis of slots.
-    angle, near, near_angle, ahead, home, rate
+    angle, near, near_angle, ahead, home
         As in :class:`.outlook.Outlook`, with a leading axis of slots.
     """
 
@@ -55,7 +55,6 @@ class StackedFields(NamedTuple):
     near_angle: np.ndarray
     ahead: np.ndarray
     home: stacked_timetables.PackedColumn
-    rate: np.ndarray
 
 
 class Episodes(NamedTuple):
@@ -129,7 +128,6 @@ def outlook_of(pool, slot):
         pool.near_angle[slot],
         pool.ahead[slot],
         stacked_timetables.column_in_slot(pool.home, slot),
-        pool.rate[slot],
     )
 
 

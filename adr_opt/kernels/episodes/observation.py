@@ -16,7 +16,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed, fetch
-from ..orbits.ephemeris import ARGUMENT_OF_LATITUDE, INCLINATION, RADIUS, node_at
+from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
 from ..rules import rules as rule_kernels
 from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
@@ -186,11 +186,8 @@ def _open_nearby(outlook, visited, j):
 
 
 @inlined
-def _write_mission(row, rules, home, orbit, raan, left, remaining, counts):
-    """Write what is left of the mission, and where the chaser's orbit lies from the station's.
-
-    ``raan`` is how far its node is from the station's now [rad].
-    """
+def _write_mission(row, rules, home, orbit, now, left, remaining, counts):
+    """Write what is left of the mission, and where the chaser's orbit lies from the station's."""
     bodies, unvisited, legal = counts
     row[LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
     row[LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)
@@ -201,10 +198,13 @@ def _write_mission(row, rules, home, orbit, raan, left, remaining, counts):
     row[OPEN_SHARE] = unvisited / max(bodies - 1, 1)
     row[OPEN_TARGETS] = clip(unvisited / TARGET_SCALE, 0.0, LIMIT)
     row[LEGAL_SHARE] = legal / max(bodies, 1)
-    row[CHASER_RADIUS] = clip((orbit[RADIUS] - home[RADIUS]) * PER_50_KM, -LIMIT, LIMIT)
-    inclination = orbit[INCLINATION] - home[INCLINATION]
+    radius = radius_at(orbit, now) - radius_at(home, now)
+    row[CHASER_RADIUS] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
+    home_inclination = inclination_at(home, now)
+    inclination = inclination_at(orbit, now) - home_inclination
     row[CHASER_INCLINATION] = clip(inclination * DEGREES, -LIMIT, LIMIT)
-    node_scale = DEGREES * math.sin(home[INCLINATION])
+    node_scale = DEGREES * math.sin(home_inclination)
+    raan = node_at(orbit, now) - node_at(home, now)
     row[CHASER_RAAN] = clip(turned(raan) * node_scale, -LIMIT, LIMIT)
     row[TIME_PER_TARGET] = clip(remaining * PER_HOUR / max(unvisited, 1) * PER_TEN, 0.0, LIMIT)
 
@@ -260,13 +260,14 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
         # A budget or a time of zero must not divide.
         per_left = 1.0 / max(left, 1.0)
         per_time = 1.0 / max(remaining, 1.0)
-        radius, inclination = orbits[body, RADIUS], orbits[body, INCLINATION]
-        raan = node_at(orbits[body], now)
-        home_radius, home_inclination = orbits[HOME, RADIUS], orbits[HOME, INCLINATION]
-        home_raan = node_at(orbits[HOME], now)
+        orbit, home = orbits[body], orbits[HOME]
+        radius, inclination = radius_at(orbit, now), inclination_at(orbit, now)
+        raan = node_at(orbit, now)
+        home_radius, home_inclination = radius_at(home, now), inclination_at(home, now)
+        home_raan = node_at(home, now)
         node_scale = DEGREES * math.sin(home_inclination)
         cosine = math.cos(home_inclination)
-        phase = orbits[body, ARGUMENT_OF_LATITUDE] + now * outlook.rate[body] + cosine * raan
+        phase = latitude_at(orbit, now) + cosine * raan
         count, unvisited = 0, 0
         station_reachable = False
         for j in range(bodies):
@@ -322,7 +323,8 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
             near, angle = _open_nearby(outlook, visited, j)
             out[row, NEAR_OPEN] = near * (1.0 / NEAR)
             out[row, NEAR_ANGLE] = clip(DEGREES * angle / near, 0.0, LIMIT) if near > 0 else LIMIT
-            r, i, o = orbits[j, RADIUS], orbits[j, INCLINATION], node_at(orbits[j], now)
+            there = orbits[j]
+            r, i, o = radius_at(there, now), inclination_at(there, now), node_at(there, now)
             out[row, RADIUS_FROM_CHASER] = clip((r - radius) * PER_50_KM, -LIMIT, LIMIT)
             out[row, INCLINATION_FROM_CHASER] = clip((i - inclination) * DEGREES, -LIMIT, LIMIT)
             out[row, RAAN_FROM_CHASER] = clip(turned(o - raan) * node_scale, -LIMIT, LIMIT)
@@ -331,7 +333,7 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
             out[row, INCLINATION_FROM_HOME] = clip((i - home_inclination) * DEGREES, -LIMIT, LIMIT)
             out[row, RAAN_FROM_HOME] = clip(turned(o - home_raan) * node_scale, -LIMIT, LIMIT)
             out[row, ANGLE_FROM_HOME] = clip(outlook.angle[HOME, j] * DEGREES, 0.0, LIMIT)
-            ahead = orbits[j, ARGUMENT_OF_LATITUDE] + now * outlook.rate[j] + cosine * o
+            ahead = latitude_at(there, now) + cosine * o
             out[row, PHASE] = turned(ahead - phase) * (1.0 / math.pi)
             if prized:
                 out[row, PRIZE] = clip(rules.prize[j], 0.0, LIMIT)
@@ -341,7 +343,7 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
                 out[row, column] = 0.0
         legal[e] = count
         _write_mission(
-            mission[e], rules, orbits[HOME], orbits[body], raan - home_raan, left, remaining,
+            mission[e], rules, home, orbit, now, left, remaining,
             BodyCounts(bodies, unvisited, count),
         )  # fmt: skip
         mission[e, DOCKED] = 1.0 if body == HOME else 0.0

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.compile import kernel
 from ..core.memory import write
-from ..orbits import ephemeris
+from ..orbits.ephemeris import EPOCH_S, inclination_at, node_at, relative_node
 from ..tables import stacked_timetables, timetable
 
 HOME = 0
@@ -57,8 +57,6 @@ class Outlook(NamedTuple):
         transfers that are cheapest by hours + ΔV / :data:`M_S_PER_HOUR`, cheapest first.
     home : Column
         The timetable's entries of the way to the station.
-    rate : (bodies,) float64
-        Of the argument of latitude [rad/s].
     """
 
     angle: np.ndarray
@@ -66,7 +64,6 @@ class Outlook(NamedTuple):
     near_angle: np.ndarray
     ahead: np.ndarray
     home: stacked_timetables.PackedColumn
-    rate: np.ndarray
 
 
 @kernel
@@ -100,11 +97,12 @@ def fill(bodies, table, service, outlook):
     """
     count = bodies.shape[0]
     for i in range(count):
-        outlook.rate[i] = bodies[i, ephemeris.LATITUDE_RATE]
+        one = bodies[i]
         for j in range(count):
-            _, _, theta = ephemeris.relative_node(
-                bodies[i, ephemeris.INCLINATION], bodies[i, ephemeris.RAAN],
-                bodies[j, ephemeris.INCLINATION], bodies[j, ephemeris.RAAN],
+            other = bodies[j]
+            _, _, theta = relative_node(
+                inclination_at(one, EPOCH_S), node_at(one, EPOCH_S),
+                inclination_at(other, EPOCH_S), node_at(other, EPOCH_S),
             )  # fmt: skip
             outlook.angle[i, j] = theta
     stacked_timetables.fill_column(table, HOME, outlook.home)

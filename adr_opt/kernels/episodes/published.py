@@ -8,7 +8,7 @@ import math
 
 from ..core.compile import kernel
 from ..core.memory import borrowed
-from ..orbits.ephemeris import INCLINATION, RADIUS, latitude_at, node_at
+from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
 from .episodes import clip, make_mask, turned
 from .observation import DEGREES, LIMIT, PER_50_KM
 from .outlook import HOME
@@ -58,10 +58,11 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
                     out[e, at + column] = 0.0
                 continue
             now = episodes.time[e]
-            u = latitude_at(orbits[j], now)
-            radius = orbits[j, RADIUS] - orbits[HOME, RADIUS]
-            inclination = orbits[j, INCLINATION] - orbits[HOME, INCLINATION]
-            raan = turned(node_at(orbits[j], now) - node_at(orbits[HOME], now))
+            orbit, home = orbits[j], orbits[HOME]
+            u = latitude_at(orbit, now)
+            radius = radius_at(orbit, now) - radius_at(home, now)
+            inclination = inclination_at(orbit, now) - inclination_at(home, now)
+            raan = turned(node_at(orbit, now) - node_at(home, now))
             out[e, at] = clip(radius * PER_50_KM, -LIMIT, LIMIT)
             # Bodies move on circles (docs/model.md section 1): e and the perigee are 0, ν is u.
             out[e, at + 1] = 0.0

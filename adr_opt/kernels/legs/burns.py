@@ -73,7 +73,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     turned_2 = pair.shift_j / (a2 * a2 + pair.widening_j)
     turned_3 = pair.shift_j / (a3 * a3 + pair.widening_j)
 
-    position, velocity = ephemeris.state(orbit_i, departure)
+    position, velocity = ephemeris.state_at(orbit_i, departure)
     outward, ahead = position, velocity
     for axis in range(3):
         outward[axis] /= ri
@@ -91,7 +91,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     met += clock * a3 * math.sqrt(a3) * co_elliptic.pace(a3, pair.widening_j)
     # Into the plane that the remaining arcs carry onto the target's.
     raan = ephemeris.node_at(orbit_j, met) - turned_k - turned_2 - turned_3
-    _, _, normal = ephemeris.frame(orbit_j[ephemeris.INCLINATION], raan)
+    _, _, normal = ephemeris.frame(ephemeris.inclination_at(orbit_j, met), raan)
     after = np.empty(3)
     for axis in range(3):
         second, third = (axis + 1) % 3, (axis + 2) % 3
@@ -126,7 +126,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
     times[b + 2], phases[b + 2] = now, APPROACH
     combine(vectors[b + 2], impulse, outward, 0.0, after)
     now += rule.approach_revolutions * TURN_RAD / pair.rate_j
-    at_target, _ = ephemeris.state(orbit_j, now)
+    at_target, _ = ephemeris.state_at(orbit_j, now)
     times[b + 3], phases[b + 3] = now, APPROACH
     combine(vectors[b + 3], -impulse / rj, at_target, 0.0, after)
     return times, vectors, phases
@@ -144,11 +144,11 @@ def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, r
         When it really leaves, and when it arrives [s].
     revolutions : int
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, ephemeris.EPOCH_S)
     flight = arrival - rule.approach_revolutions * TURN_RAD / pair.rate_j - departure
     r = co_elliptic.phasing_radius(pair, rule, revolutions, flight)
     turn = pair.turn
-    if rule.oblateness != 0.0:
+    if ephemeris.planes_drift(rule.oblateness):
         lag = pair.lag + pair.lag_rate * departure
         lag += precession.carried(pair, rule, revolutions, r, flight)
         _, _, theta = precession.line(pair, lag)
@@ -174,9 +174,9 @@ def burns_between(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, rev
     times, vectors, phases
         As of :func:`burns`.
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, ephemeris.EPOCH_S)
     stand_off = arrival - rule.approach_revolutions * TURN_RAD / pair.rate_j
-    if rule.oblateness != 0.0:
+    if ephemeris.planes_drift(rule.oblateness):
         departure = precession.leaving(pair, rule, revolutions, departure, stand_off)
     flight = stand_off - departure
     r = co_elliptic.phasing_radius(pair, rule, revolutions, flight)

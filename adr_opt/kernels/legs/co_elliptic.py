@@ -157,7 +157,7 @@ def lap_time(r, widening):
 
 
 @kernel
-def prepare(orbit_i, orbit_j, extra_delta_v, rule):
+def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
     """Everything about the transfer i → j that does not depend on the departure.
 
     Parameters
@@ -168,31 +168,38 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         What matching the eccentricity vectors alone would cost, zero between circles [m/s]. Under
         J2 it depends on the time, and is :func:`adr_opt.kernels.orbits.eccentricity.matching`.
     rule : TransferRule
+    time : float
+        About which elements and rates are taken: they hold for all departures [s].
 
     Returns
     -------
     Pair
     """
-    ri, rj = orbit_i[ephemeris.RADIUS], orbit_j[ephemeris.RADIUS]
+    ri, rj = ephemeris.radius_at(orbit_i, time), ephemeris.radius_at(orbit_j, time)
+    inclination_i = ephemeris.inclination_at(orbit_i, time)
+    inclination_j = ephemeris.inclination_at(orbit_j, time)
     alpha_i, alpha_j, theta = ephemeris.relative_node(
-        orbit_i[ephemeris.INCLINATION],
-        orbit_i[ephemeris.RAAN],
-        orbit_j[ephemeris.INCLINATION],
-        orbit_j[ephemeris.RAAN],
+        inclination_i,
+        ephemeris.node_at(orbit_i, time),
+        inclination_j,
+        ephemeris.node_at(orbit_j, time),
     )
-    inclination_i, inclination_j = orbit_i[ephemeris.INCLINATION], orbit_j[ephemeris.INCLINATION]
+    node_i, node_rate_i = ephemeris.node_tangent(orbit_i, time)
+    node_j, node_rate_j = ephemeris.node_tangent(orbit_j, time)
+    latitude_i, rate_i = ephemeris.latitude_tangent(orbit_i, time)
+    latitude_j, rate_j = ephemeris.latitude_tangent(orbit_j, time)
+    perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
+    perigee_j, perigee_rate_j = ephemeris.perigee_tangent(orbit_j, time)
     cosine_i, cosine_j = math.cos(inclination_i), math.cos(inclination_j)
     strength = 1.5 * rule.oblateness
     wide_i = strength * (4.0 * cosine_i * cosine_i - 1.0)
     wide_j = strength * (4.0 * cosine_j * cosine_j - 1.0)
-    drifts = rule.oblateness != 0.0
+    drifts = ephemeris.planes_drift(rule.oblateness)
     fixed = 0.5 * ephemeris.mean_motion(rj) * rule.standoff
     eccentricity_i = eccentricity_j = matching_alone = 0.0
     if drifts:
-        eccentricity_i, eccentricity_j = (
-            orbit_i[ephemeris.ECCENTRICITY],
-            orbit_j[ephemeris.ECCENTRICITY],
-        )
+        eccentricity_i = ephemeris.eccentricity_at(orbit_i, time)
+        eccentricity_j = ephemeris.eccentricity_at(orbit_j, time)
     else:
         matching_alone = extra_delta_v
     # The turning burn takes the velocity v₁ of arc 1 to a velocity at the angle θ: it is at least
@@ -212,10 +219,10 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         alpha_i,
         alpha_j,
         theta,
-        orbit_i[ephemeris.ARGUMENT_OF_LATITUDE] - alpha_i,
-        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE] - alpha_j,
-        orbit_i[ephemeris.LATITUDE_RATE],
-        orbit_j[ephemeris.LATITUDE_RATE],
+        latitude_i - alpha_i,
+        latitude_j - alpha_j,
+        rate_i,
+        rate_j,
         math.sqrt(MU_M3_S2 / ri),
         math.sqrt(MU_M3_S2 / rj),
         4.0 * math.sin(0.5 * theta) ** 2,
@@ -234,11 +241,11 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         lap_time(rule.max_radius, wide_j)[0],
         inclination_i,
         inclination_j,
-        orbit_j[ephemeris.RAAN] - orbit_i[ephemeris.RAAN],
-        orbit_j[ephemeris.RAAN_RATE] - orbit_i[ephemeris.RAAN_RATE],
-        orbit_j[ephemeris.RAAN_RATE],
-        orbit_i[ephemeris.ARGUMENT_OF_LATITUDE],
-        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE],
+        node_j - node_i,
+        node_rate_j - node_rate_i,
+        node_rate_j,
+        latitude_i,
+        latitude_j,
         wide_i,
         wide_j,
         -strength * math.pi * cosine_i,
@@ -246,8 +253,8 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule):
         matching_alone,
         eccentricity_i,
         eccentricity_j,
-        orbit_j[ephemeris.PERIGEE] - orbit_i[ephemeris.PERIGEE],
-        orbit_j[ephemeris.PERIGEE_RATE] - orbit_i[ephemeris.PERIGEE_RATE],
+        perigee_j - perigee_i,
+        perigee_rate_j - perigee_rate_i,
     )
 
 

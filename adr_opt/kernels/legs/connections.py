@@ -22,6 +22,7 @@ from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
 from ..core.lists import ending
 from ..core.memory import borrowed
+from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, phasing, zones
 from .found import ConnectionArrays
 
@@ -52,6 +53,30 @@ class CrossingGrid(NamedTuple):
     time: np.ndarray
     cost: np.ndarray
     revolutions: np.ndarray
+
+
+class _Sieve(NamedTuple):
+    """What the sequences of a pair are sifted by.
+
+    Attributes
+    ----------
+    zoned : bool
+        Whether there are zones.
+    approach : float
+        What follows the flight time [s].
+    longest : float
+        Longest flight time [s].
+    duration : float
+        Connections that arrive later are left out [s].
+    resolution : float
+        A connection that saves no more than this is dominated [m/s].
+    """
+
+    zoned: bool
+    approach: float
+    longest: float
+    duration: float
+    resolution: float
 
 
 @kernel
@@ -117,25 +142,27 @@ def _cheapest_open(pair, rule, first, departure, time, below):
 
 
 @kernel
-def _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept):
+def _sift(pair, rule, sieve, grid, e, known, kept):
     """The rows of an event that nothing dominates, in order of arrival; how many.
 
     Parameters
     ----------
-    zoned : bool
-        Whether there are zones.
-    approach : float
-        What follows the flight time [s].
-    latest : float
-        Longest flight time [s].
+    pair : Pair
+    rule : TransferRule
+    sieve : _Sieve
+    grid : CrossingGrid
+    e : int
+        The event in it.
     known : (crossings,) float64
         Least ΔV by which one arrives at each crossing who departs later [m/s]; brought up to date.
     kept : (rows,) int64
         Written; their costs in the grid are those of sequences that meet no zone.
     """
     grid, known, kept = borrowed(grid), borrowed(known), borrowed(kept)
+    zoned, approach, resolution = sieve.zoned, sieve.approach, sieve.resolution
     count, cheapest = 0, math.inf
     crossing = grid.crossing[e]
+    latest = min(sieve.longest, sieve.duration - grid.departure[e] - approach)
     for row in range(grid.time.shape[0]):
         if grid.time[row, e] > latest:
             break
@@ -179,7 +206,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     -------
     ConnectionArrays
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     first = co_elliptic.first_departure(pair)[0]
     lap = TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
@@ -199,14 +226,14 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     room = rows * events
     departures, arrivals, costs = np.empty(room), np.empty(room), np.empty(room)
     laps, crossings = np.empty(room, np.int8), np.empty(room, np.int32)
-    at, zoned = room, rule.zones.shape[0] > 0
+    at = room
+    sieve = _Sieve(rule.zones.shape[0] > 0, approach, longest, duration, resolution)
     curves = phasing.curves_of(pair, rule)
     for end in range(events, 0, -BLOCK):
         begin = max(end - BLOCK, 0)
         _lay_out(pair, rule, curves, begin, end - begin, duration, grid)
         for e in range(end - begin - 1, -1, -1):
-            latest = min(longest, duration - grid.departure[e] - approach)
-            count = _sift(pair, rule, zoned, grid, e, approach, latest, resolution, known, kept)
+            count = _sift(pair, rule, sieve, grid, e, known, kept)
             for c in range(count - 1, -1, -1):
                 at -= 1
                 departures[at] = grid.departure[e]

@@ -6,6 +6,7 @@ moves on any drift orbit that could be paid for, so arrivals that are too dear a
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,22 @@ from .drift_pair import margin, radius_of, task_of
 SLACK_M_S = 0.3
 """ΔV with phase may be that much less than :mod:`.drift_free` says: its tips are rounded off, and
 arcs beside the drift orbit are taken as halfway to it."""
+
+
+class LongTransfers(NamedTuple):
+    """Long transfers of a pair, in order of departure, then of arrival.
+
+    Attributes
+    ----------
+    departure, arrival : (long,) int32
+        Numbers of times of the grid.
+    delta_v : (long,) float64
+        [m/s].
+    """
+
+    departure: np.ndarray
+    arrival: np.ndarray
+    delta_v: np.ndarray
 
 
 @kernel
@@ -78,9 +95,7 @@ def _change(pair, step, budget):
 
 
 @kernel
-def of_pair(
-    pair, zones, step, longest, duration, most, resolution, departure, arrival, delta_v, kept
-):
+def of_pair(pair, zones, times, duration, resolution, shorts, kept):
     """The transfers of a pair that no other one dominates: long ones on a grid of times, and short.
 
     Parameters
@@ -88,31 +103,27 @@ def of_pair(
     pair : DriftPair
     zones : (zones, 4) float64
         As in :class:`.co_elliptic.TransferRule`.
-    step, longest : float
-        Of the grid, and the longest time of a long transfer [s].
+    times : Times
     duration : float
         The last arrival [s].
-    most : float
-        Dearer ones are left out [m/s].
     resolution : float
         A transfer that saves no more than this is dominated [m/s].
-    departure, arrival, delta_v : (short,) float64
-        Short transfers, none of which dominates another, in order of departure [s], [s], [m/s].
+    shorts : Shorts
+        None of them dominates another, in order of departure.
     kept : (short,) bool
         Written: those that no long one dominates.
 
     Returns
     -------
-    departures, arrivals : (long,) int32
-        Numbers of times of the grid; in order of departure, then of arrival.
-    costs : (long,) float64
-        [m/s].
+    LongTransfers
     """
-    times = math.floor(duration / step) + 1
-    furthest = min(math.floor(longest / step), times - 1)
+    departure, arrival, delta_v = shorts.departure, shorts.arrival, shorts.delta_v
+    step, most = times.step, times.most
+    points = math.floor(duration / step) + 1
+    furthest = min(math.floor(times.longest / step), points - 1)
     # The least cost of all that leave later and arrive by then.
-    stair, shape = np.empty(times), np.empty(times)
-    for t in range(times):
+    stair, shape = np.empty(points), np.empty(points)
+    for t in range(points):
         stair[t], shape[t] = math.inf, drift_linear.shape_left(pair.linear, t * step)
     room = 1024
     departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
@@ -121,18 +132,18 @@ def of_pair(
     # Whatever is drifted, radius and inclination have to be changed in all.
     floor = math.hypot(pair.climb, pair.linear.tilt)
     budget, change = most, _change(pair, step, most)
-    for begin in range(times - 1, -1, -1):
+    for begin in range(points - 1, -1, -1):
         while short >= 0 and departure[short] >= begin * step:
             kept[short] = True
-            for t in range(begin + 1, min(math.floor(arrival[short] / step), times - 1) + 1):
+            for t in range(begin + 1, min(math.floor(arrival[short] / step), points - 1) + 1):
                 kept[short] = kept[short] and delta_v[short] < stair[t] - resolution
             there = math.ceil(arrival[short] / step)
-            if there < times:
+            if there < points:
                 stair[there] = min(stair[there], delta_v[short])
             short -= 1
         if floor > most:
             continue
-        last = min(begin + furthest, times - 1)
+        last = min(begin + furthest, points - 1)
         cheapest = most + resolution
         looked, lag = begin + 1, math.inf
         climb = tilt = before_climb = before_tilt = 0.0
@@ -188,7 +199,7 @@ def of_pair(
             order[at] = c
             at += 1
         high = low
-    return (
+    return LongTransfers(
         chosen(departures, order, count),
         chosen(arrivals, order, count),
         chosen(costs_found, order, count),

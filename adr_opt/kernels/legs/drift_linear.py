@@ -76,7 +76,7 @@ class LinearPair(NamedTuple):
 
 
 @kernel
-def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
+def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness, time):
     """Everything about long transfers i → j that does not depend on their times.
 
     Parameters
@@ -88,17 +88,25 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
         Limits of the drift orbit [m].
     oblateness : float
         J2 R² [m²].
+    time : float
+        About which elements and rates are taken: they hold for all departures and arrivals [s].
 
     Returns
     -------
     LinearPair
     """
-    ri, rj = orbit_i[ephemeris.RADIUS], orbit_j[ephemeris.RADIUS]
+    ri, rj = ephemeris.radius_at(orbit_i, time), ephemeris.radius_at(orbit_j, time)
     mean_radius = 0.5 * (ri + rj)
-    inclination = 0.5 * (orbit_i[ephemeris.INCLINATION] + orbit_j[ephemeris.INCLINATION])
+    inclination_i = ephemeris.inclination_at(orbit_i, time)
+    inclination_j = ephemeris.inclination_at(orbit_j, time)
+    inclination = 0.5 * (inclination_i + inclination_j)
     speed = math.sqrt(MU_M3_S2 / mean_radius)
     sine, cosine = math.sin(inclination), math.cos(inclination)
-    rate_i, rate_j = ephemeris.coasting_node_rate(orbit_i), orbit_j[ephemeris.RAAN_RATE]
+    node_i, body_rate_i = ephemeris.node_tangent(orbit_i, time)
+    node_j, rate_j = ephemeris.node_tangent(orbit_j, time)
+    perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
+    perigee_j, perigee_rate_j = ephemeris.perigee_tangent(orbit_j, time)
+    rate_i = ephemeris.coasting_node_rate_at(orbit_i, time)
     mean_rate = 0.5 * (rate_i + rate_j)
     if abs(cosine) > POLAR:
         per_cosine = mean_rate / cosine
@@ -109,21 +117,21 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness):
     return LinearPair(
         speed,
         sine,
-        orbit_j[ephemeris.RAAN] - orbit_i[ephemeris.RAAN],
+        node_j - node_i,
         rate_j - rate_i,
-        rate_i - orbit_i[ephemeris.RAAN_RATE],
+        rate_i - body_rate_i,
         reach * (rj - ri),
-        speed * (orbit_j[ephemeris.INCLINATION] - orbit_i[ephemeris.INCLINATION]),
+        speed * (inclination_j - inclination_i),
         7.0 * mean_rate * sine,
         per_cosine * sine * sine,
         ri,
         rj,
         reach * (min_radius - ri),
         reach * (max_radius - ri),
-        orbit_i[ephemeris.ECCENTRICITY],
-        orbit_j[ephemeris.ECCENTRICITY],
-        orbit_j[ephemeris.PERIGEE] - orbit_i[ephemeris.PERIGEE],
-        orbit_j[ephemeris.PERIGEE_RATE] - orbit_i[ephemeris.PERIGEE_RATE],
+        ephemeris.eccentricity_at(orbit_i, time),
+        ephemeris.eccentricity_at(orbit_j, time),
+        perigee_j - perigee_i,
+        perigee_rate_j - perigee_rate_i,
     )
 
 

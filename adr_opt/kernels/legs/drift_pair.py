@@ -88,7 +88,7 @@ class Task(NamedTuple):
 
 
 @kernel
-def prepare(orbit_i, orbit_j, rule):
+def prepare(orbit_i, orbit_j, rule, time):
     """Everything about drift legs i → j that does not depend on their times.
 
     Parameters
@@ -97,22 +97,27 @@ def prepare(orbit_i, orbit_j, rule):
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`, the first one of a body as
         it is left.
     rule : TransferRule
+    time : float
+        About which elements and rates are taken: they hold for all departures and arrivals [s].
 
     Returns
     -------
     DriftPair
     """
     linear = drift_linear.prepare(
-        orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness
+        orbit_i, orbit_j, rule.min_radius, rule.max_radius, rule.oblateness, time
     )
-    inclination_i, inclination_j = orbit_i[ephemeris.INCLINATION], orbit_j[ephemeris.INCLINATION]
+    ri, rj = linear.radius_i, linear.radius_j
+    inclination_i = ephemeris.inclination_at(orbit_i, time)
+    inclination_j = ephemeris.inclination_at(orbit_j, time)
     inclination = 0.5 * (inclination_i + inclination_j)
-    mean_radius = 0.5 * (orbit_i[ephemeris.RADIUS] + orbit_j[ephemeris.RADIUS])
-    speed_i = math.sqrt(MU_M3_S2 / orbit_i[ephemeris.RADIUS])
+    latitude_i, latitude_rate_i = ephemeris.latitude_tangent(orbit_i, time)
+    latitude_j, latitude_rate_j = ephemeris.latitude_tangent(orbit_j, time)
+    speed_i = math.sqrt(MU_M3_S2 / ri)
     return DriftPair(
         linear,
         speed_i,
-        speed_i - math.sqrt(MU_M3_S2 / orbit_j[ephemeris.RADIUS]),
+        speed_i - math.sqrt(MU_M3_S2 / rj),
         speed_i - math.sqrt(MU_M3_S2 / rule.min_radius),
         speed_i - math.sqrt(MU_M3_S2 / rule.max_radius),
         inclination_i,
@@ -121,14 +126,14 @@ def prepare(orbit_i, orbit_j, rule):
         math.cos(inclination_i),
         math.sin(inclination_i),
         math.cos(inclination_j),
-        ephemeris.coasting_node_rate(orbit_i),
-        orbit_j[ephemeris.RAAN_RATE],
-        orbit_j[ephemeris.ARGUMENT_OF_LATITUDE] - orbit_i[ephemeris.ARGUMENT_OF_LATITUDE],
-        orbit_i[ephemeris.LATITUDE_RATE],
-        orbit_j[ephemeris.LATITUDE_RATE],
-        rule.standoff / orbit_j[ephemeris.RADIUS],
-        rule.approach_revolutions * ephemeris.revolution(orbit_j),
-        math.pi / ephemeris.latitude_rate(mean_radius, inclination, rule.oblateness),
+        ephemeris.coasting_node_rate_at(orbit_i, time),
+        ephemeris.node_rate_at(orbit_j, time),
+        latitude_j - latitude_i,
+        latitude_rate_i,
+        latitude_rate_j,
+        rule.standoff / rj,
+        rule.approach_revolutions * ephemeris.revolution_at(orbit_j, time),
+        math.pi / ephemeris.latitude_rate(0.5 * (ri + rj), inclination, rule.oblateness),
         rule.first_leg_fraction,
         rule.oblateness,
     )

@@ -5,34 +5,15 @@ As :mod:`.connections` for two bodies, but that nothing is regular any more: sho
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ..core.compile import kernel
 from ..core.lists import chosen, ranks, rising
+from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, drift_grid, drift_pair
 from .found import ConnectionArrays
-from .short_transfers import short
-
-
-class Times(NamedTuple):
-    """When transfers may leave, and how long they may take.
-
-    Attributes
-    ----------
-    interval : float
-        Between departure events of a pair, at least [s].
-    step, longest : float
-        Of the grid of long transfers, and the longest of them, 0 for none [s].
-    most : float
-        Transfers that cost more are of no use to anybody [m/s].
-    """
-
-    interval: float
-    step: float
-    longest: float
-    most: float
+from .short_transfers import Shorts, short
 
 
 @kernel
@@ -55,8 +36,11 @@ def _by_departure(departure, arrival, order):
 
 
 @kernel
-def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step):
-    """Short and long transfers in one list, by departure and then by arrival."""
+def _merged(shorts, kept, longs, step):
+    """Short transfers that are kept and long ones in one list, by departure and then by arrival."""
+    departure, arrival = shorts.departure, shorts.arrival
+    cost, laps = shorts.delta_v, shorts.revolutions
+    leaves, lands, long_cost = longs.departure, longs.arrival, longs.delta_v
     rank = ranks(arrival)
     order = rising(arrival, arrival.size)
     highest = 0 if lands.size == 0 else lands.max()
@@ -67,10 +51,9 @@ def _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, step
         while place < order.size and arrival[order[place]] < t * step:
             place += 1
         before[t] = 0 if place == 0 else rank[order[place - 1]] + 1
-    shorts = 0
+    size = leaves.size
     for c in range(kept.size):
-        shorts += kept[c]
-    size = shorts + leaves.size
+        size += kept[c]
     departures, arrivals, costs = np.empty(size), np.empty(size), np.empty(size)
     revolutions, crossing = np.empty(size, np.int8), np.empty(size, np.int32)
     short, long = 0, 0
@@ -118,19 +101,20 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     ConnectionArrays
         Long transfers have −1 revolutions.
     """
-    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule)
+    pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     found, order = short(pair, rule, duration, times.interval, times.most, resolution)
-    shorts = order.size
+    size = order.size
     _by_departure(found.departure, found.arrival, order)
-    departure = chosen(found.departure, order, shorts)
-    arrival = chosen(found.arrival, order, shorts)
-    cost, laps = chosen(found.delta_v, order, shorts), chosen(found.revolutions, order, shorts)
-    if times.longest < times.step:
-        return ConnectionArrays(departure, arrival, cost, laps, ranks(arrival))
-    drifts = drift_pair.prepare(orbit_i, orbit_j, rule)
-    kept = np.empty(shorts, np.bool_)
-    leaves, lands, long_cost = drift_grid.of_pair(
-        drifts, rule.zones, times.step, times.longest, duration, times.most, resolution,
-        departure, arrival, cost, kept,
+    shorts = Shorts(
+        chosen(found.departure, order, size), chosen(found.arrival, order, size),
+        chosen(found.delta_v, order, size), chosen(found.revolutions, order, size),
     )  # fmt: skip
-    return _merged(departure, arrival, cost, laps, kept, leaves, lands, long_cost, times.step)
+    if times.longest < times.step:
+        return ConnectionArrays(
+            shorts.departure, shorts.arrival, shorts.delta_v, shorts.revolutions,
+            ranks(shorts.arrival),
+        )  # fmt: skip
+    drifts = drift_pair.prepare(orbit_i, orbit_j, rule, EPOCH_S)
+    kept = np.empty(size, np.bool_)
+    longs = drift_grid.of_pair(drifts, rule.zones, times, duration, resolution, shorts, kept)
+    return _merged(shorts, kept, longs, times.step)

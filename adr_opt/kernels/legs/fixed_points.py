@@ -57,6 +57,51 @@ LANES = 8
 COST, REVOLUTIONS, LEFT, MET = range(4)
 
 
+class _Motion(NamedTuple):
+    """How a pair moves, which is the same for all of its sequences.
+
+    Attributes
+    ----------
+    rate_i, rate_j : float
+        Of the arguments of latitude [rad/s].
+    cosine_i, cosine_j : float
+        Of the inclinations.
+    lag_rate : float
+        Of Ω_j − Ω_i [rad/s].
+    sines : float
+        2 sin i_i sin i_j.
+    fixed : float
+        ΔV of the approach [m/s].
+    """
+
+    rate_i: float
+    rate_j: float
+    cosine_i: float
+    cosine_j: float
+    lag_rate: float
+    sines: float
+    fixed: float
+
+
+class _Laps(NamedTuple):
+    """Sequences with a number of revolutions in a row of a grid.
+
+    Attributes
+    ----------
+    k : float
+        Revolutions.
+    later : float
+        How much longer sequences of the row fly than those of the first one [s].
+    low, high : float
+        Between which flight times there are some with k revolutions [s].
+    """
+
+    k: float
+    later: float
+    low: float
+    high: float
+
+
 class MeetingGrid(NamedTuple):
     """The cheapest sequences of a block of events, by when they meet the target.
 
@@ -146,7 +191,7 @@ def _angle(sine, cosine):
 
 
 @inlined
-def _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j):
+def _ends(facts, e, s, motion):
     """How much later than its event a sequence leaves and meets the target for s [s].
 
     Returns
@@ -166,13 +211,14 @@ def _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j):
     moved = 2.0 * sine * (at_cosine * cosine - at_sine * sine)
     versine = 2.0 * sine * (at_sine * cosine + at_cosine * sine)
     across, along = facts[ACROSS_I * BLOCK + e], facts[ALONG_I * BLOCK + e]
-    sine_i = across * moved + cosine_i * along * versine
-    into_i = 1.0 + along * moved - cosine_i * across * versine
+    sine_i = across * moved + motion.cosine_i * along * versine
+    into_i = 1.0 + along * moved - motion.cosine_i * across * versine
     across, along = facts[ACROSS_J * BLOCK + e], facts[ALONG_J * BLOCK + e]
-    sine_j = across * moved - cosine_j * along * versine
-    into_j = 1.0 + along * moved + cosine_j * across * versine
+    sine_j = across * moved - motion.cosine_j * along * versine
+    into_j = 1.0 + along * moved + motion.cosine_j * across * versine
     narrow = (abs(sine_i) <= SMALL * into_i) & (abs(sine_j) <= SMALL * into_j)
-    return _angle(sine_i, into_i) / rate_i, _angle(sine_j, into_j) / rate_j, versine, narrow
+    left, met = _angle(sine_i, into_i) / motion.rate_i, _angle(sine_j, into_j) / motion.rate_j
+    return left, met, versine, narrow
 
 
 @inlined
@@ -185,24 +231,23 @@ def _shift(curve, time):
 
 
 @kernel
-def _lower(
-    facts, curve, found, size, later, k, low, high,
-    rate_i, rate_j, cosine_i, cosine_j, lag_rate, sines, fixed,
-):  # fmt: skip
+def _lower(facts, curve, found, size, laps, motion):
     """Lower a part of a row to sequences with k revolutions; one loop that becomes vectors."""
+    k, later, low, high = laps
+    lag_rate, sines, fixed = motion.lag_rate, motion.sines, motion.fixed
     for e in range(size):
         base = facts[BASE * BLOCK + e] + later
         # s = g(s): g(0), g there, on by Aitken's rule, and a step of the secant method.
         s0 = _shift(curve, base)
-        left, met, versine, narrow = _ends(facts, e, s0, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s0, motion)
         s1 = lag_rate * left + _shift(curve, base + met - left)
         bend = 2.0 * s0 - s1
         s2 = s1 if bend == 0.0 else s1 + (s1 - s0) * (s1 - s0) / bend
-        left, met, versine, narrow = _ends(facts, e, s2, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s2, motion)
         s3 = lag_rate * left + _shift(curve, base + met - left)
         steep = 0.0 if s2 == s0 else (s3 - s1) / (s2 - s0)
         s = s2 + (s3 - s2) / (1.0 - steep)
-        left, met, versine, narrow = _ends(facts, e, s, rate_i, rate_j, cosine_i, cosine_j)
+        left, met, versine, narrow = _ends(facts, e, s, motion)
         time = base + met - left
         shift = _shift(curve, time)
         climb = rest = chord = square = 0.0
@@ -266,7 +311,10 @@ def lay_out(pair, grid, numbers, bases, rows):
         for e in range(COST * BLOCK, COST * BLOCK + size):
             grid.found[row, e] = math.inf
     sines = 2.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
-    cosine_i, cosine_j = math.cos(pair.inclination_i), math.cos(pair.inclination_j)
+    motion = _Motion(
+        pair.rate_i, pair.rate_j, math.cos(pair.inclination_i), math.cos(pair.inclination_j),
+        pair.lag_rate, sines, pair.fixed_delta_v,
+    )  # fmt: skip
     for k in range(grid.curves.shape[0]):
         low = pair.shortest + k * pair.shortest_lap
         high = pair.longest + k * pair.longest_lap
@@ -282,8 +330,7 @@ def lay_out(pair, grid, numbers, bases, rows):
                 begin = begin // LANES * LANES
                 _lower(
                     grid.facts[begin:], grid.curves[k], grid.found[row, begin:],
-                    (end - begin + LANES - 1) // LANES * LANES, row * lap, float(k), low, high,
-                    pair.rate_i, pair.rate_j, cosine_i, cosine_j, pair.lag_rate, sines,
-                    pair.fixed_delta_v,
+                    (end - begin + LANES - 1) // LANES * LANES,
+                    _Laps(float(k), row * lap, low, high), motion,
                 )  # fmt: skip
             row += 1

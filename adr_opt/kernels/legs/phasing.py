@@ -9,10 +9,12 @@ for. What is left of interpolation is at the level of rounding where the altitud
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from ..core.compile import inlined, kernel
+from ..orbits.ephemeris import planes_drift
 from . import co_elliptic, precession
 from .curves import NODES, Curves
 
@@ -53,7 +55,7 @@ def curves_of(pair, rule):
     time, coefficients = np.empty((counts, NODES)), np.empty((counts, 5, NODES))
     if counts == 0:
         return Curves(time, coefficients)
-    drifts = rule.oblateness != 0.0
+    drifts = planes_drift(rule.oblateness)
     parts = 5 if drifts else 4
     flight, lap, radius = np.empty(NODES), np.empty(NODES), np.empty(NODES)
     direct, phased = np.empty((4, NODES)), np.empty((4, NODES))
@@ -100,11 +102,27 @@ def parts_at(curves, k, time):
     return climb, rest, chord, square, shift
 
 
+class _Laps(NamedTuple):
+    """A number of phasing revolutions, and between which flight times it can be flown [s]."""
+
+    k: int
+    low: float
+    high: float
+
+
+class _Price(NamedTuple):
+    """What makes a ΔV of the four numbers: 4 sin²(θ/2), v |Δe| / 2 and the approach [–, m/s]."""
+
+    turn: float
+    matching: float
+    fixed: float
+
+
 @kernel
-def _lower(
-    times, size, k, low, high, nodes, coefficients, turn, matching, fixed, cost, revolutions
-):
+def _lower(times, size, laps, nodes, coefficients, price, cost, revolutions):
     """Lower costs to those of sequences with k revolutions; one loop that becomes vectors."""
+    k, low, high = laps
+    turn, matching, fixed = price
     for t in range(size):
         time = times[t]
         climb = rest = chord = square = 0.0
@@ -143,9 +161,10 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     low = pair.shortest + k * pair.shortest_lap
     high = pair.longest + k * pair.longest_lap
     if curves.time.shape[0] > 0:
+        price = _Price(pair.turn, pair.matching, pair.fixed_delta_v)
         _lower(
-            times, size, k, low, high, curves.time[k], curves.coefficients[k],
-            pair.turn, pair.matching, pair.fixed_delta_v, cost, revolutions,
+            times, size, _Laps(k, low, high), curves.time[k], curves.coefficients[k], price,
+            cost, revolutions,
         )  # fmt: skip
         return
     for t in range(size):

@@ -80,6 +80,41 @@ class Known(NamedTuple):
     until: np.ndarray
 
 
+class _Sifted(NamedTuple):
+    """What sifting has found so far of the later events of a pair."""
+
+    known: Known
+    shorts: Shorts
+
+
+class _Limits(NamedTuple):
+    """Which short transfers are wanted: as :func:`short` takes them [s], [m/s], [m/s]."""
+
+    duration: float
+    most: float
+    resolution: float
+
+
+class _PlacedEvent(NamedTuple):
+    """A departure event, and its place in a grid.
+
+    Attributes
+    ----------
+    half_turns : int
+    number : (5,) float64
+        What else :func:`events_of` says of it.
+    place : int
+        In the grid, −1 if its sequences have to be settled one by one.
+    base : float
+        Flight time of the first row without ε [s].
+    """
+
+    half_turns: int
+    number: np.ndarray
+    place: int
+    base: float
+
+
 @kernel
 def _settled(pair, rule, curves, half_turns, number, met, below):
     """The cheapest sequence of an event that meets the target about a time, found one by one.
@@ -151,10 +186,7 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
 
 
 @kernel
-def _sift(
-    pair, rule, curves, grid, half_turns, number, place, base, duration, most, resolution,
-    known, shorts, count,
-):  # fmt: skip
+def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
     """Add the sequences of an event that none of a later departure dominates; how many there are.
 
     Parameters
@@ -162,23 +194,18 @@ def _sift(
     pair : Pair
     rule : TransferRule
     curves : Curves
-    grid : Grid
+    grid : MeetingGrid
         With the event in it.
-    half_turns, number
-        As :func:`_settled` takes them.
-    place : int
-        Of the event in the grid, −1 if its sequences have to be settled one by one.
-    base : float
-        Flight time of the first row without ε [s].
-    duration, most, resolution : float
-        As :func:`short` takes them.
-    known : Known
-        Brought up to date.
-    shorts : Shorts
-        Written from number ``count`` on.
+    placed : _PlacedEvent
+    limits : _Limits
+    sifted : _Sifted
+        What is known is brought up to date, and transfers are written from number ``count`` on.
     count : int
     """
-    grid, known, shorts = borrowed(grid), borrowed(known), borrowed(shorts)
+    grid, placed, sifted = borrowed(grid), borrowed(placed), borrowed(sifted)
+    half_turns, number, place, base = placed
+    duration, most, resolution = limits
+    known, shorts = sifted
     event, lap = number[0], TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
@@ -276,6 +303,7 @@ def short(pair, rule, duration, spacing, most, resolution):
         known.delta_v[c], known.until[c] = math.inf, math.inf
     room = rows * size
     shorts = Shorts(np.empty(room), np.empty(room), np.empty(room), np.empty(room, np.int8))
+    sifted, limits = _Sifted(known, shorts), _Limits(duration, most, resolution)
     grid, count, ends = fixed_points.grid_of(curves, rows), 0, np.empty(size + 1, np.int64)
     ends[size] = 0
     approach = rule.approach_revolutions * lap
@@ -289,11 +317,9 @@ def short(pair, rule, duration, spacing, most, resolution):
         for e in range(end - 1, begin - 1, -1):
             theta = numbers[e, 4]
             sure = curves.time.shape[0] > 0 and FLAT_RAD <= theta <= math.pi - FLAT_RAD
-            count = _sift(
-                pair, rule, curves, grid, half_turns[e], numbers[e],
-                grid.place[e - begin] if sure else -1, bases[e],
-                duration, most, resolution, known, shorts, count,
-            )  # fmt: skip
+            place = grid.place[e - begin] if sure else -1
+            placed = _PlacedEvent(half_turns[e], numbers[e], place, bases[e])
+            count = _sift(pair, rule, curves, grid, placed, limits, sifted, count)
             ends[e] = count
     order, place = np.empty(count, np.int64), 0
     for e in range(size):

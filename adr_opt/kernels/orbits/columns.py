@@ -1,4 +1,9 @@
-"""The columns of a body: elements at t = 0, and their secular rates."""
+"""The columns of a body: elements at t = 0, and their secular rates.
+
+Known in this room alone: others ask :mod:`.ephemeris` for the elements of a body at a time, or
+:mod:`.elements` for those of many. Rows are made by :func:`.ephemeris.body_row` and changed by
+:mod:`.body_rows`.
+"""
 
 ORBIT_COLUMNS = (
     "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",

@@ -12,11 +12,7 @@ where perigees do, it depends on the time.
 
 import math
 
-import numpy as np
-
-from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-from . import columns
 
 
 @kernel
@@ -61,7 +57,7 @@ def whole(circles, turned, matching):
 
 
 @inlined
-def _alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
+def alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
     """Half of v |Δe| with what ω_j − ω_i and Ω_j − Ω_i are at a time [m/s]."""
     angle = perigee_lag + along_turn(inclination_i, inclination_j, lag)
     return 0.5 * speed * chord(eccentricity_i, eccentricity_j, angle)
@@ -72,7 +68,7 @@ def matching(pair, time):
     """What matching alone would cost when a sequence leaves, v |Δe| / 2 [m/s]."""
     if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
         return pair.matching
-    return _alone(
+    return alone(
         math.sqrt(pair.speed_i * pair.speed_j),
         pair.eccentricity_i,
         pair.eccentricity_j,
@@ -81,34 +77,3 @@ def matching(pair, time):
         pair.inclination_j,
         pair.lag + pair.lag_rate * time,
     )
-
-
-@kernel
-def matchings(bodies):
-    """The same of all pairs, with the orbits as they are at t = 0 [m/s].
-
-    Parameters
-    ----------
-    bodies : (bodies, columns) float64
-        Rows of :data:`.columns.ORBIT_COLUMNS`.
-
-    Returns
-    -------
-    (origin, destination) float64
-    """
-    count = bodies.shape[0]
-    costs = np.zeros((count, count))
-    for i in range(count):
-        for j in range(i):
-            costs[i, j] = costs[j, i] = _alone(
-                math.sqrt(
-                    MU_M3_S2 / math.sqrt(bodies[i, columns.RADIUS] * bodies[j, columns.RADIUS])
-                ),
-                bodies[i, columns.ECCENTRICITY],
-                bodies[j, columns.ECCENTRICITY],
-                bodies[j, columns.PERIGEE] - bodies[i, columns.PERIGEE],
-                bodies[i, columns.INCLINATION],
-                bodies[j, columns.INCLINATION],
-                bodies[j, columns.RAAN] - bodies[i, columns.RAAN],
-            )
-    return costs

@@ -2,7 +2,12 @@
 
 A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
-of J2 (docs/model.md section 1). Who asks for elements or states at a time asks here.
+of J2 (docs/model.md section 1). Elements, rates and states of a body at a time are asked for here,
+and no other room knows how a row holds them: :mod:`.elements` has those of many bodies as arrays,
+:func:`body_row` makes a row, and :mod:`.body_rows` changes some.
+
+Every element takes a time, also those that do not change in today's dynamics. So an orbit that
+changes with time is a change of this room.
 """
 
 import math
@@ -11,17 +16,22 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
-from .columns import ARGUMENT_OF_LATITUDE as ARGUMENT_OF_LATITUDE
-from .columns import COASTING_RAAN_RATE as COASTING_RAAN_RATE
-from .columns import ECCENTRICITY as ECCENTRICITY
-from .columns import INCLINATION as INCLINATION
-from .columns import LATITUDE_RATE as LATITUDE_RATE
+from .columns import (
+    ARGUMENT_OF_LATITUDE,
+    COASTING_RAAN_RATE,
+    ECCENTRICITY,
+    INCLINATION,
+    LATITUDE_RATE,
+    PERIGEE,
+    PERIGEE_RATE,
+    RAAN,
+    RAAN_RATE,
+    RADIUS,
+)
 from .columns import ORBIT_COLUMNS as ORBIT_COLUMNS
-from .columns import PERIGEE as PERIGEE
-from .columns import PERIGEE_RATE as PERIGEE_RATE
-from .columns import RAAN as RAAN
-from .columns import RAAN_RATE as RAAN_RATE
-from .columns import RADIUS as RADIUS
+
+EPOCH_S = 0.0
+"""The time for elements that hold for a whole mission: the epoch of the instance [s]."""
 
 COPLANAR_RAD = 1e-9
 """Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
@@ -84,6 +94,67 @@ def secular_rates(axis, eccentricity, inclination, oblateness):
     )
 
 
+def body_row(
+    radius_m: float,
+    inclination: float,
+    node: float,
+    latitude: float,
+    *,
+    eccentricity: float = 0.0,
+    perigee: float = 0.0,
+    oblateness_m2: float = 0.0,
+) -> tuple[float, ...]:
+    """A body on a mean orbit, with its secular rates (docs/model.md section 1).
+
+    Parameters
+    ----------
+    radius_m, inclination : float
+        Of the circle that is planned with [m], [rad].
+    node, latitude : float
+        RAAN and argument of latitude at t = 0 [rad].
+    eccentricity, perigee : float
+        Of the true orbit, and its argument of perigee at t = 0 [rad].
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
+
+    Returns
+    -------
+    (columns,) float
+        :data:`ORBIT_COLUMNS`.
+    """
+    node_rate, perigee_rate, anomaly_rate = secular_rates(
+        radius_m, eccentricity, inclination, oblateness_m2
+    )
+    return (
+        radius_m, inclination, node, latitude, node_rate, perigee_rate + anomaly_rate,
+        eccentricity, perigee, perigee_rate,
+    )  # fmt: skip
+
+
+@inlined
+def planes_drift(oblateness):
+    """Whether nodes and perigees move: under J2, but not in two-body motion.
+
+    Parameters
+    ----------
+    oblateness : float
+        J2 R², 0 for two bodies [m²].
+    """
+    return oblateness != 0.0
+
+
+@inlined
+def radius_at(orbit, time):
+    """Radius of the circle of a body at a time [m]."""
+    return orbit[RADIUS]
+
+
+@inlined
+def inclination_at(orbit, time):
+    """Inclination of a body at a time [rad]."""
+    return orbit[INCLINATION]
+
+
 @inlined
 def node_at(orbit, time):
     """RAAN of a body at a time [rad]."""
@@ -91,11 +162,17 @@ def node_at(orbit, time):
 
 
 @inlined
-def coasting_node_rate(orbit):
-    """Rate of the node of who has left a body and stays on the orbit that he left from [rad/s]."""
+def node_rate_at(orbit, time):
+    """Rate of the node of a body at a time [rad/s]."""
+    return orbit[RAAN_RATE]
+
+
+@inlined
+def coasting_node_rate_at(orbit, time):
+    """Rate of the node of a chaser that left a body at a time and stays on its orbit [rad/s]."""
     if orbit.size > COASTING_RAAN_RATE:
         return orbit[COASTING_RAAN_RATE]
-    return orbit[RAAN_RATE]
+    return node_rate_at(orbit, time)
 
 
 @inlined
@@ -105,9 +182,60 @@ def latitude_at(orbit, time):
 
 
 @inlined
-def revolution(orbit):
-    """How long a body takes from node to node [s]."""
-    return 2.0 * math.pi / orbit[LATITUDE_RATE]
+def latitude_rate_at(orbit, time):
+    """Rate of the argument of latitude of a body at a time [rad/s]."""
+    return orbit[LATITUDE_RATE]
+
+
+@inlined
+def revolution_at(orbit, time):
+    """How long a body takes from node to node about a time [s]."""
+    return 2.0 * math.pi / latitude_rate_at(orbit, time)
+
+
+@inlined
+def eccentricity_at(orbit, time):
+    """Eccentricity of the true orbit of a body at a time."""
+    return orbit[ECCENTRICITY]
+
+
+@inlined
+def perigee_at(orbit, time):
+    """Argument of perigee of the true orbit of a body at a time [rad]."""
+    return orbit[PERIGEE] + orbit[PERIGEE_RATE] * time
+
+
+@inlined
+def perigee_rate_at(orbit, time):
+    """Rate of the argument of perigee of a body at a time [rad/s]."""
+    return orbit[PERIGEE_RATE]
+
+
+@inlined
+def node_tangent(orbit, time):
+    """The motion of a node about a time as a straight line, from t = 0 on.
+
+    Returns
+    -------
+    node, rate : float
+        The RAAN that the line has at t = 0 [rad], and its slope [rad/s].
+    """
+    rate = node_rate_at(orbit, time)
+    return node_at(orbit, time) - rate * time, rate
+
+
+@inlined
+def latitude_tangent(orbit, time):
+    """The same of the argument of latitude [rad], [rad/s]."""
+    rate = latitude_rate_at(orbit, time)
+    return latitude_at(orbit, time) - rate * time, rate
+
+
+@inlined
+def perigee_tangent(orbit, time):
+    """The same of the argument of perigee [rad], [rad/s]."""
+    rate = perigee_rate_at(orbit, time)
+    return perigee_at(orbit, time) - rate * time, rate
 
 
 @kernel
@@ -193,8 +321,8 @@ def relative_node(inclination_i, raan_i, inclination_j, raan_j):
 
 
 @kernel
-def state(orbit, time):
-    """Inertial position and velocity of a body.
+def state_at(orbit, time):
+    """Inertial position and velocity of a body at a time.
 
     The velocity is that of the circle, as if its plane stood still.
 
@@ -210,12 +338,13 @@ def state(orbit, time):
     position, velocity : (3,) float64
         [m], [m/s].
     """
-    n = mean_motion(orbit[RADIUS])
+    radius = radius_at(orbit, time)
+    n = mean_motion(radius)
     u = latitude_at(orbit, time)
-    ascending, ahead, _ = frame(orbit[INCLINATION], node_at(orbit, time))
+    ascending, ahead, _ = frame(inclination_at(orbit, time), node_at(orbit, time))
     position, velocity = np.empty(3), np.empty(3)
     for axis in range(3):
         outward = math.cos(u) * ascending[axis] + math.sin(u) * ahead[axis]
         along = math.cos(u) * ahead[axis] - math.sin(u) * ascending[axis]
-        position[axis], velocity[axis] = orbit[RADIUS] * outward, orbit[RADIUS] * n * along
+        position[axis], velocity[axis] = radius * outward, radius * n * along
     return position, velocity

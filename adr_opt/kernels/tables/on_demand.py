@@ -24,7 +24,7 @@ from ..core.windows import service_begin
 from ..legs import co_elliptic, precession, sequences, zones
 from ..legs.departure_events import least_speed, listed_at
 from ..legs.fixed_points import BAND_S
-from ..orbits import ephemeris
+from ..orbits.ephemeris import EPOCH_S, revolution_at
 
 
 class Source(NamedTuple):
@@ -99,10 +99,10 @@ def chosen(source, i, j, ready):
     if source.is_listed:
         return _of_listed(source, i, j, ready)
     pair = co_elliptic.prepare(
-        source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule
+        source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule, EPOCH_S
     )
     first, half_turns = co_elliptic.first_departure(pair)
-    half_period = 0.5 * ephemeris.revolution(source.leaving[i])
+    half_period = 0.5 * revolution_at(source.leaving[i], EPOCH_S)
     approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
     opens = limits.opens[j] - approach
     closes = limits.closes[j] - limits.service[j] - approach
@@ -165,7 +165,7 @@ def _of_listed(source, i, j, ready):
     worth = rule.time_value
     best_delta_v, best_arrival, best_cost = math.inf, math.inf, math.inf
     pair = co_elliptic.prepare(
-        source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule
+        source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule, EPOCH_S
     )
     steps = max(1, math.ceil(source.interval * pair.rate_i / math.pi - 1e-9))
     lap, spacing = TURN_RAD / pair.rate_j, steps * math.pi / pair.rate_i
@@ -240,8 +240,9 @@ def shortest_sortie(source, stations, first_target):
     for s in range(stations):
         for j in range(first_target, source.arriving.shape[0]):
             pair = co_elliptic.prepare(
-                source.leaving[s], source.arriving[j], source.extra_delta_v[s, j], source.rule
-            )
+                source.leaving[s], source.arriving[j], source.extra_delta_v[s, j], source.rule,
+                EPOCH_S,
+            )  # fmt: skip
             approach = source.rule.approach_revolutions * TURN_RAD / pair.rate_j
             shortest = min(shortest, pair.shortest + approach + source.limits.service[j])
     return shortest

@@ -11,7 +11,7 @@ from ..core.events import earliest_taken
 from ..core.windows import service_begin
 from ..legs import co_elliptic, sequences
 from ..legs.found import ConnectionArrays
-from ..orbits import ephemeris
+from ..orbits.ephemeris import EPOCH_S, revolution_at
 from .on_demand import Source
 from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
 
@@ -91,8 +91,8 @@ def fill(first, last, pairs, inputs, limits, table):
         i, rank = pair_at(number, pairs)
         j = np.int64(pairs.near[i, rank])
         slot = slot_of(table, i, j)
-        half_period = 0.5 * ephemeris.revolution(leaving[i])
-        pair = co_elliptic.prepare(leaving[i], bodies[j], extra_delta_v[i, j], rule)
+        half_period = 0.5 * revolution_at(leaving[i], EPOCH_S)
+        pair = co_elliptic.prepare(leaving[i], bodies[j], extra_delta_v[i, j], rule, EPOCH_S)
         start, half_turns = co_elliptic.first_departure(pair)
         table.first[i, slot] = start
         approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
@@ -258,7 +258,7 @@ def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Ta
 def space(bodies, table):
     """Set the time between events, where they are regular, and that no body leads to itself."""
     for i in range(bodies.shape[0]):
-        table.spacing[i] = 0.5 * ephemeris.revolution(bodies[i])
+        table.spacing[i] = 0.5 * revolution_at(bodies[i], EPOCH_S)
         if table.slot.shape[0] == 0:
             for event in range(table.entries.shape[1]):
                 table.entries[i, event, i, 0] = table.entries[i, event, i, 1] = math.inf

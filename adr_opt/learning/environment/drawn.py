@@ -10,6 +10,8 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from ...kernels.orbits import elements
+from ...kernels.orbits.ephemeris import EPOCH_S
 from ...mission.mission import Mission
 from ...problem.instance import Instance
 from ..episodes import FieldPool
@@ -23,6 +25,11 @@ def ready(instance: Instance) -> Mission:
     # What the table was chosen from takes many times its memory and is not needed here.
     mission.connecting.kept.limit(0.0)
     return mission
+
+
+def _lowest_m(instance: Instance) -> float:
+    """Radius of the lowest body [m]."""
+    return float(elements.radii(instance.orbits(), EPOCH_S).min())
 
 
 def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExecutor) -> FieldPool:
@@ -41,7 +48,7 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
     missions = workers.map(ready, instances)
     if regular:
         # The lowest body has the most departure events; fields drawn later may be a little lower.
-        lowest = ready(min(instances, key=lambda instance: instance.orbits()[:, 0].min()))
+        lowest = ready(min(instances, key=_lowest_m))
         events = lowest.timetable.most_events
         events += 4 + events // 32
     else:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ...common.constants import HOUR_S
 from ...common.wording import counted
 from ...kernels.episodes.outlook import HOME
-from ...kernels.orbits.ephemeris import INCLINATION, RAAN, RAAN_RATE
+from ...kernels.orbits import elements
 from ...mission.mission import Mission
 
 SIZE = 400
@@ -55,10 +55,11 @@ def picture(
     """
     image = np.full((SIZE, SIZE, 3), BACKGROUND, dtype=np.uint8)
     orbits = mission.transfer_inputs[1]
-    nodes = orbits[:, RAAN] + orbits[:, RAAN_RATE] * state["time_s"]
+    nodes = elements.nodes(orbits, state["time_s"])
+    inclinations = elements.inclinations(orbits, state["time_s"])
     raan = (nodes - nodes[HOME] + np.pi) % (2.0 * np.pi) - np.pi
-    across = raan * np.sin(orbits[HOME, INCLINATION])
-    up = orbits[:, INCLINATION] - orbits[HOME, INCLINATION]
+    across = raan * np.sin(inclinations[HOME])
+    up = inclinations - inclinations[HOME]
     reach = max(np.abs(across).max(), np.abs(up).max(), 1e-9)
     half = SIZE / 2 - MARGIN
     columns = (SIZE / 2 + half * across / reach).astype(int)

@@ -62,7 +62,6 @@ class FieldPool:
             near_angle=np.zeros((slots, bodies, outlook_kernels.NEAR), dtype=np.float32),
             ahead=np.zeros((slots, bodies, steps, outlook_kernels.LINE), dtype=np.uint16),
             home=home,
-            rate=np.zeros((slots, bodies)),
         )
         self.instances: list[Instance | None] = [None] * slots
 
@@ -120,7 +119,6 @@ class FieldPool:
                 arrays.near_angle[slot],
                 arrays.ahead[slot],
                 stacked_timetables.PackedColumn(*(part[slot] for part in arrays.home)),
-                arrays.rate[slot],
             ),
         )
         self.instances[slot] = mission.instance

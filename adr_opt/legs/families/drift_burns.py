@@ -35,6 +35,7 @@ from ...kernels.legs.burns import (
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.legs.drift_laps import Split
 from ...kernels.orbits import ephemeris
+from ...kernels.orbits.body_rows import with_orbit
 from ...plan.planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned
 
 FloatArray = npt.NDArray[np.float64]
@@ -106,7 +107,7 @@ def shape_m_s(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
 ) -> float:
     """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
-    pair = drift_pair.prepare(orbit_i, orbit_j, rule)
+    pair = drift_pair.prepare(orbit_i, orbit_j, rule, ephemeris.EPOCH_S)
     return float(drift.shape_share(pair, departure, arrival))
 
 
@@ -161,12 +162,13 @@ class Drifting:
         self._held = held
         self._arcs = Arcs(rule.oblateness)
         # Burns lead from circle to circle; what eccentricity adds is stated beside them.
-        circles = orbit_i.copy(), orbit_j.copy()
-        for circle in circles:
-            circle[ephemeris.ECCENTRICITY] = 0.0
-        self._pair = drift_pair.prepare(*circles, rule)
-        self._rj = float(orbit_j[ephemeris.RADIUS])
-        self._rate_j = float(orbit_j[ephemeris.LATITUDE_RATE])
+        circles = (with_orbit(orbit, eccentricity=0.0) for orbit in (orbit_i, orbit_j))
+        self._pair = drift_pair.prepare(*circles, rule, ephemeris.EPOCH_S)
+        self._ri = float(ephemeris.radius_at(orbit_i, departure))
+        self._rj = float(ephemeris.radius_at(orbit_j, arrival))
+        self._inclination_i = float(ephemeris.inclination_at(orbit_i, departure))
+        self._inclination_j = float(ephemeris.inclination_at(orbit_j, arrival))
+        self._rate_j = float(ephemeris.latitude_rate_at(orbit_j, arrival))
         self._approach = rule.approach_revolutions * TURN_RAD / self._rate_j
         self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
@@ -214,7 +216,7 @@ class Drifting:
     def _allowed(self, radius: float) -> bool:
         """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
         if self._held:
-            margin = drift_pair.margin(self._planned - float(self._i[ephemeris.RADIUS]))
+            margin = drift_pair.margin(self._planned - self._ri)
             if abs(radius - self._planned) > margin:
                 return False
         return bool(self._rule.min_radius <= radius <= self._rule.max_radius)
@@ -226,7 +228,7 @@ class Drifting:
     def _leaving(self, split: Split) -> tuple[Plane, Turn]:
         """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
         linear = self._pair.linear
-        inclination = float(self._i[ephemeris.INCLINATION])
+        inclination = self._inclination_i
         shift = split.along / (linear.speed * linear.sine) if linear.sine > 0.0 else 0.0
         plane = Plane(inclination + split.tilt / linear.speed, shift)
         return plane, turn_between(Plane(inclination, 0.0), plane)
@@ -236,7 +238,7 @@ class Drifting:
         gone = self._arcs.node_rate(radius, drifting.inclination) * (stand_off - start)
         return turn_between(
             Plane(drifting.inclination, self._node(self._i, start) + drifting.raan + gone),
-            Plane(float(self._j[ephemeris.INCLINATION]), self._node(self._j, stand_off)),
+            Plane(self._inclination_j, self._node(self._j, stand_off)),
         )
 
     def _half_turns(self, way: CrossingPair, drifting: Plane, begun: float, last: Turn) -> int:
@@ -249,18 +251,18 @@ class Drifting:
 
     @staticmethod
     def _node(orbit: FloatArray, time: float) -> float:
-        return float(orbit[ephemeris.RAAN] + orbit[ephemeris.RAAN_RATE] * time)
+        return float(ephemeris.node_at(orbit, time))
 
     @staticmethod
     def _crossing(orbit: FloatArray, latitude: float, near: float) -> float:
         """When a body is at an argument of latitude, as near as possible to a time [s]."""
-        rate = orbit[ephemeris.LATITUDE_RATE]
-        behind = latitude - orbit[ephemeris.ARGUMENT_OF_LATITUDE] - rate * near
+        then, rate = ephemeris.latitude_tangent(orbit, ephemeris.EPOCH_S)
+        behind = latitude - then - rate * near
         return float(near + (behind - TURN_RAD * round(behind / TURN_RAD)) / rate)
 
     def _departures(self, first: Turn, begin: float, freedom: float) -> list[tuple[float, int]]:
         """Crossings of the line of nodes by the chaser in a span of time, with their parity."""
-        period = TURN_RAD / self._i[ephemeris.LATITUDE_RATE]
+        period = float(ephemeris.revolution_at(self._i, begin))
         found = []
         for parity in (0, 1):
             time = self._crossing(self._i, first.before + math.pi * parity, begin)
@@ -286,7 +288,7 @@ class Drifting:
     def _flown(self, way: CrossingPair) -> DriftBurns | None:
         """The burns that leave about a time, drift for whole half turns and meet the target."""
         arcs, rule, rj = self._arcs, self._rule, self._rj
-        ri, inclination_j = float(self._i[ephemeris.RADIUS]), float(self._j[ephemeris.INCLINATION])
+        ri, inclination_j = self._ri, self._inclination_j
         lead = rule.standoff / rj
         radius, met, parity = self._radius(way.split.climb), way.met, way.parity
         drifting, first = self._leaving(way.split)
@@ -335,7 +337,7 @@ class Drifting:
             return None
         if start < self._departure or met + self._approach > self._arrival:
             return None
-        home = Plane(float(self._i[ephemeris.INCLINATION]), self._node(self._i, start))
+        home = Plane(self._inclination_i, self._node(self._i, start))
         return self._burns(
             (ri, radius, rc, rj),
             (start, start + out, left, left + back, met),
@@ -385,7 +387,7 @@ class Drifting:
         moved = shifts[1], shifts[1] + shifts[2]
         impulse = 0.25 * speed / rj * self._rule.standoff
         met = times[-1] + self._approach
-        at_target = ephemeris.state(self._j, met)[0] / rj
+        at_target = ephemeris.state_at(self._j, met)[0] / rj
         vectors = [
             v1 * ahead(out, line) - math.sqrt(MU_M3_S2 / ri) * ahead(home, line),
             circle * ahead(drifting.carried(shifts[0]), second)

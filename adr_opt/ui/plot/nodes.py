@@ -10,7 +10,8 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...fly.flight.flyable import refuse_foreign
 from ...fly.trajectory.kepler import Array
-from ...kernels.orbits import ephemeris
+from ...kernels.orbits import elements
+from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
 from ...plan.plan import Plan
 from ...problem.instance import Instance
@@ -67,7 +68,7 @@ class Nodes:
 
 def nodes_of(instance: Instance) -> Nodes:
     """How the nodes of an instance are shown: about that of its first body."""
-    rates = np.degrees(instance.orbits()[:, ephemeris.RAAN_RATE])
+    rates = np.degrees(elements.node_rates(instance.orbits(), EPOCH_S))
     home = float(raan_deg(instance)[0]) if rates.size else 0.0
     return Nodes(float(np.median(rates)) if rates.size else 0.0, home - 0.5 * TURN_DEG)
 
@@ -76,7 +77,7 @@ def of_body(instance: Instance, shown: Nodes, body: int, until_s: float) -> tupl
     """The node of a body from the epoch until a time, as :meth:`Nodes.line` gives it."""
     row = instance.orbits()[body]
     ends = np.array([0.0, until_s])
-    return shown.line(ends, np.degrees(row[ephemeris.RAAN] + row[ephemeris.RAAN_RATE] * ends))
+    return shown.line(ends, np.degrees(elements.nodes(row, ends)))
 
 
 def of_track(shown: Nodes, track: Track) -> tuple[Array, Array]:

@@ -8,8 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
+from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
@@ -19,9 +23,9 @@ from .figures.orbits import MOST_RINGS
 from .greenwich import greenwich
 from .text import in_chart
 
-COLUMNS = (
-    ephemeris.RADIUS, ephemeris.INCLINATION, ephemeris.RAAN, ephemeris.RAAN_RATE,
-    ephemeris.ARGUMENT_OF_LATITUDE, ephemeris.LATITUDE_RATE,
+ELEMENTS = (
+    ephemeris.radius_at, ephemeris.inclination_at, ephemeris.node_at, ephemeris.node_rate_at,
+    ephemeris.latitude_at, ephemeris.latitude_rate_at,
 )  # fmt: skip
 """What is kept of a body: a circle whose node and argument of latitude advance evenly."""
 
@@ -43,7 +47,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
     Returns
     -------
     dict
-        ``bodies`` have a name, a kind and a ``row`` of :data:`COLUMNS` at the epoch [m, rad,
+        ``bodies`` have a name, a kind and a ``row`` of :data:`ELEMENTS` at the epoch [m, rad,
         rad/s]. ``chasers`` have ``arcs``: number of the leg, phase, begin and end [s], position [m]
         and velocity [m/s] at the begin, pace and rate of the node [–, rad/s], as
         :class:`adr_opt.fly.trajectory.Arc` has them. ``legs`` say whose they are, where they lead,
@@ -57,7 +61,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
         {
             "name": in_chart(name),
             "kind": kind,
-            "row": [float(rows[instance.names.index(name)][column]) for column in COLUMNS],
+            "row": _row(rows[instance.names.index(name)]),
         }
         for name, kind in shown.items()
     ]
@@ -83,6 +87,10 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
             _leg(leg, chaser, at) for chaser, flown in enumerate(routes) for _, leg in flown.legs
         ],
     }
+
+
+def _row(body: npt.NDArray[np.float64]) -> list[float]:
+    return [float(element(body, EPOCH_S)) for element in ELEMENTS]
 
 
 def _shown(instance: Instance, plan: Plan) -> dict[str, str]:

@@ -196,7 +196,7 @@ def cells(rows: FloatArray, step_d: float) -> npt.NDArray[np.uint16]:
     for i in range(count):
         for j in range(count):
             if i != j:
-                pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2)
+                pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2, 0.0)
                 fill_cells(
                     pair, FIRST_D * DAY_S, step_d * DAY_S, STAY_D * DAY_S,
                     (WITHIN_D - STAY_D) * DAY_S, least, UNIT_M_S, MOST_M_S / UNIT_M_S, of_pair,

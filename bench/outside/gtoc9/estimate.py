@@ -28,7 +28,7 @@ def legs_m_s(mission: Removals, rows: FloatArray) -> tuple[float, ...]:
     """ΔV of the legs of a mission at its times, by the estimate."""
     found = []
     for one, other in zip(mission.stops[:-1], mission.stops[1:], strict=True):
-        pair = drift.prepare(rows[one.debris], rows[other.debris], *LIMITS_M, OBLATENESS_M2)
+        pair = drift.prepare(rows[one.debris], rows[other.debris], *LIMITS_M, OBLATENESS_M2, 0.0)
         times = one.departure_d * DAY_S, other.arrival_d * DAY_S
         found.append(float(drift.delta_v(pair, *times)))
     return tuple(found)
@@ -73,7 +73,7 @@ def connections(
     """
     spans = round((WITHIN_D - STAY_D) / step_d)
     arrivals = int((end_d - begin_d) / step_d + 1e-9)
-    pair = drift.prepare(rows[origin], rows[destination], *LIMITS_M, OBLATENESS_M2)
+    pair = drift.prepare(rows[origin], rows[destination], *LIMITS_M, OBLATENESS_M2, 0.0)
     cost = np.empty((arrivals, spans))
     first, step = (begin_d + step_d) * DAY_S, step_d * DAY_S
     pair_costs(pair, first, arrivals, spans, step, cost)
@@ -102,7 +102,7 @@ def matrices(
         for j in range(count):
             if i == j:
                 continue
-            pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2)
+            pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2, 0.0)
             for place, leaves in enumerate(departures_d):
                 times = leaves * DAY_S, (leaves + span_d) * DAY_S
                 delta_v[place, i, j] = drift.delta_v(pair, *times)

@@ -90,7 +90,7 @@ def read_legs(folder: Path) -> list[Leg]:
         ways = zip(mission.stops[:-1], mission.stops[1:], mission.flown_m_s, strict=True)
         for one, other, flown in ways:
             ends = rows[one.debris], rows[other.debris]
-            pair = drift_linear.prepare(*ends, *LIMITS_M, OBLATENESS_M2)
+            pair = drift_linear.prepare(*ends, *LIMITS_M, OBLATENESS_M2, 0.0)
             times = one.departure_d * DAY_S, other.arrival_d * DAY_S
-            legs.append(Leg(pair, drift_pair.prepare(*ends, RULE), *times, flown))
+            legs.append(Leg(pair, drift_pair.prepare(*ends, RULE, 0.0), *times, flown))
     return legs

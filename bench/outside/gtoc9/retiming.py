@@ -96,7 +96,7 @@ def retimed(
     choices = []
     cost = np.empty((times, within - stay))
     for one, other in zip(order[-2::-1], order[:0:-1], strict=True):
-        pair = drift.prepare(rows[one], rows[other], *LIMITS_M, OBLATENESS_M2)
+        pair = drift.prepare(rows[one], rows[other], *LIMITS_M, OBLATENESS_M2, 0.0)
         grid = begin * DAY_S, times, within - stay, step_d * DAY_S
         if latitudes is None:
             pair_costs(pair, *grid, cost)

@@ -73,7 +73,7 @@ def table(rows: FloatArray, step_d: float, slack_d: float, fine: int) -> npt.NDA
     for i in range(count):
         for j in range(count):
             if i != j:
-                pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2)
+                pair = drift.prepare(rows[i], rows[j], *LIMITS_M, OBLATENESS_M2, 0.0)
                 fill_pair(
                     pair, FIRST_D * DAY_S, step_d * DAY_S, STAY_D * DAY_S,
                     (WITHIN_D - STAY_D) * DAY_S, least, slack_d * DAY_S, fine, UNIT_M_S,

@@ -1,0 +1,62 @@
+"""Rows of bodies, changed: as they are left, and on another orbit.
+
+A row is made by :func:`.ephemeris.body_row`, and read there and in :mod:`.elements`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from . import columns
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def as_left(bodies: FloatArray) -> FloatArray:
+    """Bodies as they are left: with the rate of the node of a chaser after that in a column more.
+
+    That is the body's own: chasers leave from its orbit. :func:`with_orbit` states another one.
+
+    Parameters
+    ----------
+    bodies : (bodies, columns) float64
+
+    Returns
+    -------
+    (bodies, columns + 1) float64
+    """
+    return np.column_stack([bodies, bodies[:, columns.RAAN_RATE]])
+
+
+def with_orbit(
+    row: FloatArray,
+    *,
+    radius_m: float | None = None,
+    node: float | None = None,
+    latitude: float | None = None,
+    eccentricity: float | None = None,
+    coasting_node_rate: float | None = None,
+) -> FloatArray:
+    """A body on another orbit, whose angles advance at the same rates.
+
+    Parameters
+    ----------
+    row : (columns,) float64
+        Not changed.
+    radius_m, node, latitude, eccentricity : float, optional
+        Instead of the body's: angles at t = 0 [m], [rad], [rad].
+    coasting_node_rate : float, optional
+        Rate of the node of a chaser that has left it, for a row of :func:`as_left` [rad/s].
+    """
+    changed = row.copy()
+    for column, value in (
+        (columns.RADIUS, radius_m),
+        (columns.RAAN, node),
+        (columns.ARGUMENT_OF_LATITUDE, latitude),
+        (columns.ECCENTRICITY, eccentricity),
+        (columns.COASTING_RAAN_RATE, coasting_node_rate),
+    ):
+        if value is not None:
+            changed[column] = value
+    return changed
