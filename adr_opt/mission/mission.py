@@ -234,7 +234,7 @@ class Mission(Shown, Prizes):
         """
         if self._all is not None:
             return self._all.offering(worths)
-        other = self._like(timetable=self.timetable)
+        other = self._like(twin=self)
         other._all = self
         barred = np.isneginf(worths)
         offered = np.where(barred, 0.0, worths)

@@ -9,7 +9,7 @@ from drifting_plans import orbit
 import adr_opt
 from adr_opt.analysis.grids import grid_advice, on_grid
 from adr_opt.common.constants import DAY_S
-from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 
@@ -36,9 +36,9 @@ def field(step_d: float, tank_m_s: float = 600.0) -> Instance:
     )  # fmt: skip
 
 
-def planned(step_d: float) -> tuple[Mission, Plan]:
+def planned(step_d: float) -> tuple[Problem, Plan]:
     """The mission on a grid, and its plan by a beam, of which nothing is proven."""
-    mission = Mission(field(step_d))
+    mission = Problem(field(step_d))
     plan = adr_opt.solve(mission, "beam", time_limit=20.0).plan
     assert plan is not None
     assert any(leg.kind == "drift" for leg in plan.legs)

@@ -75,8 +75,9 @@ def test_tanks_share_a_timetable_exactly() -> None:
     shared = Shared(instance, instance.mission.duration_s, tanks=True)
     duration = instance.mission.duration_s
     first = shared.problem((900.0, duration))
+    first = first.missions[0]
     assert first.timetable is first.timetable
-    other = shared.problem((400.0, duration))
+    other = shared.problem((400.0, duration)).missions[0]
     assert other.timetable is first.timetable
     for value in (75.0, 300.0):
         alone = adr_opt.Mission(other.instance, threads=1).with_time_value(value)

@@ -19,7 +19,7 @@ from random_rules import random_campaign
 
 import adr_opt
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem
+from adr_opt.mission.problem import Problem, problem_of
 
 BENCH = Path(__file__).parents[2] / "bench"
 SLOT_S = 240.0
@@ -76,10 +76,12 @@ def test_pyvrp_keeps_a_legal_plan(peers, tiny):
     if not hasattr(pytest.importorskip("pyvrp").Model, "add_location"):
         pytest.skip("PyVRP 0.14 or later")
     for (mission, optimum), statistic in zip(tiny, ("mean", "best", "quartile"), strict=True):
-        promise = peers.pyvrp_promise(mission, time_limit_s=0.2, seed=0, statistic=statistic)
+        promise = peers.pyvrp_promise(
+            problem_of(mission), time_limit_s=0.2, seed=0, statistic=statistic
+        )
         assert promise.visits > 0.0
-        as_it_is = peers.legal(mission, peers.as_it_is(mission, promise.order))
-        mended = peers.legal(mission, peers.mended(mission, promise.order))
+        as_it_is = peers.legal(problem_of(mission), peers.as_it_is(mission, promise.order))
+        mended = peers.legal(problem_of(mission), peers.mended(mission, promise.order))
         assert as_it_is <= mended <= optimum + 1e-9
 
 
@@ -97,10 +99,10 @@ def promised(peers: ModuleType, peer: str, problem: Problem, **how: Any) -> Any:
 def test_ortools_routing_keeps_a_legal_plan(peers, tiny):
     """The order of OR-Tools' routing, timed exactly, passes check and never beats brute force."""
     for (mission, optimum), statistic in zip(tiny, ("mean", "best", "middle"), strict=True):
-        promise = promised(peers, "ortools", mission, statistic=statistic)
+        promise = promised(peers, "ortools", problem_of(mission), statistic=statistic)
         assert promise.visits > 0.0
-        as_it_is = peers.legal(mission, peers.as_it_is(mission, promise.order))
-        mended = peers.legal(mission, peers.mended(mission, promise.order))
+        as_it_is = peers.legal(problem_of(mission), peers.as_it_is(mission, promise.order))
+        mended = peers.legal(problem_of(mission), peers.mended(mission, promise.order))
         assert as_it_is <= mended <= optimum + 1e-9
 
 
@@ -219,7 +221,7 @@ def test_didppy_keeps_a_legal_plan(peers, tiny, earlier_is_better):
         )
         assert promise.visits > 0.0
         assert promise.bound >= promise.visits - 1e-9
-        kept = peers.legal(mission, peers.mended(mission, promise.order))
+        kept = peers.legal(problem_of(mission), peers.mended(mission, promise.order))
         assert 0.0 < kept <= optimum + 1e-9
 
 

@@ -170,13 +170,13 @@ def test_long_missions_have_tables(monkeypatch):
     """With thousands of departure events nothing is asked for, nor where one waits for planes."""
     monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
     field = adr_opt.generate("nominal", 0, targets=5)
-    assert table_budget.may_ask(Mission(field))
+    assert table_budget.may_ask(Problem(field))
     year = field.with_limits(duration_s=86400.0 * 365.0)
-    assert not table_budget.may_ask(Mission(year))
+    assert not table_budget.may_ask(Problem(year))
     drifting = field.replace(dynamics="j2")
-    assert table_budget.may_ask(Mission(drifting))
+    assert table_budget.may_ask(Problem(drifting))
     waiting = drifting.replace(transfer=drifting.transfer.replace(max_drift_s=86400.0))
-    assert not table_budget.may_ask(Mission(waiting))
+    assert not table_budget.may_ask(Problem(waiting))
 
 
 @pytest.mark.parametrize("method", ["greedy-guarded", "auto", "exact"])

@@ -21,7 +21,7 @@ from adr_opt.run.method_call import warm_up
 from adr_opt.run.methods import PLANNERS
 from solvers.beams import timely_beams
 from solvers.beams.time_value import TIME_VALUE_M_S_PER_H
-from solvers.planners import auto as auto_module
+from solvers.planners import one_route
 from solvers.planners.auto import auto
 from solvers.planners.beam import beam
 
@@ -205,7 +205,7 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
     warm_up(PLANNERS, "auto")  # whose practice is not looked at
     done = []
-    usual, advance = auto_module._Search.usual, auto_module.ConcurrentProof.advance
+    usual, advance = one_route.RouteSearches.usual, one_route.ConcurrentProof.advance
 
     def searching(self, width):
         done.append(width)
@@ -215,9 +215,9 @@ def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
         done.append("proof")
         advance(self)
 
-    monkeypatch.setattr(auto_module._Search, "usual", searching)
-    monkeypatch.setattr(auto_module.ConcurrentProof, "advance", proving)
+    monkeypatch.setattr(one_route.RouteSearches, "usual", searching)
+    monkeypatch.setattr(one_route.ConcurrentProof, "advance", proving)
     mission = Mission(adr_opt.generate("nominal", 0, targets=30))
     adr_opt.solve(mission, "auto", jobs=1, iterations=2, time_limit=60.0)
     assert "proof" in done
-    assert done.index(auto_module.USUAL_WIDTH) < done.index("proof")
+    assert done.index(one_route.USUAL_WIDTH) < done.index("proof")

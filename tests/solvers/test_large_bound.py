@@ -23,7 +23,7 @@ from random_rules import (
 
 import adr_opt
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.run import front
 from solvers.networks.packed_legs import AHEAD, FIELD, LegSource, NoRoom, Stream
 from solvers.progress import proof_size
@@ -83,7 +83,7 @@ def test_least_times_bound_every_plan(draw):
     for seed in range(SEEDS):
         mission = Mission(draw(seed))
         prizes, _, _ = brute_force(mission)
-        bound = mission.shown(floor_bound(mission))
+        bound = mission.shown(floor_bound(problem_of(mission)))
         assert bound >= prizes - 1e-9, seed
         tight += bound < mission.total_prize - 1e-6
     assert tight > 0 or draw is given_mission  # whose few targets all fit the time, one by one
