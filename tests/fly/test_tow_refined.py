@@ -18,7 +18,7 @@ from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine import refine
 from adr_opt.fly.refine.ephemeris import tracks
 from adr_opt.fly.refine.holding import beginning
-from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -151,13 +151,12 @@ def test_a_plan_with_tows_is_planned_until_it_holds():
     found = adr_opt.solve_refined(instance, "greedy", rounds=2, time_limit=5.0)
     assert found.holds
     assert fly_refined(instance, found.refined).holds
-    mission = Mission(instance)
     _, plan, one = refined("j2", 2, "free")
     broken = one.replace(
         status="incomplete", legs=one.legs[:-1],
         missing=({"leg": len(plan.legs), "reason": "lost"},),
     )  # fmt: skip
-    shorter, kept = beginning(mission, plan, broken)
+    shorter, kept = beginning(Problem(instance), plan, broken)
     assert len(shorter.legs) == len(kept.legs) == len(plan.legs) - 1
     assert adr_opt.check(instance, shorter) == ()
     assert fly_refined(instance, kept).holds
