@@ -13,7 +13,7 @@ from pathlib import Path
 import adr_opt
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.order_repair import as_it_is, mended
-from adr_opt.mission.problem import Problem
+from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.run.front import spec_of
 
 from .didppy_slots import didppy_promise
@@ -55,7 +55,7 @@ def legal(mission: adr_opt.Mission, order: Sequence[int], seed: int = 0) -> floa
     RuntimeError
         There is a violation.
     """
-    return legal_routes(mission, [order], seed)
+    return legal_routes(problem_of(mission), [order], seed)
 
 
 def legal_routes(problem: Problem, routes: Sequence[Sequence[int]], seed: int = 0) -> float:
