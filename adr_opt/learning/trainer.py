@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Protocol
@@ -17,32 +16,6 @@ Report = Callable[[int, Mapping[str, float]], None]
 """Hears of the steps done so far, and of the last evaluation if there is a new one."""
 
 
-@dataclass(frozen=True)
-class TrainingOptions:
-    """How a configuration is trained.
-
-    Attributes
-    ----------
-    steps : int or None
-        Of the whole training; the configuration's own number if None.
-    seed, jobs : int
-        ``jobs``: threads.
-    device : str
-        Of PyTorch: "cpu", "cuda".
-    evaluate_every : int
-        Steps between evaluations on held fields.
-    checkpoint_s : float
-        Time between checkpoints [s].
-    """
-
-    steps: int | None
-    seed: int
-    jobs: int
-    device: str
-    evaluate_every: int
-    checkpoint_s: float
-
-
 class Trainer(Protocol):
     """A training configuration.
 
@@ -50,11 +23,16 @@ class Trainer(Protocol):
     checkpoint if it has one.
     """
 
-    def __call__(
+    def __call__(  # noqa: PLR0913
         self,
         folder: Path,
-        options: TrainingOptions,
         *,
+        steps: int | None,
+        seed: int,
+        jobs: int,
+        device: str,
+        evaluate_every: int,
+        checkpoint_s: float,
         enough: Callable[[], bool],
         report: Report,
     ) -> None:
@@ -64,7 +42,16 @@ class Trainer(Protocol):
         ----------
         folder : Path
             Made if it does not exist.
-        options : TrainingOptions
+        steps : int or None
+            Of the whole training; the configuration's own number if None.
+        seed, jobs : int
+            ``jobs``: threads.
+        device : str
+            Of PyTorch: "cpu", "cuda".
+        evaluate_every : int
+            Steps between evaluations on held fields.
+        checkpoint_s : float
+            Time between checkpoints [s].
         enough : callable
             Asked after every step; True ends the training with a checkpoint.
         report : callable

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from adr_opt.common.errors import MissingExtra
-from adr_opt.learning.trainer import Report, Trainer, TrainingOptions
 
 if TYPE_CHECKING:
     from .policies import SetPolicy
@@ -31,21 +30,15 @@ def _need(who: str) -> None:
             raise MissingExtra(who, package, "rl")
 
 
-def _training_of(name: str) -> Trainer:
+def _training_of(name: str) -> Callable[..., None]:
     """The training of a configuration of :mod:`.configs`."""
 
-    def train(
-        folder: Path,
-        options: TrainingOptions,
-        *,
-        enough: Callable[[], bool],
-        report: Report,
-    ) -> None:
+    def train(folder: Path, **options: Any) -> None:
         _need("train")
         from . import configs
         from .trainer import train as run
 
-        run(configs.config(name), folder, options, enough=enough, report=report)
+        run(configs.config(name), folder, **options)
 
     train.__doc__ = (
         f"Train the configuration {name!r}; see :class:`adr_opt.learning.trainer.Trainer`."

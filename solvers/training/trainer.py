@@ -22,7 +22,7 @@ from stable_baselines3.common.logger import configure
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import write_bytes
 from adr_opt.learning.environment.vector import MissionVecEnv
-from adr_opt.learning.trainer import Report, TrainingOptions
+from adr_opt.learning.trainer import Report
 
 from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
@@ -178,19 +178,23 @@ def _full_disks_said(folder: Path) -> Iterator[None]:
         threading.excepthook = before
 
 
-def train(
+def train(  # noqa: PLR0913
     config: Config,
     folder: Path,
-    options: TrainingOptions,
     *,
+    steps: int | None,
+    seed: int,
+    jobs: int,
+    device: str,
+    evaluate_every: int,
+    checkpoint_s: float,
     enough: Callable[[], bool],
     report: Report,
 ) -> None:
     """Train a configuration; see :class:`adr_opt.learning.trainer.Trainer` for the parameters."""
-    seed, jobs, device = options.seed, options.jobs, options.device
     if device != "cpu" and not torch.cuda.is_available():
         raise InputError(f"device {device!r}: PyTorch finds no such device here; use cpu")
-    config = replace(config, steps=config.steps if options.steps is None else options.steps)
+    config = replace(config, steps=config.steps if steps is None else steps)
     with ExitStack() as stack:
         stack.enter_context(_full_disks_said(folder))
         stack.enter_context(locked(folder))
@@ -213,7 +217,7 @@ def train(
             # A new model seeds the environment as at the beginning.
             env.seed((seed + done) % 2**32)
         model.set_logger(configure(str(folder / "tensorboard"), ["tensorboard"]))
-        keeper = Keeper(run, config, options.evaluate_every, options.checkpoint_s, enough, report)
+        keeper = Keeper(run, config, evaluate_every, checkpoint_s, enough, report)
         if done >= config.steps:
             # It was stopped after its last step, and before it was ended.
             keeper.init_callback(model)

@@ -28,7 +28,6 @@ from sb3_contrib import MaskablePPO  # noqa: E402
 
 from adr_opt.learning.environment import fields  # noqa: E402
 from adr_opt.learning.environment.vector import MissionVecEnv  # noqa: E402
-from adr_opt.learning.trainer import TrainingOptions  # noqa: E402
 from adr_opt.sources.library import load_library  # noqa: E402
 from solvers.policies import load_policy  # noqa: E402
 from solvers.training import configs, trainer  # noqa: E402
@@ -223,14 +222,14 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
         configs.config("set-transfer"), fields=fields.Fields(targets=(3, 5)), missions=2,
         rollout=16, batch=8, epochs=1, slots=2,
     )  # fmt: skip
+    calls: dict[str, Any] = {
+        "steps": 3200, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
+        "enough": lambda: False, "report": lambda done, means: done and full_disk(),
+    }  # fmt: skip
     monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
         with pytest.raises(adr_opt.common.errors.InputError, match="cannot be written"):
-            trainer.train(
-                config, tmp_path / str(checkpoint_s),
-                TrainingOptions(3200, 0, 1, "cpu", 10**9, checkpoint_s), enough=lambda: False,
-                report=lambda done, means: done and full_disk(),
-            )  # fmt: skip
+            trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)
     assert "Traceback" not in capfd.readouterr().err
 
 
@@ -258,17 +257,20 @@ def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
 def test_a_training_stopped_after_its_last_step_is_ended(tmp_path: Path) -> None:
     """The same call again evaluates and keeps the last weights, and then says what they are."""
     config = configs.config("published")
-    options = TrainingOptions(1, 0, 1, "cpu", 10**9, checkpoint_s=0.0)
+    calls = {
+        "steps": 1, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
+        "checkpoint_s": 0.0,
+    }  # fmt: skip
     steps: list[int] = []
     trainer.train(
-        config, tmp_path, options, enough=lambda: bool(steps and steps[-1] > 0),
+        config, tmp_path, **calls, enough=lambda: bool(steps and steps[-1] > 0),
         report=lambda done, _: steps.append(done),
     )  # fmt: skip
     (tmp_path / "last.onnx").unlink(missing_ok=True)
     heard: list[dict[str, float]] = []
     for _ in range(2):
         trainer.train(
-            config, tmp_path, options, enough=lambda: False,
+            config, tmp_path, **calls, enough=lambda: False,
             report=lambda _, means: heard.append(dict(means)),
         )  # fmt: skip
         assert (tmp_path / "last.onnx").is_file()

@@ -53,7 +53,7 @@ def command(
 
     Ctrl-C ends the training with a checkpoint; the same command goes on.
     """
-    from ...learning.trainer import TrainingOptions, get
+    from ...learning.trainer import get
 
     train = get(config)
     for name, value, least, most in (
@@ -87,8 +87,11 @@ def command(
                 last.update(means)
                 show(done, means)
 
-            options = TrainingOptions(steps, seed, jobs, device, evaluate_every, checkpoint_s)
-            train(folder, options, enough=stopped.is_set, report=report)
+            train(
+                folder, steps=steps, seed=seed, jobs=jobs, device=device,
+                evaluate_every=evaluate_every, checkpoint_s=checkpoint_s, enough=stopped.is_set,
+                report=report,
+            )  # fmt: skip
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
