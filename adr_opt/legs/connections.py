@@ -18,7 +18,7 @@ from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
 from ..kernels.legs import drifting_connections, given_connections
 from ..kernels.legs.found import ConnectionArrays
-from ..kernels.legs.wanted import Times
+from ..kernels.legs.times import Times
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.tows import leaving_eccentricity_delta_v, leaving_orbits

@@ -56,8 +56,8 @@ class Problem(Shown, Prizes):
     timetables : sequence of Timetable
         Of the instance, one for each chaser, if they are there already.
     missions : sequence of Mission
-        Of the instance, one for each chaser, if they are there already; of the above, none counts
-        then.
+        Of the instance, one for each chaser, if they are there already. They bring what the
+        arguments above would say.
 
     Attributes
     ----------

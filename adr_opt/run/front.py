@@ -285,31 +285,31 @@ def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
         sizing(size)
 
 
-def _beyond_the_model(mission: Problem, result: Result) -> Result:
+def _beyond_the_model(problem: Problem, result: Result) -> Result:
     """A result with what its reader has to know of the margin and of what the model leaves out."""
-    notes, plan = _of_what_is_proven(mission, result.upper_bound), result.plan
-    if plan is not None and (mission.margin or mission.connecting.corrections):
+    notes, plan = _of_what_is_proven(problem, result.upper_bound), result.plan
+    if plan is not None and (problem.margin or problem.connecting.corrections):
         # A plan file is read together with its instance, whose tanks may be used to the end, and
         # whose connections cost what the model says.
         plan = plan.replace(
-            **proven_of(mission, plan.objective)._asdict(),
+            **proven_of(problem, plan.objective)._asdict(),
             cost_bound=None, cost_gap=None, cost_status=None,
         )  # fmt: skip
-    drift = None if plan is None else drift_warning(mission.instance, plan)
-    notes += [said for said in (drift, too_short(mission.instance)) if said is not None]
+    drift = None if plan is None else drift_warning(problem.instance, plan)
+    notes += [said for said in (drift, too_short(problem.instance)) if said is not None]
     return noted(replace(result, plan=plan), notes)
 
 
-def _of_what_is_proven(mission: Problem, upper_bound: float) -> list[str]:
+def _of_what_is_proven(problem: Problem, upper_bound: float) -> list[str]:
     """What is said of all plans, where it is not said of those of the instance."""
-    corrections, notes, of, other = mission.connecting.corrections, [], "", "that does not"
+    corrections, notes, of, other = problem.connecting.corrections, [], "", "that does not"
     if corrections:
         notes.append(f"connections are corrected by what refined legs cost: {corrections}")
         of, other = " of the corrected connections", "of the model's connections"
-    if mission.margin:
-        reserves = sorted({each.reserve_m_s for each in mission.missions})
+    if problem.margin:
+        reserves = sorted({each.reserve_m_s for each in problem.missions})
         listed = " or ".join(f"{reserve:g}" for reserve in reserves)
-        kept = f"{100.0 * mission.margin:g} % of each tank ({listed} m/s)"
+        kept = f"{100.0 * problem.margin:g} % of each tank ({listed} m/s)"
         of += f" that keeps back {kept}"
         if not math.isfinite(upper_bound):
             notes.append(f"{kept} is kept back")

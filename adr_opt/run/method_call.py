@@ -36,24 +36,24 @@ PUBLISHED = "greedy"
 class _Shown:
     """A stop that is asked about prizes by methods that think in worths (:meth:`Mission.shown`)."""
 
-    def __init__(self, mission: Problem, stop: Stop) -> None:
-        self._mission = mission
+    def __init__(self, problem: Problem, stop: Stop) -> None:
+        self._problem = problem
         self._stop = stop
 
     def __call__(self, incumbent: float, bound: float) -> bool:
         """Whether it is enough."""
-        return self._stop(self._mission.shown(incumbent), self._mission.shown(bound))
+        return self._stop(self._problem.shown(incumbent), self._problem.shown(bound))
 
     def remaining_s(self) -> float:
         """Time that is left [s]."""
         return self._stop.remaining_s()
 
 
-def _shown(mission: Problem, progress: Progress) -> Progress:
+def _shown(problem: Problem, progress: Progress) -> Progress:
     """A progress that is told of prizes, likewise."""
 
     def tell(incumbent: float, bound: float) -> None:
-        progress(mission.shown(incumbent), mission.shown(bound))
+        progress(problem.shown(incumbent), problem.shown(bound))
 
     return tell
 

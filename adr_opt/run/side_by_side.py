@@ -98,7 +98,7 @@ class Seat:
 
 
 def together(
-    mission: Problem,
+    problem: Problem,
     planner: Method,
     bound: Method,
     stop: Stop,
@@ -113,7 +113,7 @@ def together(
 
     Parameters
     ----------
-    mission : Problem
+    problem : Problem
     planner, bound : callable
         Called with mission, stop and progress, as :class:`.method_call.Prepared` is.
     stop : Stop
@@ -137,18 +137,18 @@ def together(
     InvalidBound
         The plan is worth more than the bound.
     """
-    for each in mission.missions:
+    for each in problem.missions:
         _ = each.rules  # made once, not once in each thread
     began = time.perf_counter()
     meeting = Meeting(stop, progress)
-    meeting.hear(-math.inf, mission.total_prize)
+    meeting.hear(-math.inf, problem.total_prize)
     seats = [Seat(meeting, limit) for limit in limits or (None, None)]
     results: list[Result] = []
     errors: list[BaseException] = []
 
     def prove() -> None:
         try:
-            proven = bound(mission, seats[1], meeting.hear)
+            proven = bound(problem, seats[1], meeting.hear)
             results.append(proven)
             meeting.hear(proven.objective, proven.upper_bound)
         except BaseException as error:
@@ -159,7 +159,7 @@ def together(
     thread = threading.Thread(target=prove, name="bound", daemon=True)
     thread.start()
     try:
-        planned = planner(mission, seats[0], meeting.hear)
+        planned = planner(problem, seats[0], meeting.hear)
         meeting.hear(planned.objective, planned.upper_bound)
         thread.join()
     except BaseException:
@@ -168,15 +168,15 @@ def together(
         raise
     if errors:
         raise errors[0]
-    return _join(mission, planned, results[0], time.perf_counter() - began)
+    return _join(problem, planned, results[0], time.perf_counter() - began)
 
 
-def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:
+def _join(problem: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:
     """One certificate of two results."""
     best = proven if proven.objective > planned.objective else planned
-    upper_bound = float(min(planned.upper_bound, proven.upper_bound, mission.total_prize))
+    upper_bound = float(min(planned.upper_bound, proven.upper_bound, problem.total_prize))
     if best.sequence is not None:
-        if best.objective > upper_bound + mission.rounding:
+        if best.objective > upper_bound + problem.rounding:
             raise InvalidBound(
                 f"the plan by {best.method!r} of objective {best.objective!r} exceeds the bound "
                 f"{upper_bound!r} by {planned.method!r} and {proven.method!r}: "
@@ -190,12 +190,12 @@ def _join(mission: Problem, planned: Result, proven: Result, runtime_s: float) -
     counters = {f"planner.{name}": count for name, count in planned.counters.items()}
     counters |= {f"bound.{name}": count for name, count in proven.counters.items()}
     result = certify_routes(
-        mission,
+        problem,
         best.method,
         None if best.plan is None else best.routes,
         seed=planned.seed,
         runtime_s=runtime_s,
-        upper_bound=mission.worth(upper_bound),
+        upper_bound=problem.worth(upper_bound),
         evidence=min(planned, proven, key=lambda side: side.upper_bound).evidence,
         counters=counters,
         notes=[note for note in dict.fromkeys(notes) if note != APPROXIMATE],

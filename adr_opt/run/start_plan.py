@@ -83,9 +83,9 @@ def legal_beginning(
     return tuple(moves[: timing.made])
 
 
-def _refuse_violations(mission: Problem, plan: Plan) -> None:
+def _refuse_violations(problem: Problem, plan: Plan) -> None:
     try:
-        violations = check(mission.instance, plan)
+        violations = check(problem.instance, plan)
     except InputError as error:
         raise InputError(
             f"start plan: {error}, or repair: keep the beginning that is legal here"

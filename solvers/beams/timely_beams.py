@@ -29,6 +29,11 @@ def pilots(mission: Mission) -> tuple[int, ...]:
     return (*(ASKING_WIDTHS if mission.timetable.is_asked else ()), PILOT_WIDTH)
 
 
+def first_width(mission: Mission, usual: int) -> int:
+    """The usual width of a search, or the narrowest where rows are worked out on demand."""
+    return pilots(mission)[0] if mission.timetable.is_asked else usual
+
+
 class Beams:
     """Searches of one mission that end in time: too wide ones are narrowed by the pace so far.
 

@@ -15,7 +15,7 @@ from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
-from ..beams.timely_beams import pilots
+from ..beams.timely_beams import first_width
 from ..columns.all_sets import lacks_plan, settle
 from ..columns.least_cost import prove_cost_by_columns
 from ..columns.proof import ColumnProof
@@ -134,8 +134,7 @@ class _Search:
         self.exchanges = Exchanges(problem, seed, certificate, pool)
         self._drifts = problem.instance.transfer.may_drift
         self._moves, self._most_moves = FIRST_MOVES, MOST_MOVES
-        first = problem.missions[0]
-        self._width = pilots(first)[0] if first.timetable.is_asked else WIDTH
+        self._width = first_width(problem.missions[0], WIDTH)
 
     def begin(self, start: Routes | None, scale: int) -> None:
         """The first plans; ``scale`` times as many moves are made in a round as usual."""
@@ -191,7 +190,7 @@ def plan(
 
     Rounds, each with more effort than the one before: ruin and recreate across routes
     (:class:`solvers.routes.route_search.RouteSearch`) side by side with column generation
-    (:class:`solvers.columns.proof.CampaignProof`); after each the best plan is put together from
+    (:class:`solvers.columns.proof.ColumnProof`); after each the best plan is put together from
     all routes that either of them has met. The same seed and the same number of rounds give the
     same plan. Where planes drift, targets change routes as well
     (:class:`solvers.routes.target_exchange.Exchanges`); where another cost than ΔV is asked for,
@@ -203,6 +202,7 @@ def plan(
         Whose result it is.
     start : sequence of sequences of int, optional
         Routes to begin from.
+    options : ProofOptions
     goals : Goals
     """
     began = time.perf_counter()

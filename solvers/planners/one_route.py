@@ -19,7 +19,7 @@ from adr_opt.mission.result import Result
 from ..beams.beams import USUAL, hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
 from ..beams.recreate import recreate
-from ..beams.timely_beams import Beams, pilots
+from ..beams.timely_beams import Beams, first_width, pilots
 from ..beams.varied_beams import varied
 from ..orders.string_removal import Strings
 from ..progress.gap import GapTracker
@@ -90,17 +90,14 @@ class RouteSearches:
         self.counters = {"beams": 0, "recreations": 0}
         if self.drifts:
             self.counters["annealings"] = 0
-        # Large fields get narrower beams, so that a round takes about as long on all of them.
         targets = max(1, len(mission.instance.targets))
-        self._scale = min(1.0, (USUAL_TARGETS / targets) ** 2)
-        # Where rows are worked out on demand all beams look at as many destinations, but dearer
-        # ones.
         self._asks = mission.timetable.is_asked
-        if self._asks:
-            self._scale = ASKING
-        self._usual = pilots(mission)[0] if self._asks else USUAL_WIDTH
+        # Large fields get narrower beams, so that a round takes about as long on all of them. Where
+        # rows are worked out on demand all beams look at as many destinations, but dearer ones.
+        self._scale = ASKING if self._asks else min(1.0, (USUAL_TARGETS / targets) ** 2)
+        self._usual = first_width(mission, USUAL_WIDTH)
         # An annealing of few targets is as good after a few: the proof is not to wait for others.
-        share = min(1.0, (len(mission.instance.targets) / USUAL_TARGETS) ** 2)
+        share = min(1.0, (targets / USUAL_TARGETS) ** 2)
         self._width, self._recreations = VARIED_WIDTH, 20
         self._annealings = max(2, round(share * ANNEALINGS))
 

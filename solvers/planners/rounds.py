@@ -19,7 +19,7 @@ class Search(Protocol):
     """The searching half of a planner."""
 
     def beside(self, prover: Any, rounds: int) -> Task | None:
-        """The work of the second thread in a round, which begins; None if there is none."""
+        """The work of the second thread in the round that begins; None if there is none."""
 
     def advance(self, prover: Any, rounds: int) -> None:
         """The work of this thread in a round."""
@@ -49,7 +49,7 @@ def run(
     stop : Stop
         Asked once a round.
     within : Stop, optional
-        Its time alone counts, besides.
+        A further limit, of time alone.
     cores : int
         With one, the threads take turns.
     until_done : bool

@@ -19,7 +19,7 @@ STRIDE = 0.01
 
 
 class GapTracker:
-    """Incumbent and bound of a problem; whoever listens is told of both.
+    """Incumbent and bound of a problem, and the progress that is told of both.
 
     Parameters
     ----------

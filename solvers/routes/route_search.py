@@ -11,7 +11,7 @@ from adr_opt.plan.station_limits import Use
 
 from ..beams.beams import BeamSettings, beam_search, hurried, usual_settings
 from ..beams.greedy_order import guarded_sequence
-from ..beams.timely_beams import pilots
+from ..beams.timely_beams import first_width
 from ..beams.varied_beams import varied
 from ..progress.gap import GapTracker
 from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed, without_empty
@@ -95,8 +95,7 @@ class RouteSearch:
             return ()
         layer = hurried(mission)
         self.counters["beams"] += 1
-        width = pilots(mission)[0] if mission.timetable.is_asked else FIRST_WIDTH
-        return self._beam(layer, usual_settings(layer, width), 0)
+        return self._beam(layer, usual_settings(layer, first_width(mission, FIRST_WIDTH)), 0)
 
     def _beam(self, mission: Mission, settings: BeamSettings, seed: int) -> tuple[int, ...]:
         found = beam_search(mission, settings, seed=seed, stop=self._stop)[0]

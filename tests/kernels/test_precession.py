@@ -22,7 +22,7 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
-from adr_opt.kernels.legs.wanted import Times
+from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings
