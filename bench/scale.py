@@ -4,6 +4,7 @@
     python bench/scale.py --targets 50 500 --limit 20 --seeds 3
     python bench/scale.py --dense --targets 200 500           # against the table of all pairs
     python bench/scale.py --family large --targets 200 --limit 600                   # 30 days
+    python bench/scale.py --family large --targets 1500 --chasers 2
 
 Every run is a process of its own: drawn, planned by `auto` within the limit, and checked. *Near* is
 for how many destinations of each body the timetable has room and time, or at how many planners look
@@ -30,7 +31,7 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.run.table_budget import looked_at
 
 SIZES = (50, 100, 200, 500, 1000, 2000, 5000, 10_000)
@@ -44,15 +45,15 @@ def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
     adr_opt.solve(adr_opt.generate("tiny", 0), "auto", iterations=2)
     began = time.perf_counter()
     instance = adr_opt.load(file)
-    mission = Mission(instance)
+    problem = Problem(instance)
     if dense:
-        mission.build(None)
+        problem.build(None)
     spent = time.perf_counter() - began if dense else 0.0
-    result = adr_opt.solve(mission, "auto", time_limit=max(1.0, limit_s - spent))
+    result = adr_opt.solve(problem, "auto", time_limit=max(1.0, limit_s - spent))
     wall = time.perf_counter() - began
     violations = 1 if result.plan is None else len(adr_opt.check(instance, result.plan))
     return {
-        "near": looked_at(mission.timetable),
+        "near": looked_at(problem.missions[0].timetable),
         "visits": result.objective,
         "bound": result.upper_bound,
         "wall_s": wall,
@@ -61,11 +62,18 @@ def measure(file: Path, limit_s: float, dense: bool) -> dict[str, float]:
     }
 
 
+def generated(family: str, seed: int, targets: int, chasers: int) -> adr_opt.Instance:
+    """A field of a family, with other numbers of targets and of chasers."""
+    several = {"chasers": chasers} if chasers > 1 else {}
+    return adr_opt.generate(family, seed, targets=targets, **several)
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--family", default="nominal")
     parser.add_argument("--targets", type=int, nargs="+", default=list(SIZES))
+    parser.add_argument("--chasers", type=int, default=1)
     parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--dense", action="store_true")
@@ -82,7 +90,7 @@ def main() -> None:
             found = []
             for seed in range(arguments.seeds):
                 file = Path(folder) / "instance.json"
-                adr_opt.generate(arguments.family, seed, targets=count).save(file)
+                generated(arguments.family, seed, count, arguments.chasers).save(file)
                 command = [
                     sys.executable, __file__, "--one", str(file), "--limit", str(arguments.limit),
                 ]  # fmt: skip
