@@ -128,7 +128,7 @@ class Prepared:
     ) -> Result:
         """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
-        quick = adapted(FALLBACK, fallback.load())(
+        quick = _loaded(fallback)(
             given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
         )
         if quick.objective <= result.objective:
@@ -180,7 +180,8 @@ def prepare(
     """
     if not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"seed = {seed}: must be between 0 and {LARGEST_SEED}")
-    known, function = spec_of(method, group), method_of(method, group)
+    # Looking up what is installed takes milliseconds: once for both.
+    known, function = _installed(method, group, lambda one: (one, _loaded(one)))
     chosen = dict(options or {})
     if jobs is not None:
         if not known.uses_cores:
@@ -210,7 +211,7 @@ def method_of(name: str, group: str = PLANNERS) -> Planner:
     InputError
         There is none of that name, or it is declared but cannot be imported.
     """
-    return _installed(name, group, lambda known: adapted(name, known.load()))
+    return _installed(name, group, _loaded)
 
 
 def spec_of(name: str, group: str = PLANNERS) -> MethodSpec:
@@ -222,6 +223,10 @@ def spec_of(name: str, group: str = PLANNERS) -> MethodSpec:
         As of :func:`method_of`.
     """
     return _installed(name, group, lambda known: known)
+
+
+def _loaded(known: MethodSpec) -> Planner:
+    return adapted(known.name, known.load())
 
 
 def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> Taken:
