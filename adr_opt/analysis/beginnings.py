@@ -11,9 +11,9 @@ import numpy as np
 
 from ..common.constants import SLACK_M_S
 from ..legs.service_limits import limits_of
-from ..mission.build_legs import burns_of, transfer_of
+from ..mission.build_legs import transfer_leg
 from ..mission.mission import Mission
-from ..plan.plan import Leg, Plan
+from ..plan.plan import Plan
 from ..plan.routes import weighed
 from ..problem.instance import Instance
 from .state import ChaserState, heavier
@@ -94,24 +94,8 @@ def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[Chas
         if not ends.size or ends.min() > limits.duration:
             continue
         taken = int(np.lexsort((found.delta_v, ends))[0])
-        revolutions = int(found.revolutions[taken])
-        flown = transfer_of(
-            mission, i, station, float(found.departure[taken]), float(found.arrival[taken]),
-            revolutions,
-        )  # fmt: skip
-        leg = Leg(
-            kind=flown.kind,
-            origin=state.body or chaser.name,
-            destination=name,
-            ready_s=state.legs[-1].free_s,
-            departure_s=flown.departure,
-            arrival_s=float(found.arrival[taken]),
-            end_s=float(ends[taken]),
-            delta_v_m_s=connecting.modelled(i, station, revolutions, float(found.delta_v[taken])),
-            delta_v_left_m_s=full_m_s,
-            phasing_revolutions=max(revolutions, 0),
-            eccentricity_delta_v_m_s=flown.shape,
-            burns=burns_of(flown),
+        leg = transfer_leg(mission, (i, station), state.legs[-1].free_s, found, taken).replace(
+            origin=state.body or chaser.name, end_s=float(ends[taken]), delta_v_left_m_s=full_m_s
         )
         (leg,) = weighed(rest, chaser.replace(kits=None), [leg])
         yield replace(

@@ -17,7 +17,7 @@ from ..common.wording import counted
 from ..judge.check.verdict import check
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
-from ..mission.build_legs import transfer_of
+from ..legs.families.family import StatedLeg
 from ..mission.certified import certify_routes
 from ..mission.mission import Mission
 from ..mission.problem import AnyProblem, Problem, problem_of
@@ -246,10 +246,7 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
             fits = np.abs(found.arrival - leg.arrival_s) <= NEAR_S
             fits &= _leaves(mission, i, j, found, fits) >= leg.departure_s - NEAR_S
         if fits.any():
-            return Connections(
-                found.departure[fits], found.arrival[fits], found.delta_v[fits],
-                found.revolutions[fits],
-            )  # fmt: skip
+            return found.at(fits)
     raise InputError(f"{said}, {_nothing_there(mission, i, leg, found)}")
 
 
@@ -269,9 +266,8 @@ def _leaves(
         return leaves
     latest = found.departure[asked].max()
     for row in np.flatnonzero(asked & (found.departure >= latest - LATEST_S)):
-        flown = transfer_of(
-            mission, i, j, found.departure[row], found.arrival[row], int(found.revolutions[row])
-        )
+        stated = StatedLeg(found.departure[row], found.arrival[row], int(found.revolutions[row]))
+        flown = mission.connecting.flown(i, j, int(found.family[row]), stated)
         leaves[row] = flown.departure
     return leaves
 

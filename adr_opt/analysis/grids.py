@@ -93,7 +93,7 @@ def grid_advice(problem: Problem, plan: Plan) -> str | None:
     """
     instance = problem.instance
     transfer, duration = instance.transfer, instance.mission.duration_s
-    drifts = [leg for leg in plan.legs if leg.kind == "drift"]
+    drifts = [leg for leg in plan.legs if leg.traits.on_time_grid]
     if not drifts or transfer.given is not None or instance.objective.cost != "delta-v":
         return None
     step, planned = transfer.drift_step_s, plan.delta_v_m_s

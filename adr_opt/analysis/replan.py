@@ -238,7 +238,7 @@ _practised: set[bool] = set()
 
 def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
     """The plan of the quick planner, without all that takes longer than it does."""
-    drifts = problem.connecting.drifts
+    drifts = problem.connecting.is_listed
     if drifts not in _practised:
         warm_up(PLANNERS, QUICK, drifts=drifts)
         _practised.add(drifts)

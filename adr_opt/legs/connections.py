@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -16,15 +16,17 @@ from ..common.card import Shown
 from ..common.constants import HOUR_S, SLACK_M_S, SLACK_S
 from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
-from ..kernels.legs import drifting_connections, given_connections
 from ..kernels.legs.found import ConnectionArrays
 from ..kernels.legs.times import Times
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
+from ..plan.leg_kinds import SHORT, leg_kinds
 from ..plan.tows import leaving_eccentricity_delta_v, leaving_orbits
 from ..problem.instance import Instance
 from .connection_cache import ConnectionCache, Pair
-from .corrections import NO_CORRECTIONS, Corrections, Kind
+from .corrections import NO_CORRECTIONS, Corrections
+from .families import registry
+from .families.family import FlownLeg, PairEnds, StatedLeg
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -47,22 +49,24 @@ class Connections(Shown):
         [m/s].
     revolutions : (connections,) int8
         Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
+    family : (connections,) int8
+        Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     """
 
     departure: FloatArray
     arrival: FloatArray
     delta_v: FloatArray
     revolutions: npt.NDArray[np.int8]
+    family: npt.NDArray[np.int8]
+
+    def at(self, rows: slice | npt.NDArray[Any]) -> Connections:
+        """Those at some places."""
+        columns = (getattr(self, field.name) for field in fields(self))
+        return Connections(*(column[rows] for column in columns))
 
     def after(self, ready: float) -> Connections:
         """Those that a chaser can take that is ready at a time [s]."""
-        first = int(np.searchsorted(self.departure, ready - SLACK_S))
-        return Connections(
-            self.departure[first:],
-            self.arrival[first:],
-            self.delta_v[first:],
-            self.revolutions[first:],
-        )
+        return self.at(slice(int(np.searchsorted(self.departure, ready - SLACK_S)), None))
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,6 +87,8 @@ class AllConnections(Shown):
         [m/s].
     revolutions : (connections,) int8
         Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
+    family : (connections,) int8
+        Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     """
 
     names: tuple[str, ...]
@@ -92,6 +98,7 @@ class AllConnections(Shown):
     arrival: FloatArray
     delta_v: FloatArray
     revolutions: npt.NDArray[np.int8]
+    family: npt.NDArray[np.int8]
 
     def __len__(self) -> int:
         """How many there are."""
@@ -134,6 +141,7 @@ class AllConnections(Shown):
             column("arrival", np.float64),
             column("delta_v", np.float64),
             column("revolutions", np.int8),
+            column("family", np.int8),
         )
 
 
@@ -145,9 +153,9 @@ class ConnectionFinder:
     """Works out the connections of an instance, pair by pair.
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
-    out whenever somebody asks. Where nodes drift it takes half a millisecond to many, and what
-    planning needs is kept, as far as there is room (:mod:`.connection_cache`). So it is
-    where connections are given.
+    out on every call. Where nodes drift it takes half a millisecond to many, and what planning
+    needs is kept, as far as there is room (:mod:`.connection_cache`). So it is where connections
+    are given, or of a family that was registered.
 
     Parameters
     ----------
@@ -157,6 +165,8 @@ class ConnectionFinder:
 
     Attributes
     ----------
+    families : tuple of LegFamily
+        Those that legs may be of.
     inputs : tuple
         Bodies as they are left and as they are arrived at, shape (bodies, columns); what matching
         eccentricity vectors alone costs, shape (origin, destination) [m/s]; the transfer rule.
@@ -175,8 +185,11 @@ class ConnectionFinder:
         self.inputs = leaving, instance.orbits(), extra, instance.transfer_rule()
         self.given = instance.given
         self.times = _times(instance)
-        self._listed = are_listed(instance)
-        self._launches = instance.launches
+        self.families = registry.families_of(instance)
+        self._is_listed = are_listed(instance)
+        self._has_registered = any(family not in registry.OWN for family in self.families)
+        asked_anew = self.times is None and self.given is None and not self._has_registered
+        self._is_kept = not asked_anew
         self._spent = instance.spent_m_s
         self.kept = ConnectionCache()
         self.counts: dict[Pair, int] = {}
@@ -188,22 +201,21 @@ class ConnectionFinder:
         self._numbers: list[int] = []
 
     @property
-    def drifts(self) -> bool:
+    def is_listed(self) -> bool:
         """Whether connections are listed: not all leave at regular events, or costs are corrected.
 
         A launch is a connection, too, and so is what is given.
         """
-        return self._listed or bool(self.corrections)
+        return self._is_listed or bool(self.corrections)
 
     @property
     def may_be_asked(self) -> bool:
         """Whether single connections can be worked out on demand.
 
-        Not those that are given, launches, what waits for planes to drift, or what costs more than
-        the model says.
+        Only short ones, which are not waited for and cost what the model says.
         """
-        told = self.given is not None or self._launches or self._spent or self.corrections
-        return not told and self.instance.transfer.max_drift_s == 0.0
+        told = self._spent or self.corrections
+        return not told and [family.kind for family in self.families] == [SHORT]
 
     @property
     def planning_resolution_m_s(self) -> float:
@@ -232,38 +244,43 @@ class ConnectionFinder:
         """What connections from a body cost besides, because it was spent before the start."""
         return self._spent.get(i, 0.0)
 
+    def ends(self, i: int, j: int) -> PairEnds:
+        """What the legs of a pair follow from."""
+        leaving, orbits, extra, rule = self.inputs
+        return PairEnds(
+            self.instance, i, j, leaving[i], orbits[j], extra[i, j], rule, self.times, self._end
+        )
+
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
-        if i in self._launches or j in self._launches:
-            return self._launch(i, j)
+        ends = self.ends(i, j)
+        claiming = next((family for family in self.families if family.claims(ends)), None)
+        if claiming is not None and claiming.kind.from_nowhere:
+            return claiming.connections(ends, None, resolution_m_s)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
             known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
             in_time = known.arrival <= self._end
             return known if in_time.all() else ConnectionArrays(*(part[in_time] for part in known))
-        found: ConnectionArrays
-        if self.given is not None:
-            rows = self.given.of_pair(self._names[i], self._names[j])
-            found = given_connections.sifted(*rows, self._end, resolution_m_s)
-            return found
-        leaving, orbits, extra, rule = self.inputs
-        pair = leaving[i], orbits[j], extra[i, j], rule
-        if self.times is None:
-            found = kernels.of_pair(*pair, self._end, resolution_m_s)
-        else:
-            found = drifting_connections.of_pair(*pair, self.times, self._end, resolution_m_s)
+        if claiming is not None:
+            return claiming.connections(ends, None, resolution_m_s)
+        found: ConnectionArrays | None = None
+        for family in self.families:
+            found = family.connections(ends, found, resolution_m_s)
+        assert found is not None  # there are short legs
         return found
 
-    def _launch(self, i: int, j: int) -> ConnectionArrays:
-        """Onto a target, for nothing, as soon as the chaser is there: to be early is no loss."""
-        leads_on = i in self._launches and j >= self.instance.first_target
-        when = np.full(int(leads_on), self._launches.get(i, 0.0))
-        nothing = np.zeros_like(when)
-        return ConnectionArrays(
-            when, when, nothing, nothing.astype(np.int8), nothing.astype(np.int32)
-        )
+    def flown(self, i: int, j: int, family: int, stated: StatedLeg) -> FlownLeg:
+        """How a connection of a pair is flown that a family has, by its number.
+
+        Raises
+        ------
+        InputError
+            It cannot be flown.
+        """
+        return registry.families()[family].flown(self.ends(i, j), stated)
 
     def found(self, i: int, j: int) -> ConnectionArrays:
         """What planning needs of a pair: kept, or worked out."""
-        if self.times is None and self.given is None:
+        if not self._is_kept:
             return self.find(i, j, self.planning_resolution_m_s)
         return self._charged(i, j, self.kept_of_model(i, j))
 
@@ -280,7 +297,7 @@ class ConnectionFinder:
     @property
     def depends_on_tank(self) -> bool:
         """Whether other tanks have other connections: those that they can pay, where listed."""
-        return self.times is not None
+        return self.times is not None or self._has_registered
 
     def shortened(self, instance: Instance) -> ConnectionFinder:
         """That of a mission that differs in limits alone, and is no longer; what is known is used.
@@ -290,7 +307,7 @@ class ConnectionFinder:
         Prizes may, and targets may be left out: no pair knows of other bodies.
         """
         made = ConnectionFinder(instance, self.corrections)
-        if self.drifts:
+        if self.is_listed:
             made._longer, made._numbers = self, self.numbers_of(instance)
         return made
 
@@ -326,12 +343,12 @@ class ConnectionFinder:
             return ConnectionFinder(instance, self.corrections)
         return self.shortened(instance)
 
-    def modelled(self, i: int, j: int, revolutions: int, delta_v_m_s: float) -> float:
+    def modelled(self, i: int, j: int, family: int, delta_v_m_s: float) -> float:
         """What a connection costs without the corrections, and what was spent before [m/s]."""
         delta_v_m_s -= self._spent.get(i, 0.0)
         if not self.corrections:
             return delta_v_m_s
-        kind: Kind = "drift" if revolutions < 0 else "short"
+        kind = leg_kinds()[family].name
         return self.corrections.modelled(self._names[i], self._names[j], kind, delta_v_m_s)
 
     def choose_pairs(
@@ -363,11 +380,13 @@ class ConnectionFinder:
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
         """All connections of a pair; none from a body to itself."""
         if i == j:
-            none = np.empty(0)
-            return Connections(none, none, none, np.empty(0, dtype=np.int8))
-        planning = self.drifts and resolution_m_s == self.planning_resolution_m_s
+            none, nothing = np.empty(0), np.empty(0, dtype=np.int8)
+            return Connections(none, none, none, nothing, nothing)
+        planning = self.is_listed and resolution_m_s == self.planning_resolution_m_s
         found = self.found(i, j) if planning else self.find(i, j, resolution_m_s)
-        return Connections(found.departure, found.arrival, found.delta_v, found.revolutions)
+        return Connections(
+            found.departure, found.arrival, found.delta_v, found.revolutions, found.family
+        )
 
     def choose(
         self,
@@ -433,8 +452,9 @@ def weights_of(choose: Choice) -> tuple[float, float]:
 
 def are_listed(instance: Instance) -> bool:
     """Whether connections are listed: not all of them leave at the events of two-body motion."""
-    given, by_start = instance.given is not None, instance.launches or instance.spent_m_s
-    return not _is_regular(instance) or given or bool(by_start)
+    found = registry.families_of(instance)
+    only_short = [family.kind for family in found] == [SHORT]
+    return not (_is_regular(instance) and only_short) or bool(instance.spent_m_s)
 
 
 def _is_regular(instance: Instance) -> bool:

@@ -8,15 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from ..kernels.legs.found import ConnectionArrays
-
-Kind = Literal["short", "drift"]
-
-ADJECTIVES: dict[Kind, str] = {"short": "short", "drift": "drifting"}
+from ..plan.leg_kinds import leg_kinds
 
 
 @dataclass(frozen=True)
@@ -37,9 +33,9 @@ class Corrections:
         Not negative; 0 by default [m/s].
     """
 
-    shares: Mapping[tuple[str, str, Kind], float] = field(default_factory=dict)
-    factors: Mapping[Kind, float] = field(default_factory=dict)
-    additions_m_s: Mapping[Kind, float] = field(default_factory=dict)
+    shares: Mapping[tuple[str, str, str], float] = field(default_factory=dict)
+    factors: Mapping[str, float] = field(default_factory=dict)
+    additions_m_s: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not all(share > 0.0 for share in self.shares.values()):
@@ -59,31 +55,30 @@ class Corrections:
         if not self:
             return found
         delta_v = np.empty(found.delta_v.size)
-        drifts = found.revolutions < 0
-        for kind in ADJECTIVES:
-            mine = drifts if kind == "drift" else ~drifts
-            factor, addition = self._line(origin, destination, kind)
+        for number, kind in enumerate(leg_kinds()):
+            mine = found.family == number
+            factor, addition = self._line(origin, destination, kind.name)
             delta_v[mine] = factor * found.delta_v[mine] + addition
         if np.isfinite(delta_v).all():
             return found._replace(delta_v=delta_v)
         flyable = np.isfinite(delta_v)
         return ConnectionArrays(*(column[flyable] for column in found._replace(delta_v=delta_v)))
 
-    def corrected(self, origin: str, destination: str, kind: Kind, delta_v_m_s: float) -> float:
+    def corrected(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
         """What a connection costs that has a ΔV by the model [m/s]."""
         factor, addition = self._line(origin, destination, kind)
         return factor * delta_v_m_s + addition
 
-    def modelled(self, origin: str, destination: str, kind: Kind, delta_v_m_s: float) -> float:
+    def modelled(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
         """What a connection of a corrected ΔV costs by the model [m/s]."""
         factor, addition = self._line(origin, destination, kind)
         return (delta_v_m_s - addition) / factor
 
-    def of_kind(self, kind: Kind) -> tuple[float, float]:
+    def of_kind(self, kind: str) -> tuple[float, float]:
         """What the model's ΔV is multiplied by, and what is added [m/s], for any pair."""
         return self.factors.get(kind, 1.0), self.additions_m_s.get(kind, 0.0)
 
-    def _line(self, origin: str, destination: str, kind: Kind) -> tuple[float, float]:
+    def _line(self, origin: str, destination: str, kind: str) -> tuple[float, float]:
         """The same for a pair that may be known."""
         factor, addition = self.of_kind(kind)
         share = self.shares.get((origin, destination, kind), 1.0)
@@ -92,12 +87,12 @@ class Corrections:
 
     def __str__(self) -> str:
         parts = []
-        for kind, adjective in ADJECTIVES.items():
-            factor, addition = self.of_kind(kind)
+        for kind in leg_kinds():
+            factor, addition = self.of_kind(kind.name)
             if factor != 1.0:
-                parts.append(f"the ΔV of {adjective} transfers times {factor:.4g}")
+                parts.append(f"the ΔV of {kind.adjective} transfers times {factor:.4g}")
             if addition:
-                parts.append(f"{addition:.1f} m/s more for {adjective} transfers")
+                parts.append(f"{addition:.1f} m/s more for {kind.adjective} transfers")
         known = [one for one in self.shares.values() if one not in (1.0, math.inf)]
         barred = sum(one == math.inf for one in self.shares.values())
         if known:

@@ -139,12 +139,12 @@ class Timetable(Shown):
             rule = instance.transfer_rule(time_value_m_s_per_h)
             interval = instance.transfer.departure_spacing_s
             source = Source(
-                *connecting.inputs[:3], rule, limits, *asked, connecting.drifts, interval,
+                *connecting.inputs[:3], rule, limits, *asked, connecting.is_listed, interval,
                 math.inf if connecting.times is None else connecting.times.most,
             )  # fmt: skip
             table = making.without_entries(size.bodies, source)
             making.space(source.arriving, table)
-        elif not connecting.drifts:
+        elif not connecting.is_listed:
             table = making.allocate(size.bodies, size.events, making.slots_of(chosen))
             given = (*connecting.inputs[:3], instance.transfer_rule(time_value_m_s_per_h))
             making.space(given[0], table)
@@ -421,7 +421,7 @@ class Timetable(Shown):
         """The :meth:`connections` of all pairs of bodies, in arrays.
 
         Worked out on every call, in threads. Of 50 targets over a week there are five million, of
-        33 bytes each.
+        34 bytes each.
 
         Parameters
         ----------
@@ -431,8 +431,8 @@ class Timetable(Shown):
         Returns
         -------
         AllConnections
-            ``origin``, ``destination``, ``departure``, ``arrival``, ``delta_v``, ``revolutions``:
-            shape (connections,) each.
+            ``origin``, ``destination``, ``departure``, ``arrival``, ``delta_v``, ``revolutions``,
+            ``family``: shape (connections,) each.
 
         Raises
         ------

@@ -10,6 +10,7 @@ import numpy as np
 from ..common.constants import DAY_S, MU_M3_S2
 from ..common.memory import available_bytes
 from ..kernels.tables import timetable as kernels
+from ..plan.leg_kinds import leg_kinds
 from ..problem.instance import Instance
 from .connections import ConnectionFinder, are_listed
 
@@ -19,7 +20,7 @@ MEMORY_SHARE = 0.7
 LARGE_BYTES = 2.0**28
 """Who builds connections that take more is told beforehand: some seconds' work."""
 
-BYTES_PER_CONNECTION = 29
+BYTES_PER_CONNECTION = 30
 """Memory that a connection takes that is kept."""
 
 PAIRS_AT_ONCE = 32
@@ -152,10 +153,11 @@ def _listed(instance: Instance) -> float:
     # Pairs all over the field, since how far planes are apart decides what is worth flying.
     rng = np.random.default_rng(0)
     listed = [0.0]
+    gridded = [number for number, kind in enumerate(leg_kinds()) if kind.on_time_grid]
     for number in range(SAMPLED_PAIRS if bodies > 1 else 0):
         i, j = rng.choice(bodies, 2, replace=False)
         found = sample.find(i, j, sample.planning_resolution_m_s)
-        long = np.count_nonzero(found.revolutions < 0)
+        long = np.isin(found.family, gridded).sum()
         short = found.departure.size - long
         listed[number:] = [events * short + times**2 * long]
     return float(np.mean(listed))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +10,9 @@ import numpy.typing as npt
 from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
 from ..kernels.core.windows import service_ends
-from ..kernels.legs import burns as burn_kernels
-from ..legs.families import drift_burns
+from ..legs.connections import Connections
+from ..legs.families.family import StatedLeg
+from ..plan.leg_kinds import leg_kinds
 from ..plan.plan import Burn, Leg, Reason, Unvisited
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
@@ -49,30 +49,12 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
     tows = tows_of(mission.instance)
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
-        transfer = transfer_of(
-            mission, i, j, timing.departures[at], timing.arrivals[at], int(timing.revolutions[at])
-        )
-        delta_v = mission.connecting.modelled(
-            i, j, int(timing.revolutions[at]), float(timing.delta_vs[at])
-        )
-        spare = timing.delta_vs[at] - mission.connecting.spent_m_s(i) - delta_v
+        leg = transfer_leg(mission, (i, j), float(ready), timing.connections, at)
+        spare = timing.delta_vs[at] - mission.connecting.spent_m_s(i) - leg.delta_v_m_s
         spared = 0.0 if mission.rules.is_station[j] else spared + spare
-        priced.append(
-            Leg(
-                kind=transfer.kind,
-                origin=mission.names[i],
-                destination=mission.names[j],
-                ready_s=float(ready),
-                departure_s=transfer.departure,
-                arrival_s=float(timing.arrivals[at]),
-                end_s=float(timing.ends[at]) - (tows[j].time_s if j in tows else 0.0),
-                delta_v_m_s=delta_v,
-                delta_v_left_m_s=float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s,
-                phasing_revolutions=max(int(timing.revolutions[at]), 0),
-                eccentricity_delta_v_m_s=transfer.shape,
-                burns=burns_of(transfer),
-            )
-        )
+        left = float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s
+        end = float(timing.ends[at]) - (tows[j].time_s if j in tows else 0.0)
+        priced.append(leg.replace(end_s=end, delta_v_left_m_s=left))
         i, ready = j, timing.ends[at]
     return weighed(mission.instance, mission.chaser, _towing(mission, tows, moves, priced))
 
@@ -107,62 +89,45 @@ def tow_flown(orbit: FloatArray, tow: TowPath, start_s: float) -> TowFlown:
     return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
 
 
-class Transfer(NamedTuple):
-    """How a connection is flown.
+def transfer_leg(
+    mission: Mission, ends: tuple[int, int], ready_s: float, found: Connections, row: int
+) -> Leg:
+    """A connection of a mission as a leg, without the service that follows.
 
-    Attributes
+    Parameters
     ----------
-    kind : {"short", "drift", "launch", "given"}
-    departure : float
-        [s].
-    shape : float
-        Part of the ΔV that eccentricity adds, without burns [m/s].
-    burns : (times, vectors, phases)
-        As of :func:`adr_opt.kernels.legs.burns.burns`.
+    mission : Mission
+    ends : (origin, destination)
+        Numbers of bodies.
+    ready_s : float
+        Since when the chaser is free at the origin [s].
+    found : Connections
+    row : int
+        Which of them.
+
+    Raises
+    ------
+    InputError
+        It cannot be flown.
     """
-
-    kind: Literal["short", "drift", "launch", "given"]
-    departure: float
-    shape: float
-    burns: tuple[FloatArray, FloatArray, Iterable[int]]
-
-
-def burns_of(transfer: Transfer) -> tuple[Burn, ...]:
-    """The burns of a transfer, as plans state them."""
-    return tuple(
-        Burn(
-            time_s=float(time),
-            delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
-            phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
-        )
-        for time, vector, phase in zip(*transfer.burns, strict=True)
+    family, revolutions = int(found.family[row]), int(found.revolutions[row])
+    departure, arrival = float(found.departure[row]), float(found.arrival[row])
+    connecting = mission.connecting
+    flown = connecting.flown(*ends, family, StatedLeg(departure, arrival, revolutions))
+    return Leg(
+        kind=leg_kinds()[family].name,
+        origin=mission.names[ends[0]],
+        destination=mission.names[ends[1]],
+        ready_s=ready_s,
+        departure_s=flown.departure,
+        arrival_s=arrival,
+        end_s=arrival,
+        delta_v_m_s=connecting.modelled(*ends, family, float(found.delta_v[row])),
+        delta_v_left_m_s=0.0,
+        phasing_revolutions=max(revolutions, 0),
+        eccentricity_delta_v_m_s=flown.eccentricity_m_s,
+        burns=flown.manoeuvres.burns,
     )
-
-
-def transfer_of(
-    mission: Mission, i: int, j: int, departure: float, arrival: float, revolutions: int
-) -> Transfer:
-    """How a connection of a mission is flown."""
-    nothing = np.empty(0)
-    if i in mission.instance.launches:
-        return Transfer("launch", float(departure), 0.0, (nothing, nothing, ()))
-    if mission.connecting.given is not None:
-        return Transfer("given", float(departure), 0.0, (nothing, nothing, ()))
-    leaving, orbits, extra, rule = mission.transfer_inputs
-    if revolutions < 0:
-        flight = drift_burns.flown(leaving[i], orbits[j], rule, departure, arrival)
-        shape = drift_burns.shape_m_s(leaving[i], orbits[j], rule, departure, arrival)
-        burns = flight.times, flight.vectors, drift_burns.PHASES
-        return Transfer("drift", float(departure), shape, burns)
-    flown = burn_kernels.burns_between(
-        leaving[i], orbits[j], extra[i, j], rule, departure, arrival, revolutions
-    )
-    shape = float(
-        burn_kernels.eccentric_share(
-            leaving[i], orbits[j], extra[i, j], rule, flown[0][0], arrival, revolutions
-        )
-    )
-    return Transfer("short", float(flown[0][0]), shape, flown)
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:

@@ -282,7 +282,7 @@ class Mission(Shown, Prizes):
         worth = instance.time_value_m_s_per_h if usual else self.time_value_m_s_per_h
         key = instance.mission.duration_s, worth
         # Where events are regular, all tanks have one table: that of the first mission so long.
-        twin = None if connecting.drifts else self._of_length.get(key)
+        twin = None if connecting.is_listed else self._of_length.get(key)
         made = self._like(
             instance=instance, connecting=connecting, time_value_m_s_per_h=worth, twin=twin
         )

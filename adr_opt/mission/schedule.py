@@ -47,8 +47,8 @@ class Schedule:
         What each leg takes out of the tank, without tows: of the first one with what was spent
         before the start; and what is left after its service, as the rules count it, with the slack
         that a tank may be overdrawn by [m/s].
-    revolutions : (made,) int64
-        Phasing revolutions of each leg.
+    revolutions, families : (made,) int8
+        Phasing revolutions of each leg, and the number of its family.
     """
 
     made: int
@@ -60,7 +60,15 @@ class Schedule:
     ends: FloatArray
     delta_vs: FloatArray
     lefts: FloatArray
-    revolutions: IntArray
+    revolutions: npt.NDArray[np.int8]
+    families: npt.NDArray[np.int8]
+
+    @property
+    def connections(self) -> Connections:
+        """The one that each leg flies, in order of legs."""
+        return Connections(
+            self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families
+        )
 
 
 class Front(NamedTuple):
@@ -326,13 +334,14 @@ class Scheduler:
         elif self._by_expense:
             cost = self._chaser.priced.of(float(last.cost[label])) if made else 0.0
         departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
-        revolutions = np.empty(made, dtype=np.int64)
+        revolutions, families = np.empty((2, made), dtype=np.int8)
         for at in range(made - 1, -1, -1):
             front = fronts[at + 1]
             found = self.connections(order[at - 1] if at else rules.start, order[at])
             taken = front.taken[label]
             departures[at], arrivals[at] = found.departure[taken], found.arrival[taken]
             delta_vs[at], revolutions[at] = found.delta_v[taken], found.revolutions[taken]
+            families[at] = found.family[taken]
             ends[at], lefts[at] = front.ready[label], front.left[label]
             label = front.parent[label]
         objective = math.fsum(rules.prize[j] for j in order[:made])
@@ -347,4 +356,5 @@ class Scheduler:
             delta_vs,
             lefts,
             revolutions,
+            families,
         )

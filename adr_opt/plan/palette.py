@@ -1,53 +1,15 @@
-"""The phases of a mission: their order, what people call them, and one colour for each.
-
-The colours are middle tones: each has at least three to one of contrast to white and to the dark
-background of the report.
-"""
+"""The colours of what is drawn beside phases: chasers, stations, zones and targets."""
 
 from __future__ import annotations
 
 from ..problem.instance import Instance
+from .phases import COLOURS, LABELS, PHASES
 from .routes import several
 
-PHASES = (
-    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "transfer",
-    "service", "refuelling", "tow",
-)  # fmt: skip
-"""The phases of burns, with the wait before them and the service after them.
-
-See docs/model.md section 2.
-
-"transfer" is all of a leg that has no burns, because its costs are given; "tow" is the way of an
-object down to the disposal orbit.
-"""
-
-LABELS = {
-    "wait": "wait",
-    "hohmann-1": "first Hohmann",
-    "drift": "drift orbit",
-    "phasing": "phasing",
-    "co-elliptic": "to co-elliptic",
-    "terminal": "terminal Hohmann",
-    "approach": "approach",
-    "transfer": "transfer",
-    "service": "service",
-    "refuelling": "refuelling",
-    "tow": "tow",
-}
-
-COLOURS = {
-    "wait": "#8490a0",
-    "hohmann-1": "#d4553f",
-    "drift": "#9c6b4a",
-    "phasing": "#3f7fc4",
-    "co-elliptic": "#1f9687",
-    "terminal": "#c07f12",
-    "approach": "#a765b8",
-    "transfer": "#5a78d8",
-    "service": "#5f9438",
-    "refuelling": "#d2508f",
-    "tow": "#6a6fb5",
-}
+__all__ = [
+    "CHASERS", "COLOURS", "LABELS", "PHASES", "REASONS", "STATION", "UNVISITED", "VISITED", "ZONE",
+    "chaser_colours",
+]  # fmt: skip
 
 CHASERS = ("#6d5fe0", "#d9681d", "#1791b5", "#8a8f1e", "#c542c0", "#2f9a5d", "#d4486a", "#5f7d95")
 """Where there are several chasers, each has one of these, in the order of the instance; none is

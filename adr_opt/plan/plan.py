@@ -16,6 +16,8 @@ from ..common.files import read_model, to_text, write_text
 from ..common.records import DeltaV, Name, Record, Time, without
 from ..problem.instance import Instance
 from ..problem.settings import Objective
+from .leg_kinds import DRIFT, SHORT, KindName, LegKind, OneOf, leg_kind
+from .phases import burn_phases
 from .plan_flight import PlanFlight
 
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
@@ -50,7 +52,7 @@ class Burn(Record):
 
     time_s: Time
     delta_v_m_s: Annotated[Vector, Field(strict=False)]
-    phase: Literal["hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "drift", "tow"]
+    phase: Annotated[str, OneOf(burn_phases)]
 
     @property
     def size_m_s(self) -> float:
@@ -85,13 +87,14 @@ class Leg(Shown, Record):
     that of the transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose
     node moves otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns;
     ``launch`` puts a chaser that starts anywhere onto its first target, at once and for nothing;
-    ``given`` is a connection that somebody gave, which has no burns. ``mass_kg``, that of the
+    ``given`` is a connection that somebody gave, which has no burns; other kinds are those of
+    families that were registered. ``mass_kg``, that of the
     chaser at ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there
     where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
     mass, are those after it; the next leg is ready as long after ``end_s`` as it takes.
     """
 
-    kind: Literal["short", "drift", "launch", "given"] = "short"
+    kind: KindName = SHORT.name
     origin: Name
     destination: Name
     ready_s: Time
@@ -114,6 +117,11 @@ class Leg(Shown, Record):
             for name, value in content.items()
             if not (name in ("mass_kg", "tow") and value is None)
         }
+
+    @property
+    def traits(self) -> LegKind:
+        """Its kind."""
+        return leg_kind(self.kind)
 
     @property
     def done_s(self) -> float:
@@ -211,7 +219,7 @@ class Plan(Shown, Record):
     @property
     def has_former_drifts(self) -> bool:
         """Whether legs drift that were planned as if phase cost nothing."""
-        return self.model < MODEL and any(leg.kind == "drift" for leg in self.legs)
+        return self.model < MODEL and any(leg.kind == DRIFT.name for leg in self.legs)
 
     @property
     def legs(self) -> tuple[Leg, ...]:

@@ -11,20 +11,25 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..common.records import DeltaV, Name, Record, without
+from .leg_kinds import OneOf, flown_kind_names, leg_kind
 
-Family = Literal["short", "drift", "tow"]
+TOW = "tow"
+
+
+def _families() -> tuple[str, ...]:
+    return (*flown_kind_names(), TOW)
 
 
 class FamilyFlight(Record):
     """What the legs of a family were planned with, and what they took; null where unknown."""
 
-    family: Family
+    family: Annotated[str, OneOf(_families)]
     legs: Annotated[int, Field(ge=0)]
     planned_delta_v_m_s: DeltaV
     flown_delta_v_m_s: DeltaV | None
 
     def __str__(self) -> str:
-        noun = {"short": "short leg", "drift": "drift", "tow": "tow"}[self.family]
+        noun = TOW if self.family == TOW else leg_kind(self.family).noun
         flown = "unknown" if self.flown_delta_v_m_s is None else f"{self.flown_delta_v_m_s:.1f}"
         return (
             f"{self.legs} {noun}{'' if self.legs == 1 else 's'} planned with "

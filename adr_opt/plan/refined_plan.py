@@ -18,6 +18,8 @@ from pydantic import (
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
+from .leg_kinds import FlownKindName, OneOf
+from .phases import refined_phases
 from .plan import InstanceReference, Plan, Vector
 
 FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
@@ -28,10 +30,6 @@ ADDS_UP_M_S = 1e-6
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 Freedom = Literal["free", "planned"]
 Status = Literal["complete", "incomplete"]
-Phase = Literal[
-    "hohmann-1", "phasing", "co-elliptic", "terminal", "drift", "transfer", "approach", "tow"
-]  # fmt: skip
-
 Position = Annotated[
     tuple[
         Annotated[float, Field(ge=-1e9, le=1e9)],
@@ -67,7 +65,7 @@ class RefinedBurn(Record):
 
     time_s: Time
     delta_v_m_s: Velocity
-    phase: Phase
+    phase: Annotated[str, OneOf(refined_phases)]
 
     @property
     def size_m_s(self) -> float:
@@ -129,7 +127,7 @@ class RefinedLeg(Record):
 
     leg: Annotated[int, Field(ge=1)]
     chaser: Name | None = None
-    kind: Literal["short", "drift"]
+    kind: FlownKindName
     origin: Name
     destination: Name
     ready_s: Time

@@ -230,7 +230,7 @@ def run(
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
-    drifts = whole.connecting.drifts
+    drifts = whole.connecting.is_listed
     if drifts and not whole.has_timetable:
         _announce(whole.instance, sizing)
     ready = partial(warm_up, starts=start is not None, drifts=drifts, several=whole.alone is None)

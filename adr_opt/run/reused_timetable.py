@@ -72,7 +72,7 @@ class Reused:
             if known is not None and whole and serves(known.instance, instance):
                 return _on_what_is_there(known, instance)
         longest = self._longest
-        if longest is not None and longest.connecting.drifts and _is_part(longest, instance):
+        if longest is not None and longest.connecting.is_listed and _is_part(longest, instance):
             self._built = Problem(instance, connecting=longest.connecting.shortened(instance))
         else:
             self._built = self._longest = problem_of(instance)

@@ -73,7 +73,7 @@ def work(task: Task, tell: Tell) -> None:
             tell("bound", {**_bound_row(task.trial, task.bound), "message": _sentence(error)})
         return
     spent.build, build_cpu_s = time.perf_counter() - began, time.process_time() - cpu_began
-    best, kind = task.best, (problem.connecting.drifts, problem.alone is None)
+    best, kind = task.best, (problem.connecting.is_listed, problem.alone is None)
     for method in task.methods:
         spent.warm += warm_up(method, *kind)
         row = _plan(task, method, _as_new(problem), spent)

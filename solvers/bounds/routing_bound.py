@@ -90,7 +90,7 @@ def static_costs(mission: Mission, enough: Callable[[], bool] = lambda: False) -
     for i in range(bodies):
         for j in range(bodies):
             if i != j and (rules.is_station[j] or j >= rules.first_target):
-                if not connecting.drifts and enough():
+                if not connecting.is_listed and enough():
                     least = _floor(i, j, *connecting.inputs, rules)
                 else:
                     found = connecting.of_pair(i, j, connecting.planning_resolution_m_s)

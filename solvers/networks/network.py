@@ -131,7 +131,8 @@ def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
     for c in range(size):
         departure[c], arrival[c] = listed.departure[begin + c], listed.arrival[begin + c]
         delta_v[c], crossing[c] = listed.delta_v[begin + c], listed.crossing[begin + c]
-    return ConnectionArrays(departure, arrival, delta_v, np.empty(0, np.int8), crossing)
+    none = np.empty(0, np.int8)  # neither laps nor families are asked for here
+    return ConnectionArrays(departure, arrival, delta_v, none, crossing, none)
 
 
 @kernel
@@ -143,7 +144,7 @@ def _from_body(i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, 
     rows, legs, services, shortest = 0, 0, 0, np.inf
     for j in range(bodies):
         last = rules.duration if reachable(i, j, rules, is_start) else -1.0
-        departure, arrival, delta_v, _, crossing = found_of(
+        departure, arrival, delta_v, _, crossing, _ = found_of(
             i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last
         )
         crossings = 0
@@ -332,7 +333,7 @@ class Listed(NamedTuple):
 def listed_of(mission: Mission, i: int) -> Listed | None:
     """The connections of an origin that are listed; None where they are worked out one by one."""
     connecting = mission.connecting
-    if not connecting.drifts:
+    if not connecting.is_listed:
         return None
     there = [(j, connecting.found(i, j)) for j in range(len(mission.names)) if j != i]
     first = np.zeros(len(mission.names) + 1, dtype=np.int64)

@@ -65,7 +65,7 @@ def _entries(problem: Mission | Problem) -> float:
     if not timetable.is_whole:
         return math.inf
     entries = timetable.entries
-    if not connecting.drifts:
+    if not connecting.is_listed:
         return kinds * entries
     return kinds * sum(connecting.counts.values()) / CONNECTIONS_PER_EVENT
 

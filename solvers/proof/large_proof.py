@@ -294,7 +294,7 @@ def _listing_s(mission: Mission) -> float:
     A single origin may take minutes, and nobody breaks that off.
     """
     bodies = len(mission.names)
-    if not mission.connecting.drifts or bodies < 2:
+    if not mission.connecting.is_listed or bodies < 2:
         return 0.0
     began = time.perf_counter()
     for number in range(SAMPLED_PAIRS):

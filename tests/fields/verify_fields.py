@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -130,7 +131,4 @@ class Spoilt(ConnectionFinder):
         """What is left of a pair."""
         found = super().of_pair(i, j, resolution_m_s)
         kept = np.random.default_rng([i, j]).random(found.departure.size) >= self._missing
-        return Connections(
-            found.departure[kept], found.arrival[kept], found.delta_v[kept] - self._cheaper,
-            found.revolutions[kept],
-        )  # fmt: skip
+        return replace(found.at(kept), delta_v=found.delta_v[kept] - self._cheaper)

@@ -207,7 +207,7 @@ def test_corrections_make_sense() -> None:
     assert not Corrections({("a", "b", "short"): 1.0}, {"short": 1.0}, {"drift": 0.0})
     assert Corrections({}, {}, {"drift": 5.0})
     assert Corrections({("a", "b", "short"): math.inf})
-    nothing = ConnectionArrays(*(np.empty(0) for _ in range(5)))
+    nothing = ConnectionArrays(*(np.empty(0) for _ in range(6)))
     assert Corrections().applied("a", "b", nothing) is nothing
 
 

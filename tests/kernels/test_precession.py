@@ -22,6 +22,7 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
+from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connections import ConnectionFinder
@@ -35,6 +36,17 @@ NO_DRIFT = Times(0.0, DAY_S, 0.0, 1e9)
 def truth() -> MeanDynamics:
     pytest.importorskip("boinor")
     return MeanDynamics()
+
+
+def connections_of(
+    i: FloatArray, j: FloatArray, extra_m_s: float, rule, times: Times, last_s: float, least: float
+) -> ConnectionArrays:
+    """All connections of two rows of orbits: short ones, and drifts if they may take a while."""
+    rest = rule, times, last_s, least
+    shorts = drifting_connections.short_ones(i, j, extra_m_s, *rest)
+    if times.longest < times.step:
+        return shorts
+    return drifting_connections.with_drifts(i, j, *rest, shorts)
 
 
 def heights(i: FloatArray, j: FloatArray, times: FloatArray) -> FloatArray:
@@ -121,7 +133,7 @@ def test_listed_transfers_fly_to_the_stand_off(truth):
     rng = np.random.default_rng(2)
     flown = 0
     for pair in pairs(3, 420):
-        found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, WEEK_S, 0.1)
+        found = connections_of(pair.i, pair.j, 0.0, law, NO_DRIFT, WEEK_S, 0.1)
         assert np.all(found.departure >= 0.0)
         assert np.all(found.arrival <= WEEK_S)
         for c in rng.choice(found.departure.size, min(5, found.departure.size), replace=False):
@@ -156,7 +168,7 @@ def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
     compared = 0
     for pair in pairs(4, 36, oblateness=0.0):
         expected = connections.of_pair(pair.i, pair.j, 3.0, law, WEEK_S, resolution)
-        found = drifting_connections.of_pair(pair.i, pair.j, 3.0, law, NO_DRIFT, WEEK_S, resolution)
+        found = connections_of(pair.i, pair.j, 3.0, law, NO_DRIFT, WEEK_S, resolution)
         # Where two cost the same to the last digits, rounding may keep either.
         assert abs(found.departure.size - expected.departure.size) <= 2, pair
         table = np.column_stack(expected[:3])
@@ -184,9 +196,7 @@ def test_no_connection_dominates_another():
     for number, pair in enumerate(pairs(5, 18, spread_deg=6.0)):
         times = Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
         resolution = (0.1, 1.0, 5.0)[number % 3]
-        found = drifting_connections.of_pair(
-            pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution
-        )
+        found = connections_of(pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution)
         listed = np.column_stack(found[:3])
         assert np.all(np.diff(found.departure) >= 0.0)
         for c, row in enumerate(listed):
@@ -214,7 +224,7 @@ def test_no_sequence_is_missed():
     duration, missed, all_ = 1.5 * DAY_S, 0, 0
     for pair in pairs(6, 18):
         made = co_elliptic.prepare(pair.i, pair.j, 0.0, law, 0.0)
-        found = drifting_connections.of_pair(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
+        found = connections_of(pair.i, pair.j, 0.0, law, NO_DRIFT, duration, 0.1)
         lap = 2.0 * math.pi / made.rate_j
         approach = law.approach_revolutions * lap
         half_turns, numbers = departure_events.events_of(made, duration, 0.0)

@@ -7,15 +7,16 @@ import numpy as np
 from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.legs.connection_cache import ConnectionCache
 
-EACH_BYTES = 29 * 10
+EACH_BYTES = 30 * 10
 
 
 def some(number: int) -> ConnectionArrays:
     """Ten connections that all bear a number."""
     numbers = np.full(10, float(number))
     return ConnectionArrays(
-        numbers, numbers, numbers, numbers.astype(np.int8), numbers.astype(np.int32)
-    )
+        numbers, numbers, numbers, numbers.astype(np.int8), numbers.astype(np.int32),
+        numbers.astype(np.int8),
+    )  # fmt: skip
 
 
 def test_the_last_ones_asked_for_are_kept() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from adr_opt.common.constants import SLACK_M_S, SLACK_S
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs.found import GIVEN
 from adr_opt.legs.connections import Connections
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
@@ -337,7 +338,9 @@ def _as_given(mission: Mission) -> list[Connections]:
                 pairs.append(mission.timetable.connections(i, j))
                 continue
             columns = (column[rows] for column in (given.departure, given.arrival, given.cost))
-            pairs.append(Connections(*columns, np.zeros(rows.size, dtype=np.int8)))
+            numbers = np.zeros((2, rows.size), dtype=np.int8)
+            numbers[1] = GIVEN
+            pairs.append(Connections(*columns, *numbers))
     return pairs
 
 

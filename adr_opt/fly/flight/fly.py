@@ -117,7 +117,7 @@ def _fly_leg(
     before: State | None,
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
-    if leg.kind == "launch":
+    if not leg.traits.has_burns:
         return LegFlight(
             leg=number, origin=leg.origin, destination=leg.destination, kind=leg.kind,
             planned_delta_v_m_s=0.0, burns_delta_v_m_s=0.0, miss_m=0.0, relative_speed_m_s=0.0,
@@ -135,8 +135,8 @@ def _fly_leg(
                 behind = _behind(motion.body(target, now), instance.transfer.standoff_m)
                 standoff = (distance(position, behind[0]), distance(velocity, behind[1]))
             chaser = position, velocity + np.array(burn.delta_v_m_s)
-        # A drift is planned with a later arrival: the chaser has docked by then.
-        arrival = now if leg.kind == "drift" else leg.arrival_s
+        # A grid of times has a later arrival: the chaser has docked by then.
+        arrival = now if leg.traits.on_time_grid else leg.arrival_s
         at_arrival = motion.coast(chaser, arrival - now)
         goal = motion.body(target, arrival)
     except ArithmeticError as error:
@@ -146,7 +146,7 @@ def _fly_leg(
         leg=number,
         origin=leg.origin,
         destination=leg.destination,
-        kind="drift" if leg.kind == "drift" else "short",
+        kind=leg.kind,
         planned_delta_v_m_s=leg.delta_v_m_s,
         burns_delta_v_m_s=leg.burns_delta_v_m_s,
         miss_m=standoff[0],

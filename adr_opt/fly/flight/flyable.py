@@ -109,9 +109,9 @@ def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
     for name in (leg.origin, leg.destination):
         if name not in bodies:
             raise InputError(f"leg {number}: {name!r} is not a body of the instance")
-    if leg.kind == "launch":
+    if not leg.traits.has_burns:
         if leg.burns:
-            raise InputError(f"leg {number}: a launch has no burns; take them out")
+            raise InputError(f"leg {number}: a {leg.traits.noun} has no burns; take them out")
         return
     times = [burn.time_s for burn in leg.burns]
     if times != sorted(times):

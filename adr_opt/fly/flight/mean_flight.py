@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...common.constants import MU_M3_S2
+from ...plan.leg_kinds import flown_kind_names
 from ...plan.plan import Leg, Plan, Tow
-from ...plan.plan_flight import Family, FamilyFlight, PlanFlight, TankLeft
+from ...plan.plan_flight import TOW, FamilyFlight, PlanFlight, TankLeft
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..trajectory.bodies import after_tow, body_states
@@ -111,7 +112,7 @@ def fly_mean(
 def is_between_circles(orbits: Mapping[str, Orbit], leg: Leg) -> bool:
     """Whether the true orbits of a leg are those that are planned with."""
     ends = (leg.origin, leg.destination)
-    return leg.kind == "launch" or all(orbits[name].eccentricity == 0.0 for name in ends)
+    return not leg.traits.has_burns or all(orbits[name].eccentricity == 0.0 for name in ends)
 
 
 def true_delta_v_m_s(
@@ -133,7 +134,7 @@ def true_delta_v_m_s(
     ArithmeticError
         It does not arrive.
     """
-    if leg.kind == "launch":
+    if not leg.traits.has_burns:
         return 0.0
     if not is_between_circles(orbits, leg):
         return Aim(instance, orbits, leg, tow_before).delta_v_m_s()
@@ -180,20 +181,19 @@ def families_of(
 
     Tows take what they are planned with: nothing is met at their end.
     """
-    families: tuple[Family, ...] = ("short", "drift")
     found = [
         _family(
-            family,
-            [(leg.delta_v_m_s, flown[at]) for at, leg in enumerate(legs, 1) if leg.kind == family],
+            kind,
+            [(leg.delta_v_m_s, flown[at]) for at, leg in enumerate(legs, 1) if leg.kind == kind],
         )
-        for family in families
+        for kind in flown_kind_names()
     ]
     tows = [leg.tow.delta_v_m_s for leg in legs if leg.tow is not None]
-    found.append(_family("tow", [(tow, tow) for tow in tows]))
+    found.append(_family(TOW, [(tow, tow) for tow in tows]))
     return tuple(family for family in found if family.legs)
 
 
-def _family(family: Family, legs: list[tuple[float, float | None]]) -> FamilyFlight:
+def _family(family: str, legs: list[tuple[float, float | None]]) -> FamilyFlight:
     known = [flown for _, flown in legs if flown is not None]
     return FamilyFlight(
         family=family,

@@ -12,11 +12,11 @@ from .result import TankFlight
 
 
 def burnt_m_s(leg: Leg) -> float:
-    """What a leg takes between circles, tows apart: of a drift its burns, not the closed form.
+    """What a leg takes between circles, tows apart: of one on a grid of times what it burns.
 
     What is set aside for eccentricity is left in.
     """
-    if leg.kind == "drift":
+    if leg.traits.on_time_grid:
         return leg.burns_delta_v_m_s + leg.eccentricity_delta_v_m_s
     return leg.delta_v_m_s
 

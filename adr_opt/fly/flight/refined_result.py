@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any
 
 from .result import ChaserFlight, TankFlight, chasers_of
 
@@ -20,7 +20,8 @@ class RefinedLegFlight:
     leg : int
         Number of the leg, from 1.
     origin, destination : str
-    kind : {"short", "drift"}
+    kind : str
+        As of :class:`.Leg`.
     planned_delta_v_m_s, flown_delta_v_m_s : float
         As the plan states it, and the sum of the burns [m/s].
     departure_miss_m : float
@@ -40,7 +41,7 @@ class RefinedLegFlight:
     leg: int
     origin: str
     destination: str
-    kind: Literal["short", "drift"]
+    kind: str
     planned_delta_v_m_s: float
     flown_delta_v_m_s: float
     departure_miss_m: float

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...plan.leg_kinds import leg_kind
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,8 @@ class LegFlight:
     leg : int
         Number of the leg, from 1.
     origin, destination : str
-    kind : {"short", "drift", "launch"}
+    kind : str
+        As of :class:`.Leg`.
         Of the transfer, as the plan states it.
     planned_delta_v_m_s : float
         As the plan states it; of a drift that of its closed form [m/s].
@@ -91,7 +93,7 @@ class LegFlight:
     leg: int
     origin: str
     destination: str
-    kind: Literal["short", "drift", "launch"]
+    kind: str
     planned_delta_v_m_s: float
     burns_delta_v_m_s: float
     miss_m: float
@@ -263,7 +265,7 @@ class Flight:
     @property
     def drifts(self) -> tuple[LegFlight, ...]:
         """The legs that drift."""
-        return tuple(leg for leg in self.legs if leg.kind == "drift")
+        return tuple(leg for leg in self.legs if leg_kind(leg.kind).on_time_grid)
 
     @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:

@@ -103,8 +103,9 @@ def refine(
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
     began = time.monotonic()
-    legs = [(n, leg) for n, leg in enumerate(plan.legs, start=1) if leg.kind != "launch"]
-    after_launch = {n + 1 for n, leg in enumerate(plan.legs, start=1) if leg.kind == "launch"}
+    numbered = list(enumerate(plan.legs, start=1))
+    legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns]
+    after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
     whose, tows = owners(instance, plan), plan.tows_before
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterable
 from statistics import LinearRegression, linear_regression
 
-from ...legs.corrections import ADJECTIVES, Corrections, Kind
+from ...legs.corrections import Corrections
+from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from .all_legs import INTERRUPTED
 
-Key = tuple[str, str, Kind]
+Key = tuple[str, str, str]
 Cost = tuple[float, float]
 """ΔV as planned and as flown [m/s]."""
 
@@ -46,7 +47,7 @@ class Lessons:
 
     @staticmethod
     def _key(leg: Leg | RefinedLeg) -> Key:
-        return leg.origin, leg.destination, "drift" if leg.kind == "drift" else "short"
+        return leg.origin, leg.destination, leg.kind
 
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Hear what the legs of a plan cost as they were refined."""
@@ -62,13 +63,16 @@ class Lessons:
     def corrections(self) -> Corrections:
         """What they come to."""
         least = LEAST_FACTOR if self._savings else 1.0
-        factors: dict[Kind, float] = {}
-        additions: dict[Kind, float] = {}
-        for kind in ADJECTIVES:
-            legs = [cost for key, costs in self._legs.items() if key[2] == kind for cost in costs]
+        factors: dict[str, float] = {}
+        additions: dict[str, float] = {}
+        for kind in leg_kinds():
+            own = [costs for key, costs in self._legs.items() if key[2] == kind.name]
+            legs = [cost for costs in own for cost in costs]
             legs = sorted(cost for cost in legs if math.isfinite(cost[1]))
             if legs:
-                factors[kind], additions[kind] = _line(legs, least, drifts=kind == "drift")
+                factors[kind.name], additions[kind.name] = _line(
+                    legs, least, drifts=kind.on_time_grid
+                )
         means = Corrections({}, factors, additions)
         shares = {
             key: max(

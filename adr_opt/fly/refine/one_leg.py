@@ -99,7 +99,7 @@ def refine_leg(
     misses = residual(course, flown), residual(last, docking)
     return RefinedLeg(
         leg=number,
-        kind="drift" if leg.kind == "drift" else "short",
+        kind=leg.kind,
         origin=leg.origin,
         destination=leg.destination,
         ready_s=min(leg.ready_s, start_s) if led is None else start_s,

@@ -9,9 +9,10 @@ Metres, metres per second, and seconds since the epoch of the instance, in the i
 its elements.
 """
 
+from ...plan.phases import PHASES
 from .bodies import body_positions, body_states
 from .kepler import propagate
-from .sampling import PHASES, Arc, LegPath, Trajectory, sample
+from .sampling import Arc, LegPath, Trajectory, sample
 
 __all__ = [
     "PHASES",

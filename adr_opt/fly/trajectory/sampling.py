@@ -1,4 +1,9 @@
-"""The flown plan, sampled: per leg, the arcs between its burns."""
+"""The flown plan, sampled: per leg, the arcs between its burns.
+
+A chaser waits at the origin of a leg, but where the leg follows upon a tow. One that has docked
+before a window opens, or before the arrival that a drift is planned with, waits once more, at its
+destination; and there, after the service, one that tows it.
+"""
 
 from __future__ import annotations
 
@@ -17,17 +22,6 @@ from ...problem.instance import Instance
 from ..flight.flyable import refuse_what_cannot_be_flown
 from .bodies import after_tow, body_secular, body_states
 from .kepler import Array, drift, secular
-
-PHASES = (
-    "wait", "hohmann-1", "drift", "phasing", "co-elliptic", "terminal", "approach", "service",
-    "tow",
-)  # fmt: skip
-"""Phases of a leg in their order: waiting at the origin, those of its burns, service at the end,
-and the tow of what was serviced, which the next leg follows upon without a wait.
-
-A leg has either phasing or a drift, or none of them. A chaser that has docked before a window
-opens, or before the arrival that a drift is planned with, waits once more, at its destination; and
-there, after the service, one that tows it."""
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
 """Time between two samples where nobody says: the first, and the second on arcs of more than the
@@ -49,7 +43,7 @@ class Arc:
     Attributes
     ----------
     phase : str
-        One of :data:`PHASES`.
+        One of :data:`adr_opt.plan.phases.PHASES`.
     times_s : (n,) float64
         Since the epoch of the instance, evenly spaced, both ends included [s].
     positions_m : (n, 3) float64
@@ -202,8 +196,7 @@ def _span(leg: Leg) -> float:
 def _arcs(
     instance: Instance, number: int, leg: Leg, step_s: float | None, before: Tow | None
 ) -> tuple[Arc, ...]:
-    if leg.kind == "launch":
-        # Before it the chaser is nowhere.
+    if leg.traits.from_nowhere:
         return tuple(_stay(instance, leg, step_s))
     found = []
     start = leg.leaves_s

@@ -7,6 +7,7 @@ from collections.abc import Generator
 import numpy as np
 
 from ...common.constants import SLACK_S
+from ...plan.leg_kinds import GIVEN
 from ...plan.plan import Leg
 from ...problem.given import Given
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
@@ -21,7 +22,7 @@ def check_given(
     there is none.
     """
     as_stated = leg.arrival_s, leg.delta_v_m_s
-    if leg.kind != "given" or leg.burns:
+    if leg.kind != GIVEN.name or leg.burns:
         yield Violation(
             number,
             "given",

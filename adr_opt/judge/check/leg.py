@@ -14,6 +14,7 @@ from ...kernels.legs import burns as burn_kernels
 from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left
+from ...plan.leg_kinds import DRIFT, GIVEN, LAUNCH, SHORT
 from ...plan.plan import Leg
 from ...problem.given import Given
 from ...problem.instance import Instance
@@ -21,6 +22,7 @@ from .drift import check_drift
 from .eccentric import StatedSequence, matching_cost
 from .figures import check_burns, check_costs
 from .given import check_given
+from .registered import check_registered
 from .tow import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
@@ -67,16 +69,18 @@ def check_transfer(
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them, so that one mistake is reported once.
     """
-    if leg.kind == "launch" or i in instance.launches:
+    if leg.kind == LAUNCH.name or i in instance.launches:
         return (yield from _check_launch(number, leg, i in instance.launches, free))
     if physics.given is not None:
         return (yield from check_given(physics.given, number, leg, free))
-    if leg.kind == "given":
+    if leg.kind == GIVEN.name:
         yield Violation(number, "given", "is given, but the instance has connections of the model")
         return leg.arrival_s, leg.delta_v_m_s
-    if leg.kind == "drift":
+    if leg.kind == DRIFT.name:
         ends = physics.left[i], physics.elements[j]
         return (yield from check_drift(instance, ends, physics.rule, number, leg, free))
+    if leg.kind != SHORT.name:
+        return (yield from check_registered(instance, number, leg, (i, j), free))
     origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
     pair = co_elliptic.prepare(origin, destination, 0.0, rule, ephemeris.EPOCH_S)
     if instance.dynamics == "j2":
@@ -101,13 +105,11 @@ def check_transfer(
             "zone",
             "touches the edge of a keep-out zone while that is closed; edges belong to zones",
         )
-    yield from check_burns(
-        number,
-        leg,
-        *burn_kernels.burns(
-            origin, destination, pair, rule, sequence.departure, sequence.laps, sequence.radius
-        ),
+    times, vectors, phases = burn_kernels.burns(
+        origin, destination, pair, rule, sequence.departure, sequence.laps, sequence.radius
     )
+    names = [burn_kernels.PHASES[phase] for phase in phases]
+    yield from check_burns(number, leg, times, vectors, names)
     arrives_as_stated = abs(leg.arrival_s - sequence.arrival) <= TIME_TOLERANCE_S
     costs_as_stated = abs(leg.delta_v_m_s - delta_v) <= DELTA_V_TOLERANCE_M_S
     return (
@@ -122,7 +124,7 @@ def _check_launch(
     """A chaser that starts anywhere is put onto its first target, and no other one ever is."""
     if not is_first:
         yield Violation(number, "launch", f"launched at {leg.origin!r}, where no chaser starts so")
-    elif leg.kind != "launch":
+    elif leg.kind != LAUNCH.name:
         yield Violation(number, "launch", f"{leg.kind!r}, but {leg.origin!r} has no orbit yet")
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")

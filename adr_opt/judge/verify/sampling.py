@@ -9,17 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...kernels.legs import burns as burn_kernels
 from ...legs.connections import ConnectionFinder, Connections
+from ...legs.families.family import Manoeuvres, StatedLeg, Way
+from ...legs.families.registry import OWN, families
+from ...plan.leg_kinds import SHORT
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ..check.leg import Physics, check_transfer
 from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
-from .sequences import Way, ways_after
+from .sequences import ways_after
 
 DEPARTURES_SHARE = 0.1
 """Departures looked at, for each connection flown again."""
@@ -85,11 +88,14 @@ def sample_connections(
         share = -(-(number - flown) // (len(drawn) - turn))
         size = min(share, found.departure.size)
         for c in rng.choice(found.departure.size, size, replace=False):
-            wrong += _faults(instance, physics, found, i, j, int(c))
+            wrong += _faults(connecting, physics, found, i, j, int(c))
         flown += size
         for _ in range(max(1, round(DEPARTURES_SHARE * share))):
             time = float(rng.uniform(0.0, instance.mission.duration_s))
             ways = list(ways_after(instance, physics, i, j, time))
+            for family in connecting.families:
+                if family not in OWN:
+                    ways += family.ways(connecting.ends(i, j), time)
             departures += bool(ways)
             missing += [
                 f"no connection from {names[i]!r} to {names[j]!r} is as good as the one that "
@@ -102,10 +108,10 @@ def sample_connections(
 
 
 def _faults(
-    instance: Instance, physics: Physics, found: Connections, i: int, j: int, c: int
+    connecting: ConnectionFinder, physics: Physics, found: Connections, i: int, j: int, c: int
 ) -> Iterator[str]:
     """What `check` has to say of a connection."""
-    names = instance.names
+    instance, names = connecting.instance, connecting.instance.names
     departure, arrival = float(found.departure[c]), float(found.arrival[c])
     laps, delta_v = int(found.revolutions[c]), float(found.delta_v[c])
     leaves, burns = departure, tuple[Burn, ...]()
@@ -113,31 +119,34 @@ def _faults(
         f"the connection from {names[i]!r} to {names[j]!r} that leaves at {departure!r} s "
         f"cannot be flown"
     )
-    kind: Literal["given", "drift", "short"] = "drift" if laps < 0 else "short"
-    if physics.given is not None:
-        kind = "given"
-    if kind == "short":
+    stated, family = StatedLeg(departure, arrival, laps), families()[found.family[c]]
+    if family.kind is SHORT:
         # The least ΔV for eccentric ends has no burns, so none of it is asked for here.
         times, vectors, phases = burn_kernels.burns_between(
-            physics.left[i], physics.elements[j], 0.0, physics.rule, departure, arrival, laps
+            physics.left[i], physics.elements[j], 0.0, physics.rule, *stated
         )
         leaves = float(times[0])
         if not np.isfinite(np.column_stack([times, vectors])).all():
             yield f"{said}: no crossing of the line of nodes leads to its arrival"
             return
-        burns = tuple(
-            Burn(
-                time_s=float(time),
-                delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
-                phase=burn_kernels.PHASES[phase],  # type: ignore[arg-type]
-            )
-            for time, vector, phase in zip(times, vectors, phases, strict=True)
-        )
+        names_of = tuple(burn_kernels.PHASES[phase] for phase in phases)
+        burns = Manoeuvres(times, vectors, names_of).burns
+    elif family not in OWN:
+        flown = family.flown(connecting.ends(i, j), stated)
+        leaves, burns = flown.departure, flown.manoeuvres.burns
     leg = Leg(
-        kind=kind, origin=names[i], destination=names[j], ready_s=departure, departure_s=leaves,
-        arrival_s=arrival, end_s=arrival, delta_v_m_s=delta_v, delta_v_left_m_s=0.0,
-        phasing_revolutions=max(laps, 0), burns=burns,
-    )  # fmt: skip
+        kind=family.kind.name,
+        origin=names[i],
+        destination=names[j],
+        ready_s=departure,
+        departure_s=leaves,
+        arrival_s=arrival,
+        end_s=arrival,
+        delta_v_m_s=delta_v,
+        delta_v_left_m_s=0.0,
+        phasing_revolutions=max(laps, 0),
+        burns=burns,
+    )
     for violation in check_transfer(instance, physics, 1, leg, i, j, departure):
         if violation.rule not in NO_RULES:
             yield f"{said}: {violation.rule}: {violation.message}"

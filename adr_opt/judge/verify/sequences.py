@@ -10,6 +10,7 @@ import numpy as np
 
 from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
+from ...legs.families.family import Way
 from ...problem.instance import Instance
 from ..check.drift import drift_cost
 from ..check.eccentric import StatedSequence, matching_cost
@@ -25,18 +26,6 @@ steps as planning can afford may not find them, nor who flies them find them aga
 NEAREST_RAD = 1e-4
 """Nor need those between planes that are nearer at the departure, whose line of nodes the flight
 itself makes: of objects in one plane, say, one of which was towed [rad]."""
-
-
-class Way(NamedTuple):
-    """A transfer: when it leaves and arrives [s], and what it costs [m/s].
-
-    ``early`` is by how much another one may leave before it and still be as good [s].
-    """
-
-    departure: float
-    arrival: float
-    delta_v: float
-    early: float = 0.0
 
 
 class _Event(NamedTuple):

@@ -35,6 +35,15 @@ def chosen(numbers, order, size):
     return copy
 
 
+@kernel
+def filled(size, number):
+    """So many small whole numbers, all the same, shape (size,) int8."""
+    copies = np.empty(size, np.int8)
+    for place in range(size):
+        copies[place] = number
+    return copies
+
+
 @inlined
 def with_stair(places, costs, size, low, place, cost):
     """Put a stair into a staircase, whose later stairs are cheaper; it hides those no cheaper.

@@ -20,11 +20,11 @@ import numpy as np
 
 from ...common.constants import SLACK_S, TURN_RAD
 from ..core.compile import kernel
-from ..core.lists import ending
+from ..core.lists import ending, filled
 from ..core.memory import borrowed
 from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, phasing, zones
-from .found import ConnectionArrays
+from .found import SHORT, ConnectionArrays
 
 BLOCK = 256
 """Departure events that are laid out at once; the processor's cache holds them."""
@@ -242,7 +242,7 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
                 crossings[at] = grid.crossing[e] + 2 * kept[c]
     return ConnectionArrays(
         ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at),
-        ending(crossings, at),
+        ending(crossings, at), filled(room - at, SHORT),
     )  # fmt: skip
 
 

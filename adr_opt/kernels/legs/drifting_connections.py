@@ -9,11 +9,11 @@ import math
 import numpy as np
 
 from ..core.compile import kernel
-from ..core.lists import chosen, ranks, rising
+from ..core.lists import chosen, filled, ranks, rising
 from ..orbits.ephemeris import EPOCH_S
 from . import co_elliptic, drift_grid, drift_pair
-from .found import ConnectionArrays
-from .short_transfers import Shorts, short
+from .found import DRIFT, SHORT, ConnectionArrays
+from .short_transfers import short
 
 
 @kernel
@@ -39,7 +39,7 @@ def _by_departure(departure, arrival, order):
 def _merged(shorts, kept, longs, step):
     """Short transfers that are kept and long ones in one list, by departure and then by arrival."""
     departure, arrival = shorts.departure, shorts.arrival
-    cost, laps = shorts.delta_v, shorts.revolutions
+    cost, laps, family = shorts.delta_v, shorts.revolutions, shorts.family
     leaves, lands, long_cost = longs.departure, longs.arrival, longs.delta_v
     rank = ranks(arrival)
     order = rising(arrival, arrival.size)
@@ -56,6 +56,7 @@ def _merged(shorts, kept, longs, step):
         size += kept[c]
     departures, arrivals, costs = np.empty(size), np.empty(size), np.empty(size)
     revolutions, crossing = np.empty(size, np.int8), np.empty(size, np.int32)
+    families = np.empty(size, np.int8)
     short, long = 0, 0
     for at in range(size):
         while short < kept.size and not kept[short]:
@@ -67,20 +68,21 @@ def _merged(shorts, kept, longs, step):
         )
         if is_long:
             departures[at], arrivals[at] = leaves[long] * step, lands[long] * step
-            costs[at], revolutions[at] = long_cost[long], -1
+            costs[at], revolutions[at], families[at] = long_cost[long], -1, DRIFT
             crossing[at] = lands[long] + before[lands[long]]
             long += 1
         else:
             departures[at], arrivals[at] = departure[short], arrival[short]
             costs[at], revolutions[at] = cost[short], laps[short]
+            families[at] = family[short]
             crossing[at] = rank[short] + min(math.ceil(arrival[short] / step), highest + 1)
             short += 1
-    return ConnectionArrays(departures, arrivals, costs, revolutions, crossing)
+    return ConnectionArrays(departures, arrivals, costs, revolutions, crossing, families)
 
 
 @kernel
-def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
-    """All connections of a pair that no other one dominates.
+def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
+    """The short transfers of a pair that no other short one dominates.
 
     Parameters
     ----------
@@ -99,22 +101,35 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
     Returns
     -------
     ConnectionArrays
-        Long transfers have −1 revolutions.
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
     found, order = short(pair, rule, duration, times.interval, times.most, resolution)
     size = order.size
     _by_departure(found.departure, found.arrival, order)
-    shorts = Shorts(
-        chosen(found.departure, order, size), chosen(found.arrival, order, size),
-        chosen(found.delta_v, order, size), chosen(found.revolutions, order, size),
+    arrival = chosen(found.arrival, order, size)
+    return ConnectionArrays(
+        chosen(found.departure, order, size), arrival, chosen(found.delta_v, order, size),
+        chosen(found.revolutions, order, size), ranks(arrival), filled(size, SHORT),
     )  # fmt: skip
-    if times.longest < times.step:
-        return ConnectionArrays(
-            shorts.departure, shorts.arrival, shorts.delta_v, shorts.revolutions,
-            ranks(shorts.arrival),
-        )  # fmt: skip
+
+
+@kernel
+def with_drifts(orbit_i, orbit_j, rule, times, duration, resolution, found):
+    """Other connections of a pair and its drifts, without those that another one dominates.
+
+    Parameters
+    ----------
+    orbit_i, orbit_j, rule, times, duration, resolution
+        As :func:`short_ones` takes them.
+    found : ConnectionArrays
+        The other ones, none of which dominates another.
+
+    Returns
+    -------
+    ConnectionArrays
+        Drifts have −1 revolutions.
+    """
     drifts = drift_pair.prepare(orbit_i, orbit_j, rule, EPOCH_S)
-    kept = np.empty(size, np.bool_)
-    longs = drift_grid.of_pair(drifts, rule.zones, times, duration, resolution, shorts, kept)
-    return _merged(shorts, kept, longs, times.step)
+    kept = np.empty(found.departure.size, np.bool_)
+    longs = drift_grid.of_pair(drifts, rule.zones, times, duration, resolution, found, kept)
+    return _merged(found, kept, longs, times.step)

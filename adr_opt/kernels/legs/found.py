@@ -4,6 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+SHORT, DRIFT, LAUNCH, GIVEN = range(4)
+"""Numbers of the families of legs; those that are registered count on from here."""
+
 
 class ConnectionArrays(NamedTuple):
     """Connections of a pair, in order of departure, then of arrival.
@@ -16,6 +19,8 @@ class ConnectionArrays(NamedTuple):
         Phasing revolutions k.
     crossing : (connections,) int32
         Those of one crossing arrive at one time, up to rounding; the later the crossing, the later.
+    family : (connections,) int8
+        Number of the family of legs that each is of.
     """
 
     departure: np.ndarray
@@ -23,3 +28,4 @@ class ConnectionArrays(NamedTuple):
     delta_v: np.ndarray
     revolutions: np.ndarray
     crossing: np.ndarray
+    family: np.ndarray

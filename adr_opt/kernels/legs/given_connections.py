@@ -1,17 +1,17 @@
-"""Connections that somebody gives: those of a pair that no other one dominates."""
+"""Connections in any order of arrivals: those of a pair that no other one dominates."""
 
 import math
 
 import numpy as np
 
 from ..core.compile import kernel
-from ..core.lists import chosen, ranks
-from .found import ConnectionArrays
+from ..core.lists import chosen, filled, ranks
+from .found import GIVEN, ConnectionArrays
 
 
 @kernel
-def sifted(departure, arrival, cost, latest, resolution):
-    """The connections of a pair that are in time and that no other one dominates.
+def undominated(departure, arrival, cost, latest, resolution):
+    """Which connections of a pair are in time and dominated by no other one.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ def sifted(departure, arrival, cost, latest, resolution):
 
     Returns
     -------
-    ConnectionArrays
-        With 0 revolutions.
+    (kept,) int64
+        Their places, ascending.
     """
     size = departure.size
     rank = ranks(arrival)
@@ -61,11 +61,22 @@ def sifted(departure, arrival, cost, latest, resolution):
         if kept[c]:
             order[place] = c
             place += 1
-    revolutions = np.empty(count, np.int8)
-    for place in range(count):
-        revolutions[place] = 0
+    return order
+
+
+@kernel
+def sifted(departure, arrival, cost, latest, resolution):
+    """The given connections of a pair that :func:`undominated` tells; arguments are the same.
+
+    Returns
+    -------
+    ConnectionArrays
+        With 0 revolutions.
+    """
+    order = undominated(departure, arrival, cost, latest, resolution)
+    count = order.size
     lands = chosen(arrival, order, count)
     return ConnectionArrays(
-        chosen(departure, order, count), lands, chosen(cost, order, count), revolutions,
-        ranks(lands),
+        chosen(departure, order, count), lands, chosen(cost, order, count), filled(count, 0),
+        ranks(lands), filled(count, GIVEN),
     )  # fmt: skip

@@ -44,7 +44,7 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
     workers : ThreadPoolExecutor
         Works out the timetables.
     """
-    regular = not Mission(instances[0]).connecting.drifts
+    regular = not Mission(instances[0]).connecting.is_listed
     missions = workers.map(ready, instances)
     if regular:
         # The lowest body has the most departure events; fields drawn later may be a little lower.
@@ -87,7 +87,7 @@ class DrawnFields:
         rng = np.random.default_rng(seed)
         instances = [fields.draw_field(rng) for _ in range(slots)]
         self._fields = fields
-        self._fixed_limits = Mission(instances[0]).connecting.drifts
+        self._fixed_limits = Mission(instances[0]).connecting.is_listed
         if self._fixed_limits:
             instances = [_limited(each, fields.draw_limits(rng)) for each in instances]
         with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="fields") as workers:

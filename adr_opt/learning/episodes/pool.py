@@ -76,7 +76,7 @@ class FieldPool:
     def for_one(cls, mission: Mission, bodies: int) -> FieldPool:
         """An empty pool with one slot for a mission, and room for so many bodies."""
         timetable = mission.timetable
-        return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.drifts)
+        return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.is_listed)
 
     def fits(self, mission: Mission) -> bool:
         """Whether there is room for a mission, and its events are spaced as those of the others."""
@@ -84,7 +84,7 @@ class FieldPool:
         return (
             len(mission.names) <= self.arrays.is_station.size
             and mission.timetable.most_events <= timetable_kernels.most_events(tables)
-            and mission.connecting.drifts != timetable_kernels.is_regular(tables)
+            and mission.connecting.is_listed != timetable_kernels.is_regular(tables)
         )
 
     def install(self, slot: int, mission: Mission) -> None:

@@ -60,7 +60,7 @@ def timeline(
             span(leg.departure_s - leg.ready_s),
             f"{leg.delta_v_m_s:.1f}",
             f"{leg.delta_v_left_m_s:.1f}",
-            str(leg.phasing_revolutions) if leg.kind == "short" else leg.kind,
+            str(leg.phasing_revolutions) if leg.traits.counts_laps else leg.kind,
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination

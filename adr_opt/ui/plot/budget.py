@@ -57,7 +57,7 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
     for number, leg in flown.legs:
         after_leg = left - leg.delta_v_m_s
         share, burned = 1.0, leg.burns_delta_v_m_s
-        if leg.kind == "drift" and burned > 0.0:
+        if leg.traits.on_time_grid and burned > 0.0:
             share = (leg.delta_v_m_s - leg.eccentricity_delta_v_m_s) / burned
         for burn in leg.burns[:-1]:
             left -= share * burn.size_m_s

@@ -64,11 +64,11 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
 def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterator[Segment]:
     begins = service_begins(instance, leg)
     stay = "refuelling" if leg.destination in instance.station_names else "service"
-    if leg.kind != "launch" and waits:
+    if waits and not leg.traits.from_nowhere:
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
-    if leg.kind == "given":
+    if not (leg.traits.has_burns or leg.traits.from_nowhere):
         yield Segment(number, "transfer", leg.leaves_s, leg.docked_s)
     yield Segment(number, "wait", leg.docked_s, begins)
     yield Segment(number, stay, begins, leg.end_s)

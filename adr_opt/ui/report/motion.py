@@ -122,5 +122,5 @@ def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:
     standoff = next((burn.time_s for burn in leg.burns if burn.phase == "approach"), None)
     return {
         "chaser": chaser, "to": at.get(leg.destination), "leaves": leg.leaves_s,
-        "standoff": standoff, "docked": leg.docked_s, "launch": leg.kind == "launch",
+        "standoff": standoff, "docked": leg.docked_s, "launch": leg.traits.from_nowhere,
     }  # fmt: skip

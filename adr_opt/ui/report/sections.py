@@ -10,6 +10,7 @@ from ...common.wording import counted, status_words
 from ...fly.flight.refined_result import RefinedFlight
 from ...fly.flight.result import Flight
 from ...judge.check.violation import Violation
+from ...plan.leg_kinds import GIVEN
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
@@ -149,10 +150,10 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
 
 def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
     """What the bars of the legs are."""
-    if any(leg.kind == "given" for leg in plan.legs):
+    if any(leg.kind == GIVEN.name for leg in plan.legs):
         return "What is given of each leg."
     said = "What the plan counts with, and what the burns of the leg add up to"
-    if any(leg.kind == "drift" for leg in plan.legs):
+    if any(leg.traits.on_time_grid for leg in plan.legs):
         said += "; of a leg that drifts the first comes from a closed form"
     if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
         said += "; matching eccentricities is counted and has no burn"

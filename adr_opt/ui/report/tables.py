@@ -85,7 +85,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("", leg.kind)] if drifts else []),
             ("n", told(leg.departure_s - leg.ready_s)),
             ("n", clock(leg.departure_s)),
-            ("n", str(leg.phasing_revolutions) if leg.kind == "short" else NOTHING),
+            ("n", str(leg.phasing_revolutions) if leg.traits.counts_laps else NOTHING),
             ("n", fixed(leg.delta_v_m_s, 1)),
             *([("n", fixed(leg.burns_delta_v_m_s, 1))] if drifts else []),
             *([("n", fixed(flown[at], 1) if at in flown else NOTHING)] if refined else []),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ....plan.leg_kinds import GIVEN
 from ....plan.plan import Leg, Plan
 from ....plan.refined_plan import RefinedPlan
 from ...plot.costs import BURNED, PLANNED, REFINED
@@ -19,7 +20,7 @@ def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
 
     With the plan refined, a third one is what the leg takes then.
     """
-    is_given = any(leg.kind == "given" for leg in plan.legs)
+    is_given = any(leg.kind == GIVEN.name for leg in plan.legs)
     numbers = list(range(1, len(plan.legs) + 1))
     said = [f"{leg_title(plan, at)}<br>{_words(leg)}" for at, leg in enumerate(plan.legs, start=1)]
     traces = [
@@ -58,7 +59,7 @@ def _refined(plan: Plan, refined: RefinedPlan | None) -> list[float] | None:
 
 
 def _words(leg: Leg) -> str:
-    if leg.kind == "given":
+    if leg.kind == GIVEN.name:
         return f"given, {number(leg.delta_v_m_s)} m/s"
     aside = ""
     if leg.eccentricity_delta_v_m_s > 0.0:

@@ -1,0 +1,213 @@
+"""A family of legs: one way in which bodies are reached, all that anybody has to know of it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...kernels.legs.co_elliptic import TransferRule
+from ...kernels.legs.found import ConnectionArrays
+from ...kernels.legs.times import Times
+from ...plan.leg_kinds import LegKind, leg_kinds
+from ...plan.phases import Phase
+from ...plan.plan import Burn
+from ...problem.instance import Instance
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class PairEnds(NamedTuple):
+    """What the legs of a pair of bodies follow from.
+
+    Attributes
+    ----------
+    instance : Instance
+    origin, destination : int
+        Numbers of the bodies.
+    leaving, arriving : (columns,) float64
+        The origin as it is left and the destination as it is arrived at, rows of
+        :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    eccentricity_m_s : float
+        What matching the eccentricity vectors alone costs [m/s].
+    rule : TransferRule
+    times : Times or None
+        When transfers may leave; None where departure events are regular.
+    latest_s : float
+        No connection arrives later [s].
+    """
+
+    instance: Instance
+    origin: int
+    destination: int
+    leaving: FloatArray
+    arriving: FloatArray
+    eccentricity_m_s: float
+    rule: TransferRule
+    times: Times | None
+    latest_s: float
+
+
+class Manoeuvres(NamedTuple):
+    """Impulses in time order: (burns,) [s], (burns, 3) inertial [m/s], and the phases they begin.
+
+    The last two are those of the approach.
+    """
+
+    times: FloatArray
+    vectors: FloatArray
+    phases: tuple[str, ...]
+
+    @property
+    def burns(self) -> tuple[Burn, ...]:
+        """The same as plans state it."""
+        return tuple(
+            Burn(
+                time_s=float(time),
+                delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+                phase=phase,
+            )
+            for time, vector, phase in zip(*self, strict=True)
+        )
+
+
+NO_MANOEUVRES = Manoeuvres(np.empty(0), np.empty((0, 3)), ())
+
+
+class FlownLeg(NamedTuple):
+    """How a connection is flown.
+
+    Attributes
+    ----------
+    departure : float
+        When it really leaves [s].
+    eccentricity_m_s : float
+        Part of its ΔV that eccentricity adds, without burns [m/s].
+    manoeuvres : Manoeuvres
+    """
+
+    departure: float
+    eccentricity_m_s: float = 0.0
+    manoeuvres: Manoeuvres = NO_MANOEUVRES
+
+
+class StatedLeg(NamedTuple):
+    """What a plan states of a leg: times [s] and phasing revolutions."""
+
+    departure: float
+    arrival: float
+    revolutions: int
+
+
+class RecomputedLeg(NamedTuple):
+    """A leg as stated, worked out again for a judge.
+
+    Attributes
+    ----------
+    departure, arrival : float
+        The nearest that the family has to what is stated [s].
+    delta_v, eccentricity_m_s : float
+        [m/s].
+    manoeuvres : Manoeuvres
+    """
+
+    departure: float
+    arrival: float
+    delta_v: float
+    eccentricity_m_s: float
+    manoeuvres: Manoeuvres
+
+
+class Way(NamedTuple):
+    """A transfer: when it leaves and arrives [s], and what it costs [m/s].
+
+    ``early`` is by how much another one may leave before it and still be as good [s].
+    """
+
+    departure: float
+    arrival: float
+    delta_v: float
+    early: float = 0.0
+
+
+class LegFamily(ABC):
+    """A family of legs.
+
+    Attributes
+    ----------
+    kind : LegKind
+        Its public name and what follows from its data alone.
+    phases : tuple of Phase
+        Those that only its burns begin; they become known when it is registered.
+    """
+
+    kind: LegKind
+    phases: tuple[Phase, ...] = ()
+
+    @property
+    def number(self) -> int:
+        """The number of the family in columns of connections."""
+        return leg_kinds().index(self.kind)
+
+    @abstractmethod
+    def applies(self, instance: Instance) -> bool:
+        """Whether an instance may have such legs."""
+
+    def claims(self, ends: PairEnds) -> bool:
+        """Whether a pair is reached by legs of this family only."""
+        return False
+
+    @abstractmethod
+    def connections(
+        self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float
+    ) -> ConnectionArrays:
+        """Connections of a pair, together with those that other families have found.
+
+        Parameters
+        ----------
+        ends : PairEnds
+        found : ConnectionArrays or None
+            Those of the families before; None for the first one.
+        resolution_m_s : float
+            A connection that saves no more than this is dominated [m/s].
+
+        Returns
+        -------
+        ConnectionArrays
+            In order of departure, then of arrival; none arrives after ``ends.latest_s`` or is
+            dominated by another one (:func:`.merging.merged` sees to both).
+        """
+
+    @abstractmethod
+    def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
+        """How a connection of the family is flown.
+
+        Raises
+        ------
+        InputError
+            It cannot be; the sentence says why.
+        """
+
+    def recomputed(self, ends: PairEnds, stated: StatedLeg) -> RecomputedLeg:
+        """A leg worked out again as a plan states it, for ``check``.
+
+        Families that come with the package leave it to :mod:`adr_opt.judge.check`, which does so
+        by code of its own.
+
+        Raises
+        ------
+        InputError
+            The family has no such leg; the sentence says what is wrong.
+        """
+        raise NotImplementedError
+
+    def ways(self, ends: PairEnds, after_s: float) -> Iterator[Way]:
+        """Legs that leave soon after a time [s], each of which connections have to match.
+
+        ``verify`` samples them. Families that come with the package leave it to
+        :mod:`adr_opt.judge.verify`.
+        """
+        raise NotImplementedError

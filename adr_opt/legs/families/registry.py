@@ -1,0 +1,50 @@
+"""The families of legs that there are, and how one more is registered."""
+
+from __future__ import annotations
+
+from ...plan.leg_kinds import add_leg_kind, leg_kinds
+from ...plan.phases import add_phase
+from ...problem.instance import Instance
+from .drift import DriftLegs
+from .family import LegFamily
+from .given import GivenLegs
+from .launch import Launches
+from .short import ShortLegs
+
+OWN: tuple[LegFamily, ...] = (ShortLegs(), DriftLegs(), Launches(), GivenLegs())
+"""Those that come with the package, in the order of their numbers."""
+
+_families = list(OWN)
+
+
+def register(family: LegFamily) -> None:
+    """Make a family known: its legs are planned, judged, flown and shown from then on.
+
+    An installed package has a function that does so in its entry points of the group
+    ``adr_opt.leg_families``.
+
+    Raises
+    ------
+    ValueError
+        The name of its kind is taken, or that of one of its phases.
+    """
+    add_leg_kind(family.kind)
+    for phase in family.phases:
+        add_phase(phase)
+    _families.append(family)
+
+
+def families() -> tuple[LegFamily, ...]:
+    """All families; the place of each is its number."""
+    leg_kinds()  # those that installed packages register are known from here
+    return tuple(_families)
+
+
+def family_of(kind: str) -> LegFamily:
+    """The family of a kind of legs."""
+    return next(family for family in families() if family.kind.name == kind)
+
+
+def families_of(instance: Instance) -> tuple[LegFamily, ...]:
+    """Those that an instance may have legs of, in the order in which they find connections."""
+    return tuple(family for family in families() if family.applies(instance))

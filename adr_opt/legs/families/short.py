@@ -1,0 +1,39 @@
+"""Short legs: the co-elliptic sequence, in either dynamics (docs/model.md section 2)."""
+
+from __future__ import annotations
+
+from ...kernels.legs import burns as burn_kernels
+from ...kernels.legs import connections as regular
+from ...kernels.legs import drifting_connections
+from ...kernels.legs.found import ConnectionArrays
+from ...plan.leg_kinds import SHORT
+from ...problem.instance import Instance
+from .family import FlownLeg, LegFamily, Manoeuvres, PairEnds, StatedLeg
+
+
+class ShortLegs(LegFamily):
+    """Co-elliptic sequences."""
+
+    kind = SHORT
+
+    def applies(self, instance: Instance) -> bool:
+        return instance.given is None
+
+    def connections(
+        self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float
+    ) -> ConnectionArrays:
+        assert found is None  # it is the first one
+        pair = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
+        made: ConnectionArrays
+        if ends.times is None:
+            made = regular.of_pair(*pair, ends.latest_s, resolution_m_s)
+        else:
+            made = drifting_connections.short_ones(*pair, ends.times, ends.latest_s, resolution_m_s)
+        return made
+
+    def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
+        pair = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
+        times, vectors, phases = burn_kernels.burns_between(*pair, *stated)
+        share = burn_kernels.eccentric_share(*pair, times[0], stated.arrival, stated.revolutions)
+        names = tuple(burn_kernels.PHASES[phase] for phase in phases)
+        return FlownLeg(float(times[0]), float(share), Manoeuvres(times, vectors, names))

@@ -1,0 +1,78 @@
+"""The phases of a mission: their order, what people call them, and one colour for each.
+
+See docs/model.md section 2. The colours are middle tones: each has at least three to one of
+contrast to white and to the dark background of the report.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Phase:
+    """A phase of a leg.
+
+    Attributes
+    ----------
+    name : str
+        What files call it.
+    label : str
+        What people call it.
+    colour : str
+        As ``#rrggbb``.
+    begun_by : {"burn", "refined", ""}
+        Whether burns of plans begin it, those of refined plans alone, or none.
+    """
+
+    name: str
+    label: str
+    colour: str
+    begun_by: str = "burn"
+
+
+_known = [
+    Phase("wait", "wait", "#8490a0", ""),
+    Phase("hohmann-1", "first Hohmann", "#d4553f"),
+    Phase("drift", "drift orbit", "#9c6b4a"),
+    Phase("phasing", "phasing", "#3f7fc4"),
+    Phase("co-elliptic", "to co-elliptic", "#1f9687"),
+    Phase("terminal", "terminal Hohmann", "#c07f12"),
+    Phase("approach", "approach", "#a765b8"),
+    # All of a leg that has no burns, or of the refined burns that the plan has none for.
+    Phase("transfer", "transfer", "#5a78d8", "refined"),
+    Phase("service", "service", "#5f9438", ""),
+    Phase("refuelling", "refuelling", "#d2508f", ""),
+    # The way of an object down to the disposal orbit.
+    Phase("tow", "tow", "#6a6fb5"),
+]
+
+PHASES: dict[str, Phase] = {phase.name: phase for phase in _known}
+"""The phases of burns, with the wait before them and the service after them, by name."""
+
+LABELS = {phase.name: phase.label for phase in _known}
+COLOURS = {phase.name: phase.colour for phase in _known}
+
+
+def add_phase(phase: Phase) -> None:
+    """Make a phase known, which burns of plans may begin from then on.
+
+    Raises
+    ------
+    ValueError
+        Its name is taken.
+    """
+    if phase.name in PHASES:
+        raise ValueError(f"there is a phase {phase.name!r} already")
+    PHASES[phase.name] = phase
+    LABELS[phase.name], COLOURS[phase.name] = phase.label, phase.colour
+
+
+def burn_phases() -> tuple[str, ...]:
+    """Those that burns of plans begin."""
+    return tuple(phase.name for phase in PHASES.values() if phase.begun_by == "burn")
+
+
+def refined_phases() -> tuple[str, ...]:
+    """Those that burns of refined plans begin."""
+    return tuple(phase.name for phase in PHASES.values() if phase.begun_by)
