@@ -187,7 +187,7 @@ class ConnectionFinder:
         self.times = _times(instance)
         self.families = registry.families_of(instance)
         self._is_listed = are_listed(instance)
-        self._has_registered = any(family not in registry.OWN for family in self.families)
+        self._has_registered = bool(registry.registered_of(instance))
         asked_anew = self.times is None and self.given is None and not self._has_registered
         self._is_kept = not asked_anew
         self._spent = instance.spent_m_s

@@ -88,6 +88,11 @@ def add_leg_kind(kind: LegKind) -> None:
     _known[kind.name] = kind
 
 
+def drop_leg_kind(kind: LegKind) -> None:
+    """Forget a kind that was added."""
+    del _known[kind.name]
+
+
 class OneOf:
     """Annotation of a text in a file that has to be one of some words, which may become more.
 

@@ -68,6 +68,12 @@ def add_phase(phase: Phase) -> None:
     LABELS[phase.name], COLOURS[phase.name] = phase.label, phase.colour
 
 
+def drop_phase(phase: Phase) -> None:
+    """Forget a phase that was added."""
+    for table in (PHASES, LABELS, COLOURS):
+        del table[phase.name]
+
+
 def burn_phases() -> tuple[str, ...]:
     """Those that burns of plans begin."""
     return tuple(phase.name for phase in PHASES.values() if phase.begun_by == "burn")

@@ -12,6 +12,7 @@ from typing import Any
 from ..common.errors import InputError
 from ..common.progress import Progress, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
+from ..legs.families.registry import registered_of
 from ..legs.timetable_size import TABLE_BYTES, Size, estimate, too_large
 from ..mission.problem import AnyProblem, Problem, problem_of
 from ..mission.result import Result, noted, proven_of
@@ -296,7 +297,8 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
             cost_bound=None, cost_gap=None, cost_status=None,
         )  # fmt: skip
     drift = None if plan is None else drift_warning(problem.instance, plan)
-    notes += [said for said in (drift, too_short(problem.instance)) if said is not None]
+    quickest = None if registered_of(problem.instance) else too_short(problem.instance)
+    notes += [said for said in (drift, quickest) if said is not None]
     return noted(replace(result, plan=plan), notes)
 
 

@@ -32,6 +32,7 @@ from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.legs.fixed_points import BAND_S
 from adr_opt.kernels.orbits import elements
 from adr_opt.kernels.orbits.ephemeris import EPOCH_S, inclination_at, planes_drift, radius_at
+from adr_opt.legs.families.registry import registered_of
 from adr_opt.mission.evidence import Evidence, Floors
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
@@ -174,6 +175,10 @@ def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
         least_s, least_m_s = _of_given(instance, rules.opens, rules.service)
     else:
         least_s, least_m_s = _of_model(mission)
+        for family in registered_of(instance):
+            of_family_s, of_family_m_s = family.least(instance)
+            least_s = np.minimum(least_s, of_family_s + rules.service)
+            least_m_s = np.minimum(least_m_s, of_family_m_s)
     if rules.loads is not None or mission.connecting.corrections:
         least_m_s = np.zeros_like(least_m_s)  # a service changes what is left, or costs are others
     return (

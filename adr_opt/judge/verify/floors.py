@@ -24,6 +24,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
 from ...common.errors import InputError
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
+from ...legs.families.registry import registered_of
 from ...plan.certificate import Certificate
 from ...problem.instance import Instance
 from .terms import services_s
@@ -86,6 +87,8 @@ def _refuse(instance: Instance) -> None:
         why = "several chasers"
     elif instance.given is not None:
         why = "given connections"
+    elif registered_of(instance):
+        why = "legs of a registered family"
     elif instance.chaser.is_launched:
         why = "a launch"
     elif any(target.removal == "tow" for target in instance.targets):

@@ -16,7 +16,7 @@ import numpy as np
 from ...kernels.legs import burns as burn_kernels
 from ...legs.connections import ConnectionFinder, Connections
 from ...legs.families.family import Manoeuvres, StatedLeg, Way
-from ...legs.families.registry import OWN, families
+from ...legs.families.registry import OWN, families, registered_of
 from ...plan.leg_kinds import SHORT
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
@@ -93,9 +93,8 @@ def sample_connections(
         for _ in range(max(1, round(DEPARTURES_SHARE * share))):
             time = float(rng.uniform(0.0, instance.mission.duration_s))
             ways = list(ways_after(instance, physics, i, j, time))
-            for family in connecting.families:
-                if family not in OWN:
-                    ways += family.ways(connecting.ends(i, j), time)
+            for family in registered_of(instance):
+                ways += family.ways(connecting.ends(i, j), time)
             departures += bool(ways)
             missing += [
                 f"no connection from {names[i]!r} to {names[j]!r} is as good as the one that "

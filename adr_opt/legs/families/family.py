@@ -191,6 +191,14 @@ class LegFamily(ABC):
             It cannot be; the sentence says why.
         """
 
+    def least(self, instance: Instance) -> tuple[float, float]:
+        """Time [s] and ΔV [m/s] that no leg of the family takes less than, for bounds.
+
+        By default nothing, which is always true. Families that come with the package leave it to
+        the bounds.
+        """
+        return 0.0, 0.0
+
     def recomputed(self, ends: PairEnds, stated: StatedLeg) -> RecomputedLeg:
         """A leg worked out again as a plan states it, for ``check``.
 

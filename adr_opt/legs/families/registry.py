@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ...plan.leg_kinds import add_leg_kind, leg_kinds
-from ...plan.phases import add_phase
+from ...plan.leg_kinds import add_leg_kind, drop_leg_kind, leg_kinds
+from ...plan.phases import add_phase, drop_phase
 from ...problem.instance import Instance
 from .drift import DriftLegs
 from .family import LegFamily
@@ -34,6 +34,22 @@ def register(family: LegFamily) -> None:
     _families.append(family)
 
 
+def unregister(family: LegFamily) -> None:
+    """Forget the family that was registered last, as if it never had been.
+
+    Raises
+    ------
+    ValueError
+        Another one was, or none: the numbers of those after it would change.
+    """
+    if family in OWN or _families[-1] is not family:
+        raise ValueError("only the family that was registered last can be forgotten")
+    _families.pop()
+    drop_leg_kind(family.kind)
+    for phase in family.phases:
+        drop_phase(phase)
+
+
 def families() -> tuple[LegFamily, ...]:
     """All families; the place of each is its number."""
     leg_kinds()  # those that installed packages register are known from here
@@ -43,6 +59,11 @@ def families() -> tuple[LegFamily, ...]:
 def family_of(kind: str) -> LegFamily:
     """The family of a kind of legs."""
     return next(family for family in families() if family.kind.name == kind)
+
+
+def registered_of(instance: Instance) -> tuple[LegFamily, ...]:
+    """Those of an instance that do not come with the package."""
+    return tuple(family for family in families_of(instance) if family not in OWN)
 
 
 def families_of(instance: Instance) -> tuple[LegFamily, ...]:
