@@ -13,7 +13,7 @@ from ..plan.cargo import kits_of
 from ..plan.expense import carried_kg
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
-from ..plan.tows import released_orbit, tows_of
+from ..plan.tows import released_orbit, removals_of
 from ..problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..problem.instance import Instance
 from ..problem.numbering import LEO
@@ -227,7 +227,7 @@ def _state(
     is_put = tow is not None and (tow.start_s >= at_s or legs[-1].end_s > tow.start_s + SLACK_S)
     propellant = None
     if isinstance(happened.chaser.tank, TankByMass) and aboard.mass_kg is not None:
-        mass_kg = aboard.mass_kg + (aboard.towing_kg if is_put else 0.0)
+        mass_kg = aboard.mass_kg + (aboard.removal_kg if is_put else 0.0)
         without_kg = happened.chaser.tank.dry_mass_kg + aboard.kits * chaser.kit_mass_kg
         propellant = max(mass_kg - without_kg, 0.0)
     since = 0
@@ -324,7 +324,7 @@ def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
     """When the service takes place with which a chaser is put onto its target [s]."""
     assert state.body is not None
     body = instance.names.index(state.body)
-    service_s = float(limits_of(instance).service[body]) - tows_of(instance)[body].time_s
+    service_s = float(limits_of(instance).service[body]) - removals_of(instance)[body].time_s
     return max(state.free_s - service_s, 0.0), state.free_s
 
 

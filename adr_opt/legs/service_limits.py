@@ -12,7 +12,7 @@ from ..kernels.core.windows import service_ends
 from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
-from ..plan.tows import tows_of
+from ..plan.tows import removals_of
 from ..problem.instance import Instance
 
 
@@ -47,10 +47,10 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
             closes[body] = -math.inf
-    for body, tow in tows_of(instance).items():
-        service[body] += tow.time_s
+    for body, removal in removals_of(instance).items():
+        service[body] += removal.time_s
         closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
-        closes[body] = min(closed + tow.time_s, duration)
+        closes[body] = min(closed + removal.time_s, duration)
     for array in (service, opens, closes):
         array.setflags(write=False)
     return ServiceLimits(service, opens, closes, begin, duration)

@@ -16,7 +16,7 @@ from ..plan.leg_kinds import leg_kinds
 from ..plan.plan import Burn, Leg, Reason, Unvisited
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
-from ..plan.tows import TowPath, burn_vectors, tows_of
+from ..plan.tows import RemovalFlight, burn_vectors, removals_of
 from .mission import Mission
 from .schedule import left_at_start
 
@@ -46,7 +46,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
         )
     priced: list[Leg] = []
     i, ready = mission.rules.start, mission.rules.ready
-    tows = tows_of(mission.instance)
+    tows = removals_of(mission.instance)
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
         leg = transfer_leg(mission, (i, j), float(ready), timing.connections, at)
@@ -60,7 +60,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
 
 
 def _towing(
-    mission: Mission, tows: Mapping[int, TowPath], moves: list[int], legs: list[Leg]
+    mission: Mission, tows: Mapping[int, RemovalFlight], moves: list[int], legs: list[Leg]
 ) -> Iterator[Leg]:
     """Legs with the tows that follow them: as late as the next leg allows."""
     for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
@@ -72,7 +72,7 @@ def _towing(
         yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
 
 
-def tow_flown(orbit: FloatArray, tow: TowPath, start_s: float) -> TowFlown:
+def tow_flown(orbit: FloatArray, tow: RemovalFlight, start_s: float) -> TowFlown:
     """A tow that begins at a time, as plans state it.
 
     Parameters
@@ -167,7 +167,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
     time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
     heavy = mission.chaser.kit_mass_kg > 0.0
-    tows = tows_of(mission.instance)
+    tows = removals_of(mission.instance)
     for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
         reason: Reason
         if not mission.timetable.holds(body, j):

@@ -50,10 +50,10 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
     told = []
     if in_time.any() or not paid.any():
         nearest = int(np.argmin(np.where(in_time | ~in_time.any(), lacks_m_s, np.inf)))
-        tow = ", the tow included" if rules.loads is not None and rules.loads.flown[j] else ""
+        besides = ", the tow included" if rules.loads is not None and rules.loads.flown[j] else ""
         when = " to end in time" if in_time.any() and paid.any() else ""
         told.append(
-            f"needs {ways.needs_m_s[nearest]:.6g} m/s{when}{tow}, but only "
+            f"needs {ways.needs_m_s[nearest]:.6g} m/s{when}{besides}, but only "
             f"{ways.left_m_s[nearest]:.6g} m/s are left"
         )
     if paid.any() or not in_time.any():

@@ -12,7 +12,7 @@ from ..common.constants import SLACK_M_S
 from ..kernels.rules.loads import Loads, after_service
 from ..problem.chasers import Chaser, TankByMass
 from ..problem.instance import Instance
-from .tows import tow_by_name, tows_of
+from .tows import removals_by_name, removals_of
 
 LEAST_SHARE = 1e-9
 """A mass is no less than so much of that without propellant, wherever a plan may have led it."""
@@ -39,7 +39,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     """
     takes = np.zeros(len(instance.names), dtype=np.int64)
     takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
-    wanted, tows = int(takes.sum()), tows_of(instance)
+    wanted, tows = int(takes.sum()), removals_of(instance)
     heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
     most = min(wanted, wanted if chaser.kits is None else chaser.kits)
     if not heavy and (most == wanted or wanted == len(instance.targets)):
@@ -102,7 +102,7 @@ class Aboard(NamedTuple):
         So many more are left behind.
     on_arrival_m_s : float
         What was left before the service [m/s].
-    towing_kg, towing_m_s : float
+    removal_kg, removal_m_s : float
         What the tow took that follows it [kg], [m/s].
     """
 
@@ -110,8 +110,8 @@ class Aboard(NamedTuple):
     mass_kg: float | None
     kits: int
     on_arrival_m_s: float
-    towing_kg: float = 0.0
-    towing_m_s: float = 0.0
+    removal_kg: float = 0.0
+    removal_m_s: float = 0.0
 
 
 def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
@@ -134,13 +134,13 @@ def followed(
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.removal == "kit"}
-    tows = tow_by_name(instance)
+    tows = removals_by_name(instance)
     cargo_kg = kits * chaser.kit_mass_kg
     left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
     for destination, delta_v in legs:
         arrived = left = left - delta_v
-        towing_kg = towing_m_s = 0.0
+        removal_kg = removal_m_s = 0.0
         if destination in instance.station_names:
             left = tank.full_m_s(kits * chaser.kit_mass_kg)
         elif destination in takers:
@@ -152,11 +152,11 @@ def followed(
         elif destination in tows:
             tow, mass = tows.pop(destination), _mass_kg(chaser, kits, left)
             assert mass is not None
-            towing_m_s = tow.delta_v_m_s
-            towing_kg = (mass + tow.object_kg) * -math.expm1(-towing_m_s / tank.exhaust_m_s)
-            left = _left_m_s(chaser, kits, mass - towing_kg)
+            removal_m_s = tow.delta_v_m_s
+            removal_kg = (mass + tow.object_kg) * -math.expm1(-removal_m_s / tank.exhaust_m_s)
+            left = _left_m_s(chaser, kits, mass - removal_kg)
         mass = _mass_kg(chaser, kits, left)
-        found.append(Aboard(left, mass, kits, arrived, towing_kg, towing_m_s))
+        found.append(Aboard(left, mass, kits, arrived, removal_kg, removal_m_s))
     return tuple(found)
 
 
@@ -194,7 +194,7 @@ def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]
         (stage.mass_kg or 0.0) * -math.expm1(-delta_v / tank.exhaust_m_s)
         for stage, (_, delta_v) in zip(stages, legs, strict=False)
     )
-    used += sum(stage.towing_kg for stage in stages)
+    used += sum(stage.removal_kg for stage in stages)
     without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
     initial = tank.initial_propellant_kg
     aboard = tank.propellant_kg if initial is None else initial
@@ -232,7 +232,7 @@ def tank_worths(
         if destination in instance.station_names:
             worths.append(used + stage.on_arrival_m_s)
             used = 0.0
-        used += stage.towing_m_s
+        used += stage.removal_m_s
     return (*worths, used + stages[-1].left_m_s)
 
 

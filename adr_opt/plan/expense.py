@@ -9,7 +9,7 @@ from ..problem.chasers import Chaser, TankByMass
 from ..problem.instance import Instance
 from .cargo import kits_of
 from .plan import Leg, Route, cost_of
-from .tows import tow_by_name
+from .tows import removals_by_name
 
 
 def carried_kg(
@@ -34,17 +34,17 @@ def carried_kg(
     stops = [at for at, (body, _) in enumerate(legs) if body in instance.station_names]
     first = legs[: stops[0] + 1] if stops else legs
     takers = {target.name for target in instance.targets if target.removal == "kit"}
-    tows = tow_by_name(instance)
+    removals = removals_by_name(instance)
     every = kits_of(instance, (body for body, _ in legs))
     later = every - kits_of(instance, (body for body, _ in first))
     mass = tank.dry_mass_kg + later * chaser.kit_mass_kg
     for body, delta_v in reversed(first):
         if body in takers:
             mass += chaser.kit_mass_kg
-        elif body in tows:
-            tow = tows[body]
-            both = (mass + tow.object_kg) * math.exp(tow.delta_v_m_s / tank.exhaust_m_s)
-            mass = both - tow.object_kg
+        elif body in removals:
+            removal = removals[body]
+            both = (mass + removal.object_kg) * math.exp(removal.delta_v_m_s / tank.exhaust_m_s)
+            mass = both - removal.object_kg
         mass *= math.exp(delta_v / tank.exhaust_m_s)
     return mass - tank.dry_mass_kg
 

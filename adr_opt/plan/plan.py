@@ -134,9 +134,19 @@ class Leg(Shown, Record):
         return self.end_s + (0.0 if self.tow is None else self.tow.end_s - self.tow.start_s)
 
     @property
+    def removal_m_s(self) -> float:
+        """ΔV of what is flown after the service, with the object [m/s]."""
+        return 0.0 if self.tow is None else self.tow.delta_v_m_s
+
+    @property
+    def removal_burns(self) -> tuple[Burn, ...]:
+        """The burns after the service, with the object; none where it stays."""
+        return () if self.tow is None else self.tow.burns
+
+    @property
     def spent_m_s(self) -> float:
-        """ΔV of the transfer and of the tow [m/s]."""
-        return self.delta_v_m_s + (0.0 if self.tow is None else self.tow.delta_v_m_s)
+        """ΔV of the transfer and of the removal after it [m/s]."""
+        return self.delta_v_m_s + self.removal_m_s
 
     @property
     def leaves_s(self) -> float:
@@ -145,8 +155,8 @@ class Leg(Shown, Record):
 
     @property
     def all_burns(self) -> tuple[Burn, ...]:
-        """Those of the transfer, and of the tow."""
-        return self.burns if self.tow is None else (*self.burns, *self.tow.burns)
+        """Those of the transfer, and of the removal after it."""
+        return (*self.burns, *self.removal_burns)
 
     @property
     def docked_s(self) -> float:
@@ -239,16 +249,20 @@ class Plan(Shown, Record):
         return flown if flown is not None and flown.legs_sha256 == self.legs_sha256 else None
 
     @property
-    def tows_before(self) -> dict[int, Tow]:
-        """The tow that each leg follows upon which leaves a disposal orbit, by number from 1."""
+    def lead_ins(self) -> dict[int, tuple[Burn, ...]]:
+        """The burns that lead from the orbit of a body to where a leg begins, by number from 1.
+
+        Those of the tow that it follows upon: what leaves a disposal orbit has some, and no other
+        leg. The last of them is made as the leg leaves.
+        """
         found, number = {}, 0
         for route in self.routes:
-            before = None
+            before: tuple[Burn, ...] = ()
             for leg in route.legs:
                 number += 1
-                if before is not None:
+                if before:
                     found[number] = before
-                before = leg.tow
+                before = leg.removal_burns
         return found
 
     @property

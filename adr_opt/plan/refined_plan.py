@@ -147,13 +147,23 @@ class RefinedLeg(Record):
     tow: RefinedTow | None = None
 
     @property
-    def towing_m_s(self) -> float:
+    def removal_m_s(self) -> float:
         """ΔV of the tow of the destination, and after a launch of that before it [m/s]."""
         before = self.tow_before if self.after_launch else None
         return math.fsum(tow.delta_v_m_s for tow in (before, self.tow) if tow is not None)
 
     @property
-    def towing_s(self) -> float:
+    def removal_burns(self) -> tuple[RefinedBurn, ...]:
+        """The burns after the service, with the object; none where it stays."""
+        return () if self.tow is None else self.tow.burns
+
+    @property
+    def is_led(self) -> bool:
+        """Whether it begins where a removal has led, and not at a body."""
+        return self.tow_before is not None
+
+    @property
+    def removal_s(self) -> float:
         """How long the tow of the destination takes [s]."""
         return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
 
@@ -240,17 +250,17 @@ class RefinedPlan(Shown, Record):
     @property
     def planned_delta_v_m_s(self) -> float:
         """ΔV of the refined legs and their tows as the plan states it [m/s]."""
-        return math.fsum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+        return math.fsum(leg.planned_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
     @property
     def retargeted_delta_v_m_s(self) -> float:
         """The same with the plan's own burns, kept near what they were [m/s]."""
-        return math.fsum(leg.retargeted_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+        return math.fsum(leg.retargeted_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
     @property
     def flown_delta_v_m_s(self) -> float:
         """ΔV of the refined legs and their tows [m/s]."""
-        return math.fsum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+        return math.fsum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
     def to_json(self) -> str:
         """The refined plan file."""

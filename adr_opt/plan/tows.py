@@ -38,8 +38,8 @@ from .planes import Arcs, Plane, ahead, outward
 FloatArray = npt.NDArray[np.float64]
 
 
-class TowPath(NamedTuple):
-    """How an object is towed.
+class RemovalFlight(NamedTuple):
+    """How the chaser carries an object away after its service: by a tow.
 
     Attributes
     ----------
@@ -67,8 +67,8 @@ class TowPath(NamedTuple):
         return math.fsum(self.burns_m_s)
 
 
-def tows_of(instance: Instance) -> dict[int, TowPath]:
-    """The tows of an instance by the number of the body that is towed."""
+def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
+    """The removals that chasers fly, by the number of the body that is removed."""
     altitude = instance.mission.disposal_altitude_m
     if altitude is None:
         return {}
@@ -83,14 +83,14 @@ def tows_of(instance: Instance) -> dict[int, TowPath]:
         first, second = half_ellipse_speeds(high, low)
         time, shift = arcs.half(high, low, inclination)
         burns = math.sqrt(MU_M3_S2 / high) - first, second - math.sqrt(MU_M3_S2 / low)
-        found[body] = TowPath(low, time, burns, shift, target.mass_kg)
+        found[body] = RemovalFlight(low, time, burns, shift, target.mass_kg)
     return found
 
 
-def tow_by_name(instance: Instance) -> dict[str, TowPath]:
+def removals_by_name(instance: Instance) -> dict[str, RemovalFlight]:
     """The same by the name of the target."""
     names = instance.names
-    return {names[body]: tow for body, tow in tows_of(instance).items()}
+    return {names[body]: tow for body, tow in removals_of(instance).items()}
 
 
 def leaving_orbits(instance: Instance) -> FloatArray:
@@ -99,7 +99,7 @@ def leaving_orbits(instance: Instance) -> FloatArray:
     Those that are towed are left from the disposal orbit. Where there are some, rows have one
     column more, see :func:`adr_opt.kernels.orbits.body_rows.as_left`.
     """
-    rows, tows = instance.orbits(), tows_of(instance)
+    rows, tows = instance.orbits(), removals_of(instance)
     if not tows:
         return rows
     rows = as_left(rows)
@@ -149,7 +149,7 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
     costs, rows = instance.eccentricity_delta_v(), instance.orbits()
     if instance.nodes_drift:
         return costs
-    for body in tows_of(instance):
+    for body in removals_of(instance):
         columns = rows.shape[1]
         for other in range(len(rows)):
             ends = np.array([leaving[body, :columns], rows[other]])
@@ -157,7 +157,9 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
     return costs
 
 
-def burn_vectors(orbit: FloatArray, tow: TowPath, start_s: float) -> tuple[FloatArray, FloatArray]:
+def burn_vectors(
+    orbit: FloatArray, tow: RemovalFlight, start_s: float
+) -> tuple[FloatArray, FloatArray]:
     """The two burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
 
     Parameters

@@ -85,7 +85,7 @@ def check_orbits(
                 )
 
 
-def check_tows(
+def check_removals(
     targets: Sequence[Target],
     chasers: Sequence[Chaser],
     mission: MissionSettings,

@@ -21,7 +21,7 @@ from ..common.errors import InputError
 from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
-from .agreement import check_expense, check_names, check_orbits, check_stations, check_tows
+from .agreement import check_expense, check_names, check_orbits, check_removals, check_stations
 from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
 from .epoch import Epoch
@@ -91,7 +91,7 @@ class InstanceFile(Record):
                 "field keep_out_zones: connections are given, and nobody knows where they lead; "
                 "leave zones out"
             )
-        check_tows(
+        check_removals(
             self.targets, self.chasers, self.mission, self.transfer,
             zones=bool(self.keep_out_zones),
         )  # fmt: skip

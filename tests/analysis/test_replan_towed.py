@@ -109,7 +109,7 @@ def simple(seed: int, dynamics: str = "two-body") -> tuple[Instance, Plan]:
     )  # fmt: skip
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None
-    assert len(plan.tows_before) > 0
+    assert len(plan.lead_ins) > 0
     return instance, plan
 
 
@@ -174,8 +174,8 @@ def test_the_rest_is_the_best_there_is(seed: int, dynamics: str) -> None:
 def test_a_tow_that_has_begun_leads_into_the_next_leg() -> None:
     """The next leg leaves as the tow ends, so that it has begun with the tow, and is finished."""
     instance, plan = simple(0)
-    number, tow = next(iter(plan.tows_before.items()))
-    leg = plan.legs[number - 1]
+    number = next(iter(plan.lead_ins))
+    tow, leg = plan.legs[number - 2].tow, plan.legs[number - 1]
     for share in (0.01, 0.5, 1.0):
         at_s = tow.start_s + share * (tow.end_s - tow.start_s)
         (state,) = states_at(instance, plan, at_s)
@@ -192,7 +192,7 @@ def test_a_tow_that_has_begun_leads_into_the_next_leg() -> None:
 def test_an_object_is_towed_where_nothing_is_left_to_do() -> None:
     """Who waits with an object for a leg that is lost tows it down now, and not in the past."""
     instance, plan = simple(0)
-    number = next(iter(plan.tows_before))
+    number = next(iter(plan.lead_ins))
     before = plan.legs[number - 2]
     at_s = 0.5 * (before.end_s + before.tow.start_s)
     done = plan.destinations[: number - 1]
@@ -214,7 +214,7 @@ def test_after_the_last_tow_a_chaser_is_on_the_disposal_orbit(dynamics: str) -> 
     """It is where the tow has led, with what is left, and what it flies from there can be flown."""
     instance, plan = simple(1, dynamics)
     instance = instance.replace(objective={"cost": "duration"})
-    order = plan.destinations[: min(plan.tows_before) - 1]
+    order = plan.destinations[: min(plan.lead_ins) - 1]
     short = price(instance, {instance.chaser.name: order}).plan()
     end = short.legs[-1].tow
     made = replan(instance, short, end.end_s + 1000.0)
@@ -251,7 +251,7 @@ def pair(service_s: float, apart_s: float | None = None) -> tuple[Instance, Plan
     towed = [target.name for target in instance.targets if target.removal == "tow"]
     orders = {drawn.chaser.name: towed[:2], "second": towed[:1:-1]}
     plan = price(instance, orders).plan()
-    assert len(plan.tows_before) == 2
+    assert len(plan.lead_ins) == 2
     return instance, plan
 
 
@@ -274,7 +274,7 @@ def test_who_is_on_the_way_to_an_object_tows_it(service_s: float, apart_s: float
     And the launches that are still to come stay apart.
     """
     instance, plan = pair(service_s, apart_s)
-    for number in plan.tows_before:
+    for number in plan.lead_ins:
         leg = plan.legs[number - 2]
         made = replanned(instance, plan, leg.arrival_s - 5000.0)
         assert any(state.is_put for state in made.states)
@@ -288,7 +288,7 @@ def test_chasers_that_wait_with_objects_do_not_change_places() -> None:
     So nobody has to be kept waiting for that, nor the former plan to be flown on.
     """
     instance, plan = pair(5400.0)
-    waits = [plan.legs[number - 2] for number in plan.tows_before]
+    waits = [plan.legs[number - 2] for number in plan.lead_ins]
     since_s = max(leg.end_s for leg in waits)
     until_s = min(leg.tow.start_s for leg in waits)
     for share in (0.1, 0.3, 0.5, 0.7, 0.9):

@@ -145,7 +145,7 @@ def test_a_refined_leg_after_a_tow_begins_where_the_tow_led(tmp_path: Path) -> N
     """A script of that leg alone, and one of the whole plan, arrive at each target."""
     instance, plan, one = towing()
     after = next(leg for leg in one.legs if leg.tow_before is not None)
-    assert plan.tows_before
+    assert plan.lead_ins
     for number, legs in ((None, one.legs), (after.leg, (after,))):
         write_refined(instance, one, tmp_path / "a.script", file=FlightFile("script"), leg=number)
         text = (tmp_path / "a.script").read_text(encoding="ascii")

@@ -98,19 +98,18 @@ def hold(instance: Instance, plan: Plan, out: Path) -> bool:
 def test_a_drift_may_leave_a_disposal_orbit_after_its_departure():
     """The first burn ends the tow, hours after the time on the grid: legs follow each other."""
     instance, plan = planned(DRIFTING)
-    tows = plan.tows_before
-    late = [
-        number for number, leg in enumerate(plan.legs, start=1)
-        if number in tows and leg.kind == "drift" and leg.departure_s < tows[number].end_s - 60.0
-    ]  # fmt: skip
-    assert late
+    led_s = {number: burns[-1].time_s for number, burns in plan.lead_ins.items()}
+    drifts = {number for number, leg in enumerate(plan.legs, start=1) if leg.kind == "drift"}
+    assert any(
+        plan.legs[number - 1].departure_s < led_s[number] - 60.0 for number in drifts & set(led_s)
+    )
     refuse_broken_chain(instance, plan)
 
 
 def test_a_leg_that_begins_before_its_tow_may_be_over_is_refused():
     """Who has to tow is free no sooner than after the service and as long as the tow takes."""
     instance, plan = planned(DRIFTING)
-    at, leg = next((n, leg) for n, leg in enumerate(plan.legs) if n + 1 in plan.tows_before)
+    at, leg = next((n, leg) for n, leg in enumerate(plan.legs) if n + 1 in plan.lead_ins)
     before = plan.legs[at - 1]
     free_s = before.end_s + before.tow.end_s - before.tow.start_s
     assert leg.ready_s == pytest.approx(free_s)
@@ -165,7 +164,7 @@ def test_a_tow_after_a_launch_is_counted_with_the_leg_that_follows():
     assert RefinedPlan.from_json(refined.to_json()) == refined
     first = refined.legs[0]
     towing = [leg.tow.delta_v_m_s for leg in plan.legs[:2] if leg.tow is not None]
-    assert first.towing_m_s == pytest.approx(math.fsum(towing))
+    assert first.removal_m_s == pytest.approx(math.fsum(towing))
     legs = [(leg.destination, leg.flown_delta_v_m_s) for leg in refined.legs]
     left = followed(instance, instance.chaser, [(first.origin, 0.0), *legs])[-1].left_m_s
     tank = fly_refined(instance, refined).tanks[-1]

@@ -45,20 +45,20 @@ REFINED = [
 def test_refined_legs_begin_where_tows_lead(case):
     """Flown by another integrator all legs arrive that begin where tows end, and so do the tows."""
     instance, plan, one = refined(*case)
-    assert len(plan.tows_before) >= 2
+    assert len(plan.lead_ins) >= 2
     flight = fly_refined(instance, one)
     assert flight.holds
     assert flight.worst_miss_m < 0.1
     assert max(leg.departure_miss_m for leg in flight.legs) < 0.1
     for leg, planned, flown in zip(one.legs, plan.legs, flight.legs, strict=True):
         assert (leg.tow is None) == (planned.tow is None) == (flown.tow_miss_m is None)
-        before = plan.tows_before.get(leg.leg)
+        before = plan.lead_ins.get(leg.leg)
         assert (leg.tow_before is None) == (before is None)
         if before is not None:
-            assert leg.states[0].time_s == pytest.approx(before.end_s, abs=1e-6)
+            assert leg.states[0].time_s == pytest.approx(before[-1].time_s, abs=1e-6)
         if leg.tow is not None:
             assert flown.tow_miss_m < 0.1
-            assert leg.towing_m_s == pytest.approx(planned.tow.delta_v_m_s)
+            assert leg.removal_m_s == pytest.approx(planned.tow.delta_v_m_s)
 
 
 @pytest.mark.parametrize("case", REFINED)
@@ -168,7 +168,7 @@ def test_flights_with_errors_pay_for_tows():
     """What a flight with errors takes holds the tows, and no leg is late for them alone."""
     instance, _, one = refined("j2", 2, "free")
     found = sample_flights(instance, one, flights=20)
-    towing = math.fsum(leg.towing_m_s for leg in one.legs)
+    towing = math.fsum(leg.removal_m_s for leg in one.legs)
     assert found.refined_delta_v_m_s == pytest.approx(one.flown_delta_v_m_s)
     assert found.delta_v_m_s.value > towing + 0.9 * (one.flown_delta_v_m_s - towing)
     assert [tank.refined_delta_v_m_s for tank in found.tanks] == pytest.approx(

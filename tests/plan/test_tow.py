@@ -36,7 +36,7 @@ from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import ahead, outward
-from adr_opt.plan.tows import leaving_orbits, tows_of
+from adr_opt.plan.tows import leaving_orbits, removals_of
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.plot.segments import segments
 
@@ -48,7 +48,7 @@ def planned(dynamics: str = "two-body") -> Plan:
     """A plan of it with several tows."""
     plan = adr_opt.solve(field(dynamics), "exact", time_limit=60.0).plan
     assert plan is not None
-    assert len(plan.tows_before) > 0
+    assert len(plan.lead_ins) > 0
     return plan
 
 
@@ -109,7 +109,7 @@ def test_what_a_tow_takes_is_half_an_ellipse():
     for seed in range(30):
         instance = drawn(seed)
         first = instance.first_target
-        for body, tow in tows_of(instance).items():
+        for body, tow in removals_of(instance).items():
             wanted = tow_of(instance.targets[body - first], instance)
             assert (tow.time_s, tow.delta_v_m_s, tow.object_kg) == pytest.approx(wanted, rel=1e-10)
 
@@ -131,7 +131,7 @@ def test_what_is_left_is_what_masses_say():
         instance = instance.replace(chasers=(chaser,), targets=targets)
         loads = loads_of(instance, chaser, 0.0)
         judged, left, spent = TankLevel(chaser, 0), float(loads.full[0]), []
-        for body, tow in tows_of(instance).items():
+        for body, tow in removals_of(instance).items():
             assert left - SLACK_M_S == pytest.approx(judged.left_m_s, rel=1e-9, abs=1e-7)
             delta_v = float(rng.uniform(0.0, 0.3)) * judged.left_m_s
             richer, _ = after_service(loads, body, 0, left - delta_v + 1e-3)
@@ -192,11 +192,11 @@ def test_drifts_out_of_a_disposal_orbit_can_be_flown():
     for seed in range(0, 40, 2):
         instance = towing(drifting_mission(seed), seed)
         plan = adr_opt.solve(instance, "greedy").plan
-        if plan is None or not plan.tows_before:
+        if plan is None or not plan.lead_ins:
             continue
         assert adr_opt.check(instance, plan) == (), seed
         legs = fly(instance, plan).legs
-        for number in plan.tows_before:
+        for number in plan.lead_ins:
             assert legs[number - 1].miss_m < 0.1, (seed, number)
             flown += legs[number - 1].kind == "drift"
     assert flown > 4
@@ -208,7 +208,7 @@ def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
     leaving, rows, first = leaving_orbits(instance), instance.orbits(), instance.first_target
     ends = leaving[first], rows[first + 1]
     pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2, 0.0)
-    tow, i = tows_of(instance)[first], rows[first]
+    tow, i = removals_of(instance)[first], rows[first]
     lower = ephemeris.node_rate(tow.radius_m, i[columns.INCLINATION], instance.oblateness_m2)
     assert abs(lower) > 1.05 * abs(i[columns.RAAN_RATE])
     for departure, arrival in ((0.0, 1e6), (3e5, 2e6), (1e6, 1e7)):
@@ -243,7 +243,7 @@ def test_a_window_is_for_the_service_and_not_for_the_tow():
     instance, plan = field(), planned()
     at = _first_tow(plan)
     order = [each.destination for each in plan.legs[: at + 1]]
-    leg, tow = plan.legs[at], tows_of(instance)[instance.names.index(order[-1])]
+    leg, tow = plan.legs[at], removals_of(instance)[instance.names.index(order[-1])]
 
     def made(last_s: float, **changes) -> int:
         targets = tuple(
@@ -386,7 +386,7 @@ def test_what_is_exported_has_the_burns_of_tows(tmp_path):
     burns = sum(len(leg.all_burns) for leg in plan.legs)
     assert message.read_text().count("MAN_EPOCH_IGNITION") == burns
     assert script.read_text().count("Maneuver 'tow'") == 2 * tows
-    number = next(iter(plan.tows_before))
+    number = next(iter(plan.lead_ins))
     write_plan(instance, plan, tmp_path / "leg.oem", leg=number)
     with pytest.raises(InputError, match="leaves a disposal orbit"):
         write_plan(instance, plan, tmp_path / "leg.script", leg=number)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from ...plan.cargo import followed
-from ...plan.tows import tow_by_name
+from ...plan.tows import removals_by_name
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
 
@@ -48,8 +48,8 @@ class CourseLeg:
     origin, destination : str
     arrival_s, end_s : float
         End of the approach, and of the service [s].
-    burns, tow : tuple of Impulse
-        Those of the transfer, and those of the tow after the service.
+    burns, removal : tuple of Impulse
+        Those of the transfer, and those after the service, with the object.
     """
 
     number: int
@@ -58,12 +58,12 @@ class CourseLeg:
     arrival_s: float
     end_s: float
     burns: tuple[Impulse, ...]
-    tow: tuple[Impulse, ...] = ()
+    removal: tuple[Impulse, ...] = ()
 
     @property
     def all_burns(self) -> tuple[Impulse, ...]:
-        """Those of the transfer, and of the tow."""
-        return (*self.burns, *self.tow)
+        """Those of the transfer, and of the removal after it."""
+        return (*self.burns, *self.removal)
 
     @property
     def title(self) -> str:
@@ -114,16 +114,18 @@ def burnt_of(
     if not isinstance(tank, TankByMass):
         return {}
     flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.burns)) for leg in legs]
-    stages, towed = followed(instance, chaser, flown), tow_by_name(instance)
+    stages, removals = followed(instance, chaser, flown), removals_by_name(instance)
     found = {}
     for leg, before, after in zip(legs, stages, stages[1:], strict=False):
         burns: list[Burnt] = []
         mass_kg = before.mass_kg or 0.0
         for burn in leg.burns:
             mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
-        if leg.tow:
-            mass_kg = (after.mass_kg or 0.0) + after.towing_kg + towed[leg.destination].object_kg
-        for burn in leg.tow:
+        if leg.removal:
+            mass_kg = (
+                (after.mass_kg or 0.0) + after.removal_kg + removals[leg.destination].object_kg
+            )
+        for burn in leg.removal:
             mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
         found[leg.number] = tuple(burns)
     return found

@@ -75,7 +75,7 @@ def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
         GMAT has no such frame, or the first leg leaves a disposal orbit.
     """
     first = trajectory.legs[0].number
-    if first in trajectory.plan.tows_before:
+    if first in trajectory.plan.lead_ins:
         raise InputError(
             f"leg {first} leaves a disposal orbit, which a script of it alone does not know; "
             "export the whole plan, or write .oem"
@@ -237,7 +237,7 @@ def _leg(
         yield f"GMAT {CHASER}.{system}.{axis} = {goal}.{system}.{axis};"
     now = yield from _coast(leg, "service", crew, now, leg.end_s)
     phase = "wait"
-    for number, burn in enumerate(leg.tow, start=1 + len(leg.burns)):
+    for number, burn in enumerate(leg.removal, start=1 + len(leg.burns)):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
         phase = burn.phase

@@ -29,5 +29,5 @@ def course_of(trajectory: Trajectory, axes: Axes) -> FlightCourse:
 
 
 def _leg(number: int, leg: Leg) -> CourseLeg:
-    tow = () if leg.tow is None else leg.tow.burns
-    return CourseLeg(number, leg.origin, leg.destination, leg.arrival_s, leg.end_s, leg.burns, tow)
+    ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
+    return CourseLeg(number, *ends, leg.burns, leg.removal_burns)

@@ -77,12 +77,12 @@ def to_gmat(
 
 def _ready_s(leg: RefinedLeg) -> float:
     """When a flight begins that begins with a leg [s]."""
-    return leg.ready_s if leg.tow_before is None else leg.states[0].time_s
+    return leg.states[0].time_s if leg.is_led else leg.ready_s
 
 
 def _chaser_state(refined: RefinedPlan, leg: RefinedLeg, time_s: float) -> Array:
     """Where the chaser is near the beginning of a leg: docked, or where its tow led."""
-    if leg.tow_before is not None:
+    if leg.is_led:
         departure = leg.states[0]
         return moved(state_of(departure), time_s - departure.time_s, refined.gravity)
     (origin,) = (state_of(body) for body in refined.bodies if body.name == leg.origin)
@@ -117,5 +117,5 @@ def _course(
 
 
 def _leg(leg: RefinedLeg) -> CourseLeg:
-    tow = () if leg.tow is None else leg.tow.burns
-    return CourseLeg(leg.leg, leg.origin, leg.destination, leg.arrival_s, leg.end_s, leg.burns, tow)
+    ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
+    return CourseLeg(leg.leg, *ends, leg.burns, leg.removal_burns)

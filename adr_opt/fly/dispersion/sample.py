@@ -182,7 +182,7 @@ def _told(
     revolutions = np.array([leg.revolution_s for leg in flown])
     next_s = _next_departures(instance, refined)
     # A tow waits as long as what follows it allows.
-    spare = np.array([next_s[leg.leg] - leg.end_s - leg.towing_s for leg in refined.legs])
+    spare = np.array([next_s[leg.leg] - leg.end_s - leg.removal_s for leg in refined.legs])
     late = (waiting & (revolutions > spare)[:, None]).any(axis=0)
     apart = [np.linalg.norm(leg.standoff[3:], axis=0) for leg in flown]
     legs = tuple(
@@ -207,7 +207,7 @@ def _told(
         errors=errors,
         refined_delta_v_m_s=refined.flown_delta_v_m_s,
         delta_v_m_s=Quantile.of(
-            spent.sum(axis=0) + math.fsum(leg.towing_m_s for leg in refined.legs), share
+            spent.sum(axis=0) + math.fsum(leg.removal_m_s for leg in refined.legs), share
         ),
         waits_s=Quantile.of(revolutions @ waiting, share),
         late_share=float(late.mean()),
@@ -238,14 +238,14 @@ def _tanks(
     row = {leg.leg: at for at, leg in enumerate(refined.legs)}
     for one in legs_by_tank(instance, refined):
         legs, budget = one.legs, one.budget_m_s
-        towing = math.fsum(leg.towing_m_s for leg in legs)
-        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + towing
+        removals_m_s = math.fsum(leg.removal_m_s for leg in legs)
+        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + removals_m_s
         yield TankDispersion(
             tank=one.tank,
             first_leg=legs[0].leg,
             last_leg=legs[-1].leg,
             budget_m_s=budget,
-            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs) + towing,
+            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs) + removals_m_s,
             delta_v_m_s=Quantile.of(taken, share),
             breaks_share=float((taken > budget).mean()),
             chaser=one.chaser.name if several(instance) else None,

@@ -24,7 +24,7 @@ import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M
 from ...kernels.orbits import elements, equinoctial, mean_motion
-from ...plan.plan import Leg, Tow
+from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
@@ -91,8 +91,8 @@ class Aim:
         The orbits of its bodies by name.
     leg : Leg
         With burns in time order, the last of them those of the approach.
-    tow_before : Tow or None
-        That of the origin, with whose end the leg begins.
+    lead_in : tuple of Burn
+        Those that lead to its beginning from the orbit of its origin, all against the motion.
 
     Raises
     ------
@@ -101,15 +101,19 @@ class Aim:
     """
 
     def __init__(
-        self, instance: Instance, orbit_of: Mapping[str, Orbit], leg: Leg, tow_before: Tow | None
+        self,
+        instance: Instance,
+        orbit_of: Mapping[str, Orbit],
+        leg: Leg,
+        lead_in: tuple[Burn, ...] = (),
     ) -> None:
         first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
         self._burns, self._approach = leg.burns[:first], leg.burns[first:]
         if not self._burns:
             raise NoWay("no burn comes before the approach")
         self._origin, self._target = orbit_of[leg.origin], orbit_of[leg.destination]
-        self._instance, self._tow = instance, tow_before
-        self._angles = planned_angles(instance, leg, tow_before)
+        self._instance, self._lead_in = instance, lead_in
+        self._angles = planned_angles(instance, leg, lead_in)
 
     def delta_v_m_s(self) -> float:
         """ΔV of the burns that lead the chaser there; tows apart [m/s].
@@ -159,10 +163,7 @@ class Aim:
         )
         rule, start_s = self._instance.transfer, self._burns[0].time_s
         standoff_s, oblateness = self._approach[0].time_s, self._instance.oblateness_m2
-        if self._tow is None:
-            start = true_state(origin, oblateness, start_s)
-        else:
-            start = _after_tow(origin, self._tow, start_s, oblateness)
+        start = _led(origin, self._lead_in, start_s, oblateness)
         return MeanCourse(
             start=start, goal=following(target, oblateness, standoff_s, rule.standoff_m),
             start_s=start_s, end_s=standoff_s, angle=self._angles[0],
@@ -182,11 +183,13 @@ class Aim:
         return close(course, *with_a_middle(self._approach, self._angles[1])).delta_v_m_s
 
 
-def _after_tow(orbit: Orbit, tow: Tow, time_s: float, oblateness_m2: float) -> Array:
-    """Where a tow has led: by burns as large as the plan's, against the motion that there is."""
-    now = tow.burns[0].time_s
+def _led(orbit: Orbit, lead_in: tuple[Burn, ...], time_s: float, oblateness_m2: float) -> Array:
+    """Where burns have led: as large as the plan's, against the motion that there is."""
+    if not lead_in:
+        return true_state(orbit, oblateness_m2, time_s)
+    now = lead_in[0].time_s
     state = true_state(orbit, oblateness_m2, now)
-    for burn in tow.burns:
+    for burn in lead_in:
         mean_motion.coast(state, burn.time_s - now, oblateness_m2)
         now = burn.time_s
         state[3:] -= burn.size_m_s * state[3:] / np.linalg.norm(state[3:])
@@ -200,4 +203,4 @@ def practise(instance: Instance, leg: Leg) -> None:
         name: orbit.replace(eccentricity=1e-3)
         for name, orbit in zip(instance.names, instance.body_orbits, strict=True)
     }
-    Aim(instance, orbit_of, leg, None).delta_v_m_s()
+    Aim(instance, orbit_of, leg).delta_v_m_s()

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.errors import InputError
-from ...plan.plan import Leg, Plan, Tow
+from ...plan.plan import Burn, Leg, Plan
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from .aimed import Aim
@@ -49,9 +49,10 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     refuse_what_cannot_be_flown(instance, plan)
     motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
-    flown, tows = [], plan.tows_before
+    flown, lead_ins = [], plan.lead_ins
     for number, leg in enumerate(plan.legs, start=1):
-        before = _disposed(motion, orbits, number, leg, tows.get(number))
+        lead_in = lead_ins.get(number, ())
+        before = _led(motion, orbits, number, leg, lead_in)
         ends = [orbits[leg.origin], orbits[leg.destination]]
         eccentric = None
         if instance.dynamics == "two-body" and not is_between_circles(orbits, leg):
@@ -65,7 +66,7 @@ def fly(instance: Instance, plan: Plan) -> Flight:
         if not is_between_circles(orbits, leg):
             one = replace(
                 one, on_true_orbits=True,
-                true_delta_v_m_s=_true_m_s(instance, orbits, leg, tows.get(number)),
+                true_delta_v_m_s=_true_m_s(instance, orbits, leg, lead_in),
             )  # fmt: skip
         flown.append(one)
     taken = {
@@ -77,31 +78,35 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 
 
 def _true_m_s(
-    instance: Instance, orbits: dict[str, Orbit], leg: Leg, tow: Tow | None
+    instance: Instance, orbits: dict[str, Orbit], leg: Leg, lead_in: tuple[Burn, ...]
 ) -> float | None:
     """What a leg takes on the true orbits; None where it does not arrive [m/s]."""
     try:
-        return Aim(instance, orbits, leg, tow).delta_v_m_s()
+        return Aim(instance, orbits, leg, lead_in).delta_v_m_s()
     except (ArithmeticError, ValueError):
         return None
 
 
-def _disposed(
-    motion: TwoBody, orbits: dict[str, Orbit], number: int, leg: Leg, tow: Tow | None
+def _led(
+    motion: TwoBody,
+    orbits: dict[str, Orbit],
+    number: int,
+    leg: Leg,
+    lead_in: tuple[Burn, ...],
 ) -> State | None:
-    """Where a leg begins whose origin was towed; None where it was not.
+    """Where burns lead that a leg follows upon; None where it leaves the orbit of its origin.
 
-    The second burn of the tow and the first one of the leg are made together.
+    The last of them and the first one of the leg are made together.
     """
-    if tow is None:
+    if not lead_in:
         return None
-    begin, end = tow.burns
     try:
-        position, velocity = motion.body(orbits[leg.origin], begin.time_s)
-        towing = position, velocity + np.array(begin.delta_v_m_s)
-        position, velocity = motion.coast(towing, end.time_s - begin.time_s)
-        left = position, velocity + np.array(end.delta_v_m_s)
-        return motion.coast(left, leg.leaves_s - end.time_s)
+        now = lead_in[0].time_s
+        state = motion.body(orbits[leg.origin], now)
+        for burn in lead_in:
+            position, velocity = motion.coast(state, burn.time_s - now)
+            state, now = (position, velocity + np.array(burn.delta_v_m_s)), burn.time_s
+        return motion.coast(state, leg.leaves_s - now)
     except ArithmeticError as error:
         raise InputError(
             f"leg {number}: the tow before it cannot be flown: {error}; correct its burns"

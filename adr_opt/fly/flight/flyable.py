@@ -28,14 +28,15 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     routes_of(instance, plan)
     bodies = set(instance.names)
     towed = {target.name for target in instance.targets if target.removal == "tow"}
-    tows = plan.tows_before
+    lead_ins = plan.lead_ins
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
         _refuse_tow(number, leg, leg.destination in towed)
-        if number in tows and abs(tows[number].end_s - leg.leaves_s) > TIME_TOLERANCE_S:
+        led_s = lead_ins[number][-1].time_s if number in lead_ins else leg.leaves_s
+        if abs(led_s - leg.leaves_s) > TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
-                f"{tows[number].end_s!r} s; correct its times"
+                f"{led_s!r} s; correct its times"
             )
 
 

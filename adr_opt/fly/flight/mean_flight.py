@@ -15,11 +15,11 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ...plan.leg_kinds import flown_kind_names
-from ...plan.plan import Leg, Plan, Tow
+from ...plan.plan import Burn, Leg, Plan
 from ...plan.plan_flight import TOW, FamilyFlight, PlanFlight, TankLeft
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from ..trajectory.bodies import after_tow, body_states
+from ..trajectory.bodies import body_states, leaving_state
 from ..trajectory.kepler import drift
 from .aimed import Aim
 from .flyable import refuse_what_cannot_be_flown
@@ -96,14 +96,14 @@ def fly_mean(
     """
     refuse_what_cannot_be_flown(instance, plan)
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
-    tows = plan.tows_before
+    lead_ins = plan.lead_ins
     flown: dict[int, float | None] = {}
     problems: dict[int, str] = {}
     for number, leg in enumerate(plan.legs, start=1):
         if enough():
             return None
         try:
-            flown[number] = true_delta_v_m_s(instance, orbits, leg, tows.get(number))
+            flown[number] = true_delta_v_m_s(instance, orbits, leg, lead_ins.get(number, ()))
         except (ArithmeticError, ValueError) as error:  # burns of no sense lead to no numbers
             flown[number], problems[number] = None, str(error)
     return MeanFlight(plan, instance.dynamics, flown, problems, plan_tanks(instance, plan, flown))
@@ -116,7 +116,7 @@ def is_between_circles(orbits: Mapping[str, Orbit], leg: Leg) -> bool:
 
 
 def true_delta_v_m_s(
-    instance: Instance, orbits: Mapping[str, Orbit], leg: Leg, tow_before: Tow | None
+    instance: Instance, orbits: Mapping[str, Orbit], leg: Leg, lead_in: tuple[Burn, ...]
 ) -> float:
     """What a leg takes on the true orbits of its bodies, tows apart [m/s].
 
@@ -126,8 +126,8 @@ def true_delta_v_m_s(
     orbits : mapping
         Of its bodies by name.
     leg : Leg
-    tow_before : Tow or None
-        That of the origin, with whose end the leg begins.
+    lead_in : tuple of Burn
+        Those that lead to its beginning from the orbit of its origin.
 
     Raises
     ------
@@ -137,21 +137,19 @@ def true_delta_v_m_s(
     if not leg.traits.has_burns:
         return 0.0
     if not is_between_circles(orbits, leg):
-        return Aim(instance, orbits, leg, tow_before).delta_v_m_s()
-    miss = _miss_m(instance, leg, tow_before)
+        return Aim(instance, orbits, leg, lead_in).delta_v_m_s()
+    miss = _miss_m(instance, leg, lead_in)
     if not miss <= MOST_MISS_M:
         raise ArithmeticError(f"its burns miss the stand-off by {miss:.3g} m")
     return burnt_m_s(leg)
 
 
-def _miss_m(instance: Instance, leg: Leg, tow: Tow | None) -> float:
+def _miss_m(instance: Instance, leg: Leg, lead_in: tuple[Burn, ...]) -> float:
     """How far the burns of a leg between circles lead from the stand-off [m]."""
     now, oblateness = leg.burns[0].time_s, instance.oblateness_m2
-    if tow is None:
-        position, velocity = (each[0] for each in body_states(instance, leg.origin, now))
-    else:
-        position, velocity = after_tow(instance, leg.origin, tow)
-        position, velocity = _moved(position, velocity, now - tow.burns[-1].time_s, oblateness)
+    position, velocity = leaving_state(instance, leg, lead_in)
+    if lead_in:
+        position, velocity = _moved(position, velocity, now - lead_in[-1].time_s, oblateness)
     for burn in leg.burns:
         position, velocity = _moved(position, velocity, burn.time_s - now, oblateness)
         now = burn.time_s

@@ -219,7 +219,7 @@ def _fly_leg(
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
         arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
         tow_miss_m=None if leg.tow is None else _tow_miss_m(world, bodies, leg),
-        towing_m_s=leg.towing_m_s,
+        towing_m_s=leg.removal_m_s,
     )
 
 

@@ -96,10 +96,10 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
             last_leg=one.legs[-1].leg,
             budget_m_s=one.budget_m_s,
             planned_delta_v_m_s=math.fsum(
-                leg.planned_delta_v_m_s + leg.towing_m_s for leg in one.legs
+                leg.planned_delta_v_m_s + leg.removal_m_s for leg in one.legs
             ),
             flown_delta_v_m_s=math.fsum(
-                part for leg in one.legs for part in (_burnt_m_s(leg), leg.towing_m_s)
+                part for leg in one.legs for part in (_burnt_m_s(leg), leg.removal_m_s)
             ),
             chaser=one.chaser.name if several(instance) else None,
         )

@@ -106,7 +106,7 @@ def refine(
     numbered = list(enumerate(plan.legs, start=1))
     legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns]
     after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
-    whose, tows = owners(instance, plan), plan.tows_before
+    whose, lead_ins = owners(instance, plan), plan.lead_ins
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
     done: dict[int, RefinedLeg] = {}
@@ -115,7 +115,7 @@ def refine(
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
             calls.submit(
-                refine_leg, instance, bodies, number, leg, freedom, tows.get(number),
+                refine_leg, instance, bodies, number, leg, freedom, lead_ins.get(number, ()),
                 number in after_launch,
             ): number
             for number, leg in legs

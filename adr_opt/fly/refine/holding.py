@@ -12,7 +12,7 @@ from ...plan.expense import cost_of_routes
 from ...plan.plan import Leg, Plan, Route, Unvisited
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, reference
 from ...plan.routes import Flown, routes_of, weighed
-from ...plan.tows import tow_by_name
+from ...plan.tows import removals_by_name
 from ...problem.chasers import AtStation
 from ...problem.instance import Instance
 from ..flight.result import tank_name
@@ -105,7 +105,7 @@ def beginning(
 
 def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
     """So many legs of a chaser. Who tows what is serviced last does not wait for another leg."""
-    tows = tow_by_name(instance)
+    tows = removals_by_name(instance)
     for at, (_, leg) in enumerate(flown.legs[:held], start=1):
         if leg.tow is None or at < held or held == len(flown.legs):
             yield leg
@@ -120,7 +120,7 @@ def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -
     if tow is None or leg.tow is None or tow.start_s == leg.tow.burns[0].time_s:
         return leg
     bodies = TrueBodies(instance, gravity, [leg.destination])
-    return leg.replace(tow=towed(bodies, leg.destination, tow))
+    return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
 
 
 def _route_name(plan: Plan, flown: Flown) -> str:

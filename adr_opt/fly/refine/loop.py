@@ -67,7 +67,7 @@ class Round:
             self.corrections.corrected(
                 leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
             )
-            + leg.towing_m_s
+            + leg.removal_m_s
             for leg in self.refined.legs
         )
 

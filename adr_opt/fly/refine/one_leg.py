@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
-from ...plan.plan import Burn, Leg, Tow
+from ...plan.plan import Burn, Leg
 from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from ...problem.instance import Instance
-from ..trajectory.bodies import after_tow, body_states
+from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
 from .bodies import TrueBodies, moved
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
@@ -32,7 +32,7 @@ def refine_leg(
     number: int,
     leg: Leg,
     freedom: Freedom,
-    tow_before: Tow | None = None,
+    lead_in: tuple[Burn, ...] = (),
     after_launch: bool = False,
 ) -> RefinedLeg:
     """Lead one leg to its stand-off, and from there to its target.
@@ -49,8 +49,8 @@ def refine_leg(
     freedom : {"free", "planned"}
         Whether ΔV is made least with impulses at any time from the first burn to the stand-off, or
         the plan's burns keep their times and are kept near what they were (:mod:`.own_burns`).
-    tow_before : Tow, optional
-        That of the origin, with whose end the leg begins.
+    lead_in : tuple of Burn
+        Those that lead to its beginning from the orbit of its origin: of a tow.
     after_launch : bool
         Whether the chaser was launched onto the origin.
 
@@ -63,9 +63,9 @@ def refine_leg(
     before, approach = leg.burns[:first], leg.burns[first:]
     start_s, standoff_s, docked_s = leg.burns[0].time_s, approach[0].time_s, approach[-1].time_s
     length = instance.transfer.standoff_m
-    transfer, to_target = planned_angles(instance, leg, tow_before)
+    transfer, to_target = planned_angles(instance, leg, lead_in)
     rule = instance.transfer
-    led = None if tow_before is None else towed(bodies, leg.origin, tow_before, start_s)
+    led = towed(bodies, leg.origin, lead_in, start_s) if lead_in else None
     if led is None:
         start = bodies.state(leg.origin, start_s)
     else:
@@ -116,20 +116,15 @@ def refine_leg(
         states=tuple(_states(course, flown, docking)),
         tow_before=led,
         after_launch=True if after_launch and led is not None else None,
-        tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow),
+        tow=None if leg.tow is None else towed(bodies, leg.destination, leg.tow.burns),
     )
 
 
 def planned_angles(
-    instance: Instance, leg: Leg, tow_before: Tow | None = None
+    instance: Instance, leg: Leg, lead_in: tuple[Burn, ...] = ()
 ) -> tuple[float, float]:
     """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
-    if tow_before is None:
-        position, velocity = (
-            each[0] for each in body_states(instance, leg.origin, leg.burns[0].time_s)
-        )
-    else:
-        position, velocity = after_tow(instance, leg.origin, tow_before)
+    position, velocity = leaving_state(instance, leg, lead_in)
     angles, approaching = [0.0, 0.0], 0
     for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
         if burn.phase == "approach":

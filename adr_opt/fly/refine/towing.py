@@ -9,16 +9,19 @@ leg begins wherever the tow has led.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from ...plan.plan import Tow
+from ...plan.plan import Burn
 from ...plan.refined_plan import RefinedBurn, RefinedTow
 from .bodies import TrueBodies, moved
 from .states import recorded
 
 
-def towed(bodies: TrueBodies, name: str, tow: Tow, leaves_s: float = math.inf) -> RefinedTow:
+def towed(
+    bodies: TrueBodies, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
+) -> RefinedTow:
     """Tow an object in true dynamics.
 
     Parameters
@@ -27,8 +30,8 @@ def towed(bodies: TrueBodies, name: str, tow: Tow, leaves_s: float = math.inf) -
         With the object.
     name : str
         Of the object.
-    tow : Tow
-        Of the plan, with two burns.
+    planned : sequence of Burn
+        The two burns of the plan.
     leaves_s : float
         When the next leg leaves, which is the end of the tow up to rounding: no later [s].
 
@@ -37,9 +40,9 @@ def towed(bodies: TrueBodies, name: str, tow: Tow, leaves_s: float = math.inf) -
     ArithmeticError
         It leads into the Earth.
     """
-    now = tow.burns[0].time_s
+    now = planned[0].time_s
     state, burns = bodies.state(name, now), []
-    for burn in tow.burns:
+    for burn in planned:
         time_s = min(burn.time_s, leaves_s)
         state, now = moved(state, time_s - now, bodies.gravity), time_s
         impulse = -burn.size_m_s * state[3:] / np.linalg.norm(state[3:])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,7 @@ from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits import elements, ephemeris
 from ...kernels.orbits.ephemeris import EPOCH_S
-from ...plan.plan import Tow
+from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from .kepler import Array, drift, propagate, turned
@@ -54,14 +55,27 @@ def body_states(
     return _on_circle(orbit, instance.oblateness_m2, times)
 
 
-def after_tow(instance: Instance, body: str, tow: Tow) -> tuple[Array, Array]:
-    """Where the burns of a tow lead to: position [m] and velocity [m/s], of shape (3,) each."""
-    begin, end = tow.burns
-    position, velocity = (state[0] for state in body_states(instance, body, begin.time_s))
-    velocity = velocity + np.array(begin.delta_v_m_s)
-    span_s = end.time_s - begin.time_s
-    positions, velocities = drift(position, velocity, span_s, instance.oblateness_m2)
-    return positions[0], velocities[0] + np.array(end.delta_v_m_s)
+def leaving_state(
+    instance: Instance, leg: Leg, lead_in: Sequence[Burn] = ()
+) -> tuple[Array, Array]:
+    """Where a leg leaves, before its first burn: position [m] and velocity [m/s], shape (3,) each.
+
+    Parameters
+    ----------
+    instance : Instance
+    leg : Leg
+    lead_in : sequence of Burn
+        Those that lead there from the orbit of its origin, as of :attr:`.Plan.lead_ins`.
+    """
+    now = lead_in[0].time_s if lead_in else leg.leaves_s
+    position, velocity = (state[0] for state in body_states(instance, leg.origin, now))
+    for burn in lead_in:
+        span_s, now = burn.time_s - now, burn.time_s
+        if span_s:
+            positions, velocities = drift(position, velocity, span_s, instance.oblateness_m2)
+            position, velocity = positions[0], velocities[0]
+        velocity = velocity + np.array(burn.delta_v_m_s)
+    return position, velocity
 
 
 def body_secular(instance: Instance, body: str) -> tuple[float, float]:

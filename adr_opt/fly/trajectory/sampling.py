@@ -17,10 +17,10 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...legs.service_limits import service_begins
-from ...plan.plan import Leg, Plan, Tow
+from ...plan.plan import Burn, Leg, Plan, Tow
 from ...problem.instance import Instance
 from ..flight.flyable import refuse_what_cannot_be_flown
-from .bodies import after_tow, body_secular, body_states
+from .bodies import body_secular, body_states, leaving_state
 from .kepler import Array, drift, secular
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
@@ -175,9 +175,9 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
             f"a flight of {total_s:.3g} s, a state every {longest_s:g} s, would have more than "
             f"{MOST_SAMPLES:,} states; take a longer step, or correct the times of the plan"
         )
-    tows = plan.tows_before
+    lead_ins = plan.lead_ins
     paths = [
-        LegPath(number, leg, _arcs(instance, number, leg, step_s, tows.get(number)))
+        LegPath(number, leg, _arcs(instance, number, leg, step_s, lead_ins.get(number, ())))
         for number, leg in enumerate(plan.legs, start=1)
     ]
     legs = tuple(path for path in paths if path.arcs)
@@ -194,20 +194,16 @@ def _span(leg: Leg) -> float:
 
 
 def _arcs(
-    instance: Instance, number: int, leg: Leg, step_s: float | None, before: Tow | None
+    instance: Instance, number: int, leg: Leg, step_s: float | None, lead_in: tuple[Burn, ...]
 ) -> tuple[Arc, ...]:
     if leg.traits.from_nowhere:
         return tuple(_stay(instance, leg, step_s))
     found = []
-    start = leg.leaves_s
     try:
-        if before is not None:
-            position, velocity = after_tow(instance, leg.origin, before)
-        else:
-            times = _times(leg.ready_s, start, step_s)
-            if times is not None:
-                found.append(_at_body("wait", times, instance, leg.origin))
-            position, velocity = (state[0] for state in body_states(instance, leg.origin, start))
+        position, velocity = leaving_state(instance, leg, lead_in)
+        times = None if lead_in else _times(leg.ready_s, leg.leaves_s, step_s)
+        if times is not None:
+            found.append(_at_body("wait", times, instance, leg.origin))
         for burn, after in pairwise(leg.burns):
             end = after.time_s
             velocity = velocity + np.array(burn.delta_v_m_s)

@@ -89,7 +89,7 @@ def of_leg(leg: Leg) -> Card:
         leg.kind, f"leaves on day {days(leg.leaves_s)}", f"arrives on day {days(leg.arrival_s)}",
         f"{leg.spent_m_s:,.1f} m/s", f"{leg.delta_v_left_m_s:,.1f} m/s left",
     ]  # fmt: skip
-    if leg.tow is not None:
+    if leg.removal_burns:
         facts.append("with a tow")
     burns = [(burn.phase, f"{burn.time_s:,.1f}", f"{burn.size_m_s:,.3f}") for burn in leg.all_burns]
     tables = (CardTable(("burn", "time s", "ΔV m/s"), burns),) if burns else ()

@@ -122,15 +122,15 @@ def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
         legs = [leg for leg in refined.legs if leg.chaser == chaser]
         yield (
             f"{chaser}: {counted(len(legs), 'leg')}, planned with "
-            f"{sum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in legs):.1f} m/s, flown with "
-            f"{sum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in legs):.1f} m/s"
+            f"{sum(leg.planned_delta_v_m_s + leg.removal_m_s for leg in legs):.1f} m/s, flown with "
+            f"{sum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in legs):.1f} m/s"
         )
 
 
 def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
     from .tables import Row, leg_tables
 
-    towed = any(leg.towing_m_s for leg in refined.legs)
+    towed = any(leg.removal_m_s for leg in refined.legs)
     tow = ["tow\nm/s"] if towed else []
     headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", *tow, "burns", "lowest\nkm"]
     rows = [
@@ -143,7 +143,7 @@ def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
                 f"{leg.planned_delta_v_m_s:.1f}",
                 f"{leg.retargeted_delta_v_m_s:.1f}",
                 f"{leg.flown_delta_v_m_s:.1f}",
-                *([f"{leg.towing_m_s:.1f}"] if towed else []),
+                *([f"{leg.removal_m_s:.1f}"] if towed else []),
                 str(len(leg.burns)),
                 f"{leg.lowest_altitude_m / 1e3:.0f}",
             ],

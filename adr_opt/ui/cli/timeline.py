@@ -64,8 +64,8 @@ def timeline(
             clock(leg.arrival_s),
         )
         destination = f"{leg.destination} (refuels)" if refuels else leg.destination
-        if leg.tow is not None:
-            destination = f"{leg.destination} (tows, {leg.tow.delta_v_m_s:.1f} m/s)"
+        if leg.removal_burns:
+            destination = f"{leg.destination} (tows, {leg.removal_m_s:.1f} m/s)"
         rows.append(Row(number, leg.origin, destination, texts, bold=refuels))
     headings = ("departs", "wait", "ΔV\nm/s", "left\nm/s", "k", "arrives")
     return leg_table(headings, rows, width, title)

@@ -52,11 +52,11 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
         Need not be free of violations.
     """
     refuse_foreign(instance, plan)
-    tows = plan.tows_before
+    lead_ins = plan.lead_ins
     return tuple(
         segment
         for number, leg in enumerate(plan.legs, start=1)
-        for segment in _of_leg(instance, number, leg, waits=number not in tows)
+        for segment in _of_leg(instance, number, leg, waits=number not in lead_ins)
         if segment.duration_s > 0.0
     )
 

@@ -79,7 +79,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
                 "name": in_chart(flown.chaser.name),
                 "colour": colours[flown.chaser.name] if several(instance) else None,
                 "arcs": _arcs(flown, tracks),
-                "stays": not (flown.legs and flown.legs[-1][1].tow),
+                "stays": not (flown.legs and flown.legs[-1][1].removal_burns),
             }
             for flown in routes
         ],

@@ -124,7 +124,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
     """One row per chaser: what it visits, its tanks, and when."""
     burned: dict[str | None, float] = {}
     for leg in () if refined is None else refined.legs:
-        burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s + leg.towing_m_s
+        burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s + leg.removal_m_s
     colours, rows = chaser_colours(instance), []
     times = zip(instance.chasers, instance.available_s, strict=True)
     since = {chaser.name: begin for chaser, (begin, _) in times}
