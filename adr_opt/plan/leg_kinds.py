@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache
 from importlib.metadata import entry_points
 from typing import Annotated, Any
 
@@ -57,10 +56,15 @@ GIVEN = LegKind("given", "given leg", "given", has_burns=False)
 _known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN)}
 
 
-@cache
+_installed = [entry_points]
+"""Asked for the families of installed packages, once: emptied before they are loaded, which may
+ask for kinds themselves."""
+
+
 def _load_installed() -> None:
-    for entry in entry_points(group=ENTRY_POINTS):
-        entry.load()()
+    while _installed:
+        for entry in _installed.pop()(group=ENTRY_POINTS):
+            entry.load()()
 
 
 def leg_kinds() -> tuple[LegKind, ...]:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from brute_force import brute_force, brute_force_campaign
+from longer_phasing import LONGER, LongerPhasing
 from random_rules import carrying, limited, random_campaign, random_mission, towing
-from toy_family import LONGER, LongerPhasing
 
 import adr_opt
 from adr_opt import check
@@ -19,6 +23,8 @@ from adr_opt.legs.families import registry
 from adr_opt.mission.problem import problem_of
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "longer-phasing"
 
 MOST = 12
 FEWER = 1
@@ -202,3 +208,24 @@ def test_plans_of_a_kind_that_nobody_registered_are_refused(tmp_path: Path) -> N
         registry.unregister(family)
     with pytest.raises(adr_opt.InputError, match="'short', 'drift', 'launch' or 'given'"):
         adr_opt.load_plan(tmp_path / "plan.json")
+
+
+def test_the_family_of_an_installed_package_is_known_at_once(tmp_path: Path) -> None:
+    """Its kind and its phase are in the schema of plans, because an entry point registers it."""
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
+    metadata = tmp_path / "adr_longer_phasing-0.1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
+    ((group, entries),) = project["entry-points"].items()
+    lines = [f"[{group}]", *(f"{name} = {home}" for name, home in entries.items())]
+    (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
+    found = os.pathsep.join([str(tmp_path), str(EXAMPLE), *sys.path])
+    printed = subprocess.run(
+        [sys.executable, "-m", "adr_opt", "schema", "plan"],
+        env={**os.environ, "PYTHONPATH": found}, capture_output=True, check=True, text=True,
+    ).stdout  # fmt: skip
+    defined = json.loads(printed)["$defs"]
+    assert "longer" in defined["Leg"]["properties"]["kind"]["enum"]
+    assert LONGER.name in defined["Burn"]["properties"]["phase"]["enum"]

@@ -1,4 +1,4 @@
-"""A family of legs that is no part of the package: co-elliptic sequences of more revolutions."""
+"""A family of legs in a package of its own: co-elliptic sequences of more revolutions."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs import connections as regular
 from adr_opt.kernels.legs.co_elliptic import TransferRule
 from adr_opt.kernels.legs.found import ConnectionArrays
+from adr_opt.legs.families import registry
 from adr_opt.legs.families.family import (
     FlownLeg,
     LegFamily,
@@ -94,3 +95,8 @@ class LongerPhasing(LegFamily):
         next_event = own.departure[own.departure >= after_s].min(initial=np.inf)
         for row in np.flatnonzero(own.departure == next_event):
             yield Way(float(next_event), float(own.arrival[row]), float(own.delta_v[row]))
+
+
+def register() -> None:
+    """Make the family known; entry points of the package name this."""
+    registry.register(LongerPhasing(most=30))
