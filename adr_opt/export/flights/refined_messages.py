@@ -107,15 +107,11 @@ def _course(
         wanted = {leg.leg for leg in legs}
         for its, route in refined_routes(instance, refined):
             if any(leg.leg in wanted for leg in route):
-                flown = [_leg(leg) for leg in route]
+                flown = [CourseLeg.of(leg.leg, leg) for leg in route]
                 if its.is_launched:
                     # No refined leg, but the kit that stays there is aboard at first.
                     start = route[0].ready_s
                     flown = [CourseLeg(0, its.name, route[0].origin, start, start, ()), *flown]
                 burnt |= burnt_of(instance, its, flown)
-    return FlightCourse(instance, chaser, tuple(_leg(leg) for leg in legs), tuple(said), burnt)
-
-
-def _leg(leg: RefinedLeg) -> CourseLeg:
-    tow = () if leg.tow is None else leg.tow.burns
-    return CourseLeg(leg.leg, leg.origin, leg.destination, leg.arrival_s, leg.end_s, leg.burns, tow)
+    own = tuple(CourseLeg.of(leg.leg, leg) for leg in legs)
+    return FlightCourse(instance, chaser, own, tuple(said), burnt)
