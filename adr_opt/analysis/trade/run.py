@@ -188,7 +188,7 @@ def _next(
     board: KnownPoints, ran: dict[Limits, set[str]], method: str, quick: bool
 ) -> Limits | None:
     """The point that is to be run next; None where none is left."""
-    done = {limits: True for limits, methods in ran.items() if method in methods}
+    done = {limits for limits, methods in ran.items() if method in methods}
     if not quick:
         return next(board.open(done), None)
     waiting = [each for each, point in board.points.items() if not point.proven]
