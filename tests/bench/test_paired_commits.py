@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -72,15 +73,16 @@ def test_who_is_first_alternates(script: ModuleType) -> None:
 
 
 @pytest.mark.slow
-def test_a_commit_against_the_working_tree() -> None:
+def test_a_commit_against_the_working_tree(tmp_path: Path) -> None:
     """Both sides do all works, each with the code of its own tree, and leave no worktree."""
     git = ["git", "-C", str(ROOT)]
     if subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True, check=False).returncode:
         pytest.skip("not a checkout")
-    before = subprocess.check_output([*git, "worktree", "list"])
     works = ["timetable", "environment", "check"]
     command = [sys.executable, str(SCRIPT), "HEAD", "--tiny", "--repeats", "2", "--works", *works]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    env = {**os.environ, "TMPDIR": str(tmp_path)}
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=env)
     table = [line.split(" | ")[0] for line in done.stdout.splitlines() if " ms | " in line]
     assert table == [f"| {work}" for work in works]
-    assert subprocess.check_output([*git, "worktree", "list"]) == before
+    assert list(tmp_path.iterdir()) == []
+    assert str(tmp_path) not in subprocess.check_output([*git, "worktree", "list"], text=True)
