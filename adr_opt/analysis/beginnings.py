@@ -95,15 +95,17 @@ def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[Chas
             continue
         taken = int(np.lexsort((found.delta_v, ends))[0])
         revolutions = int(found.revolutions[taken])
-        departure, arrival = float(found.departure[taken]), float(found.arrival[taken])
-        flown = transfer_of(mission, i, station, departure, arrival, revolutions)
+        flown = transfer_of(
+            mission, i, station, float(found.departure[taken]), float(found.arrival[taken]),
+            revolutions,
+        )  # fmt: skip
         leg = Leg(
             kind=flown.kind,
             origin=state.body or chaser.name,
             destination=name,
             ready_s=state.legs[-1].free_s,
             departure_s=flown.departure,
-            arrival_s=arrival,
+            arrival_s=float(found.arrival[taken]),
             end_s=float(ends[taken]),
             delta_v_m_s=connecting.modelled(i, station, revolutions, float(found.delta_v[taken])),
             delta_v_left_m_s=full_m_s,
