@@ -89,14 +89,13 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
         for mission, route in zip(problem.missions, _routes(problem, legs), strict=True)
     ]
     _build(problem, [leg.body for route in routes for leg in route])
-    flown = tuple(
+    flown = copy(problem)
+    flown.missions = tuple(
         _pinned(mission, route, "" if len(routes) == 1 else f"{mission.chaser.name!r}: ")
         for mission, route in zip(problem.missions, routes, strict=True)
     )
-    result = certify_routes(
-        _with_missions(problem, flown), method, [[leg.body for leg in route] for route in routes],
-        seed=0, runtime_s=0.0,
-    )  # fmt: skip
+    moves = [[leg.body for leg in route] for route in routes]
+    result = certify_routes(flown, method, moves, seed=0, runtime_s=0.0)
     plan = result.plan
     if plan is None:
         said = result.notes[-1] if result.notes else "the mission has to end at a station"
@@ -285,10 +284,3 @@ def _nothing_there(mission: Mission, i: int, leg: _Leg, found: Connections) -> s
         then = f"at {wanted:.10g} s and departs at {leg.departure_s:.10g} s or later"
     nearest = float(times[np.argmin(np.abs(times - wanted))])
     return f"{way}: no connection {what} {then}; the nearest one {what} at {nearest:.10g} s"
-
-
-def _with_missions(problem: Problem, missions: tuple[Mission, ...]) -> Problem:
-    """The same problem, whose chasers fly by these missions."""
-    made = copy(problem)
-    made.missions = missions
-    return made

@@ -66,10 +66,8 @@ def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
     for name, order in orders.items():
         mission = missions[name]
         moves = tuple(mission.numbers(order).tolist())
-        scheduler = Scheduler(
-            other, partial(_rules, mission), instance.objective.cost, mission.chaser,
-            instance.time_m_s_per_s,
-        )  # fmt: skip
+        rules, price = partial(_rules, mission), instance.time_m_s_per_s
+        scheduler = Scheduler(other, rules, instance.objective.cost, mission.chaser, price)
         schedule = scheduler.of(moves)
         total += schedule.delta_v if schedule.made == len(moves) else math.inf
     return GridTrial(step_s, total)

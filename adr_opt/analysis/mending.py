@@ -92,10 +92,8 @@ def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
         if timing.made < len(changed) or not mission.may_stop(changed):
             continue
         names, prize = tuple(mission.names[j] for j in changed), mission.prizes(changed)
-        mending = Mending(
-            kind, mission.names[body], names, prize, timing.delta_v,
-            float(timing.ends[-1]) if changed else 0.0,
-        )  # fmt: skip
+        end_s = float(timing.ends[-1]) if changed else 0.0
+        mending = Mending(kind, mission.names[body], names, prize, timing.delta_v, end_s)
         found.append((-prize, timing.cost, len(found), mending))
     return tuple(entry[-1] for entry in sorted(found))
 
@@ -207,10 +205,8 @@ class _Relaxed:
         limits = limits_of(self._instance, number)
         self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
         connecting = ConnectionFinder(self._instance, mission.connecting.corrections)
-        self._schedules = Scheduler(
-            connecting, lambda: self._rules, self._instance.objective.cost, mission.chaser,
-            mission.instance.time_m_s_per_s,
-        )  # fmt: skip
+        cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
+        self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
 
     def _under(self, scale: float) -> Rules:
         """The rules with a tank of so many times the size."""

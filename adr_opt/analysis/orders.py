@@ -104,15 +104,16 @@ def read_orders(instance: Instance, path: str | os.PathLike[str]) -> dict[str, t
     InputError
         The file cannot be read, or as for :func:`orders_of`; the sentence says the line.
     """
-    text = read_text(path)
+    text, known = read_text(path), BodyNames(instance)
     if text.lstrip().startswith("{"):
         plan = parse_model(text, Plan, str(path))
         return {
-            flown.chaser.name: orders_of_legs(instance, flown.chaser.name, flown.spent, str(path))
+            flown.chaser.name: tuple(
+                known.one(name, f"{path}: {flown.chaser.name}: ") for name, _ in flown.spent
+            )
             for flown in routes_of(instance, plan)
         }
     words, chasers = [], {chaser.name for chaser in instance.chasers}
-    known = BodyNames(instance)
     for number, line in enumerate(text.splitlines(), start=1):
         word = line.partition("#")[0].strip()
         if not word:
@@ -124,11 +125,3 @@ def read_orders(instance: Instance, path: str | os.PathLike[str]) -> dict[str, t
             known.one(rest.strip(), f"{path}: line {number}: ")
         words.append(word)
     return orders_of(instance, words, f"{path}: ")
-
-
-def orders_of_legs(
-    instance: Instance, chaser: str, spent: Iterable[tuple[str, float]], source: str
-) -> tuple[str, ...]:
-    """The destinations of legs, checked to be bodies."""
-    known = BodyNames(instance)
-    return tuple(known.one(name, f"{source}: {chaser}: ") for name, _ in spent)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -14,7 +13,7 @@ from ..plan.expense import carried_kg
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
 from ..plan.tows import released_orbit, removals_of
-from ..problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
+from ..problem.chasers import AnyTank, AtStation, Chaser, Expense, InOrbit, TankByMass
 from ..problem.instance import Instance
 from ..problem.numbering import LEO
 from .deviations import (
@@ -333,20 +332,11 @@ def _end(chaser: Chaser, free_s: float) -> float | None:
     return None if end is None else max(end, free_s)
 
 
-def _tank(
-    chaser: Chaser, left_m_s: float | None, propellant_kg: float | None
-) -> Mapping[str, float | None]:
+def _tank(chaser: Chaser, left_m_s: float | None, propellant_kg: float | None) -> AnyTank:
     """The same tank with so much in it at the start."""
     tank = chaser.tank
     if isinstance(tank, TankByMass):
-        return {
-            "dry_mass_kg": tank.dry_mass_kg, "propellant_kg": tank.propellant_kg,
-            "isp_s": tank.isp_s,
-            "initial_propellant_kg": None if propellant_kg is None
-            else min(propellant_kg, tank.propellant_kg),
-        }  # fmt: skip
-    full = tank.delta_v_m_s
-    return {
-        "delta_v_m_s": full,
-        "initial_delta_v_m_s": None if left_m_s is None else min(left_m_s, full),
-    }
+        initial_kg = None if propellant_kg is None else min(propellant_kg, tank.propellant_kg)
+        return tank.replace(initial_propellant_kg=initial_kg)
+    initial_m_s = None if left_m_s is None else min(left_m_s, tank.delta_v_m_s)
+    return tank.replace(initial_delta_v_m_s=initial_m_s)

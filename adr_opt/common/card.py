@@ -111,8 +111,7 @@ class Shown:
     def __repr__(self) -> str:
         return card_of(self).line()
 
-    def __str__(self) -> str:
-        return card_of(self).line()
+    __str__ = __repr__
 
     def _repr_html_(self) -> str:
         """What a notebook shows."""

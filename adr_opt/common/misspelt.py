@@ -35,9 +35,10 @@ def meant(title: str, place: Sequence[int | str], among: Iterable[str] = ()) -> 
 
 def _keys_at(title: str, way: Iterable[int | str]) -> list[str]:
     here = {
-        each for each in _below(BaseModel)
+        each
+        for each in _below(BaseModel)
         if each.__name__ == title and each.__module__.startswith("adr_opt.")
-    }  # fmt: skip
+    }
     for part in way:
         there = [each.model_fields[part] for each in here if part in each.model_fields]
         if there:  # places in lists, and which of several kinds it is, lead nowhere new

@@ -76,8 +76,7 @@ def option(
         What the default stands for, where it lies outside of the limits.
     """
     return field(
-        default=default,
-        metadata={"rule": Rule(doc, unit, least, above, most, choices, unset)},
+        default=default, metadata={"rule": Rule(doc, unit, least, above, most, choices, unset)}
     )
 
 

@@ -94,10 +94,8 @@ class Prepared:
 
     def __call__(self, problem: Problem, stop: Stop, progress: Progress = silent) -> Result:
         """Run the method."""
-        result = self.function(
-            given_to(problem, self.spec), stop=_Shown(problem, stop),
-            progress=_shown(problem, progress), **self.arguments,
-        )  # fmt: skip
+        given, told = given_to(problem, self.spec), _shown(problem, progress)
+        result = self.function(given, stop=_Shown(problem, stop), progress=told, **self.arguments)
         _check_result(self.method, result)
         if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
             result = self._at_least_the_fallback(problem, result, stop, progress)

@@ -91,10 +91,11 @@ def spec_of_function(name: str, planner: Any) -> MethodSpec:
     """
     function = adapted(name, planner)
     return MethodSpec(
-        name, planner,
+        name,
+        planner,
         starts="start" in inspect.signature(function).parameters,
         uses_cores=any(each.name == "jobs" for each in fields(options_of(function))),
-    )  # fmt: skip
+    )
 
 
 def adapted(name: str, planner: Any) -> Planner:

@@ -45,9 +45,8 @@ def write_checkpoint(model: BaseAlgorithm, path: Path, seconds: float, best: flo
     InputError
         The file cannot be written.
     """
-    state = {
-        "steps": model.num_timesteps, "updates": model._n_updates, "seconds": seconds, "best": best,
-    }  # fmt: skip
+    steps, updates = model.num_timesteps, model._n_updates
+    state = {"steps": steps, "updates": updates, "seconds": seconds, "best": best}
     kept = {name: tensor.detach().cpu().contiguous() for name, tensor in _tensors(model).items()}
     write_bytes(path, save(kept, metadata={"state": json.dumps(state)}))
 

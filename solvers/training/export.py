@@ -25,11 +25,8 @@ class _Flat(nn.Module):
 
     def __init__(self, policy: Any) -> None:
         super().__init__()
-        self.trunk, self.action, self.value = (
-            policy.mlp_extractor,
-            policy.action_net,
-            policy.value_net,
-        )
+        self.trunk = policy.mlp_extractor
+        self.action, self.value = policy.action_net, policy.value_net
 
     def forward(self, observation: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Scores and values."""

@@ -30,13 +30,7 @@ class SetNetwork(nn.Module):
         training begins with a policy that follows the best chain, instead of a random one.
     """
 
-    def __init__(
-        self,
-        fields: int,
-        width: int = 64,
-        rounds: int = 2,
-        lead: float = 8.0,
-    ) -> None:
+    def __init__(self, fields: int, width: int = 64, rounds: int = 2, lead: float = 8.0) -> None:
         super().__init__()
         self.enter = nn.Linear(fields, width)
         self.mission = nn.Linear(len(MISSION_FIELDS), width)

@@ -49,11 +49,7 @@ class SetPolicy(MaskableActorCriticPolicy):
         lead: float = 8.0,
         **kwargs: Any,
     ) -> None:
-        self._shape: dict[str, Any] = {
-            "width": width,
-            "rounds": rounds,
-            "lead": lead,
-        }
+        self._shape: dict[str, Any] = {"width": width, "rounds": rounds, "lead": lead}
         kwargs["features_extractor_class"] = _AsItIs
         super().__init__(observation_space, action_space, lr_schedule, *args, **kwargs)
 
@@ -78,10 +74,7 @@ class SetPolicy(MaskableActorCriticPolicy):
         return distribution, value
 
     def forward(  # type: ignore[override]
-        self,
-        obs: dict[str, Tensor],
-        deterministic: bool = False,
-        action_masks: Any = None,
+        self, obs: dict[str, Tensor], deterministic: bool = False, action_masks: Any = None
     ) -> tuple[Tensor, Tensor, Tensor]:
         """Actions, values and log-probabilities of a batch of observations."""
         distribution, value = self._judge(obs, action_masks)

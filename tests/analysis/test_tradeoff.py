@@ -19,7 +19,7 @@ from two_chasers import campaign
 
 import adr_opt
 from adr_opt.analysis import Axis, parse_axis, tradeoff
-from adr_opt.analysis.trade.axes import grid
+from adr_opt.analysis.trade.axes import Tanks, grid
 from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
@@ -29,6 +29,8 @@ from adr_opt.legs.connections import ConnectionFinder
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.ui.report.charts import BOTTOM, HEIGHT, TOP
 from adr_opt.ui.report.traded import traded_page
+
+IN_DELTA_V = Tanks("delta_v_m_s")
 
 TANKS = Axis("delta-v", (130.0, 140.0, 270.0, 300.0, 420.0, 700.0))
 DURATIONS = Axis("duration", tuple(round(n * PERIOD_S) * 1.0 for n in (4, 8, 11, 14)))
@@ -43,7 +45,7 @@ def test_every_point_is_what_planning_it_alone_gives(surface) -> None:
     """Prizes and proofs are those of the exact method at each point, and plans can be flown."""
     assert len(surface.points) == 24
     for point in surface.points:
-        instance = variant(surface.instance, point.limits, tanks=True)
+        instance = variant(surface.instance, point.limits, tanks=IN_DELTA_V)
         alone = adr_opt.solve(instance, "exact", time_limit=20.0)
         assert point.prize == alone.objective, point.limits
         assert point.status == alone.status == "optimal"
@@ -72,7 +74,7 @@ def test_not_every_point_is_run(surface) -> None:
 def test_tanks_share_a_timetable_exactly() -> None:
     """The table of a mission is bit by bit that of one with another tank, for any time value."""
     instance = adr_opt.generate("tiny", 1)
-    shared = Shared(instance, instance.mission.duration_s, tanks=True)
+    shared = Shared(instance, instance.mission.duration_s, tanks=IN_DELTA_V)
     duration = instance.mission.duration_s
     first = shared.problem((900.0, duration))
     first = first.missions[0]
@@ -133,7 +135,9 @@ def test_a_drifting_field_is_traded_too() -> None:
     axes = [Axis("delta-v", (300.0, 1500.0)), Axis("duration", (40.0 * DAY_S, 60.0 * DAY_S))]
     made = tradeoff(field, axes, time_limit=20.0)
     for point in made.points:
-        alone = adr_opt.solve(variant(field, point.limits, tanks=True), "exact", time_limit=20.0)
+        alone = adr_opt.solve(
+            variant(field, point.limits, tanks=IN_DELTA_V), "exact", time_limit=20.0
+        )
         assert point.prize == alone.objective
         assert point.upper_bound >= alone.objective
 

@@ -70,10 +70,6 @@ class Tanks:
         return {self.limit: dict(self.values).get(delta_v_m_s, delta_v_m_s)} if self.limit else {}
 
 
-IN_DELTA_V = Tanks("delta_v_m_s")
-"""All tanks are counted in ΔV, by which points are told apart."""
-
-
 @dataclass(frozen=True)
 class Axis:
     """A limit and the values that it takes, ascending, in SI.

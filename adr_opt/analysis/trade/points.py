@@ -7,7 +7,7 @@ point counts for all larger ones, and a bound of a point for all smaller ones.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -208,7 +208,7 @@ class KnownPoints:
             return smaller[1] <= larger[1]
         return smaller[0] + self._slack_m_s <= larger[0] and smaller[1] <= larger[1]
 
-    def open(self, ran: Mapping[Limits, object]) -> Iterator[Limits]:
+    def open(self, ran: Container[Limits]) -> Iterator[Limits]:
         """Points that are worth a run, the most telling first.
 
         On a plateau, where points have equally good plans, the largest comes first: if nothing
@@ -216,7 +216,7 @@ class KnownPoints:
 
         Parameters
         ----------
-        ran : mapping
+        ran : container of Limits
             Points that have had theirs.
         """
         waiting = [

@@ -138,15 +138,14 @@ def tradeoff(  # noqa: PLR0913
         known = Shared(instance, shared.longest_s, tanks=tanks)
         ran = take_in(board, file.found, known.problem, {method, QUICK})
     jobs = jobs or os.cpu_count() or 1
-    runner: _Here | _Beside = _Here(shared, settings, stop)
+    runner: _Here | _Beside = _Here(shared, settings)
+    work = _Work(instance, shared.longest_s, tanks, settings)
     if cluster is not None:
-        runner = _Beside(_Work(instance, shared.longest_s, tanks, settings), Workers(cluster))
+        runner = _Beside(work, Workers(cluster))
     elif jobs > 1:
         # A fork of a process that has threads may wait for a lock that nobody opens.
         processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
-        runner = _Beside(
-            _Work(instance, shared.longest_s, tanks, settings), LocalPool(processes, jobs)
-        )
+        runner = _Beside(work, LocalPool(processes, jobs))
     with runner:
         for quick in (True, False):
             for point, used in runner.run(board, ran, quick=quick, stop=stop):
@@ -189,7 +188,7 @@ def _next(
     board: KnownPoints, ran: dict[Limits, set[str]], method: str, quick: bool
 ) -> Limits | None:
     """The point that is to be run next; None where none is left."""
-    done = {limits: True for limits, methods in ran.items() if method in methods}
+    done = {limits for limits, methods in ran.items() if method in methods}
     if not quick:
         return next(board.open(done), None)
     waiting = [each for each, point in board.points.items() if not point.proven]
@@ -258,8 +257,8 @@ class _Here:
 
     elsewhere_s = 0.0
 
-    def __init__(self, shared: Shared, settings: Settings, stop: Stop | None) -> None:
-        self._shared, self._settings, self._stop = shared, settings, stop
+    def __init__(self, shared: Shared, settings: Settings) -> None:
+        self._shared, self._settings = shared, settings
 
     def __enter__(self) -> _Here:
         return self
@@ -279,7 +278,7 @@ class _Here:
             ran.setdefault(limits, set()).add(method)
             point = run_point(
                 self._shared.problem(limits), self._settings, board.points[limits],
-                quick=quick, alone=True, stop=self._stop,
+                quick=quick, alone=True, stop=stop,
             )  # fmt: skip
             yield point, method
 

@@ -16,22 +16,16 @@ import math
 from ...legs.connections import ConnectionFinder
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
-from .axes import IN_DELTA_V, Limits, Tanks, counts_masses
+from .axes import Limits, Tanks, counts_masses
 
 
-def variant(instance: Instance, limits: Limits, *, tanks: Tanks | bool) -> Instance:
+def variant(instance: Instance, limits: Limits, *, tanks: Tanks) -> Instance:
     """The instance of a point; its tanks stay as they are where they are not varied.
 
-    ``tanks`` says what of them is; True stands for their ΔV.
+    ``tanks`` says what of them is.
     """
     delta_v_m_s, duration_s = limits
-    return instance.with_limits(duration_s, **_said(tanks).changes(delta_v_m_s))
-
-
-def _said(tanks: Tanks | bool) -> Tanks:
-    if isinstance(tanks, Tanks):
-        return tanks
-    return IN_DELTA_V if tanks else Tanks()
+    return instance.with_limits(duration_s, **tanks.changes(delta_v_m_s))
 
 
 def slack_m_s(instance: Instance) -> float:
@@ -55,12 +49,12 @@ class Shared:
     instance : Instance
     longest_s : float
         The longest duration of all points [s].
-    tanks : Tanks or bool
-        What is varied of tanks; True for their ΔV.
+    tanks : Tanks
+        What is varied of tanks.
     """
 
-    def __init__(self, instance: Instance, longest_s: float, *, tanks: Tanks | bool) -> None:
-        self._instance, self.longest_s, self._tanks = instance, longest_s, _said(tanks)
+    def __init__(self, instance: Instance, longest_s: float, *, tanks: Tanks) -> None:
+        self._instance, self.longest_s, self._tanks = instance, longest_s, tanks
         self._of_tank: dict[float, Problem] = {}
 
     def problem(self, limits: Limits) -> Problem:

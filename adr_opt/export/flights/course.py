@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from ...plan.cargo import followed
+from ...plan.plan import Leg
+from ...plan.refined_plan import RefinedLeg
 from ...plan.tows import removals_by_name
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
@@ -59,6 +61,12 @@ class CourseLeg:
     end_s: float
     burns: tuple[Impulse, ...]
     removal: tuple[Impulse, ...] = ()
+
+    @classmethod
+    def of(cls, number: int, leg: Leg | RefinedLeg) -> CourseLeg:
+        """A leg of a plan, or one of a refined plan."""
+        ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
+        return cls(number, *ends, leg.burns, leg.removal_burns)
 
     @property
     def all_burns(self) -> tuple[Impulse, ...]:

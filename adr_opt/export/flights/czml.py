@@ -56,11 +56,12 @@ def to_czml(trajectory: Trajectory) -> str:
     shown = _when_shown(trajectory)
     packets = [_document(trajectory, clock, axes, len(shown))]
     visited = set(trajectory.plan.destinations)
-    for name, intervals in shown.items():
-        packets.append(_body(trajectory, clock, axes, name, name in visited, intervals))
+    packets += [
+        _body(trajectory, clock, axes, name, name in visited, intervals)
+        for name, intervals in shown.items()
+    ]
     crew = _crew(trajectory)
-    for chaser in crew:
-        packets.append(_chaser(trajectory, clock, chaser))
+    packets += [_chaser(trajectory, clock, chaser) for chaser in crew]
     for chaser in crew:
         for path in chaser.legs:
             arcs = range(len(path.arcs))
@@ -130,12 +131,7 @@ def _document(trajectory: Trajectory, clock: UtcClock, axes: Axes, bodies: int) 
 
 
 def _body(
-    trajectory: Trajectory,
-    clock: UtcClock,
-    axes: Axes,
-    name: str,
-    visited: bool,
-    shown: list[Span],
+    trajectory: Trajectory, clock: UtcClock, axes: Axes, name: str, visited: bool, shown: list[Span]
 ) -> dict[str, Any]:
     from ...plan import palette
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.sampling import Trajectory
-from ...plan.plan import Leg
 from ...plan.routes import routes_of
 from .course import Burnt, CourseLeg, FlightCourse, burnt_of
 from .kvn import origin, who
@@ -16,18 +15,13 @@ def course_of(trajectory: Trajectory, axes: Axes) -> FlightCourse:
     numbers = [path.number for path in trajectory.legs]
     burnt: dict[int, tuple[Burnt, ...]] = {}
     for flown in routes_of(instance, plan):
-        route = [_leg(number, leg) for number, leg in flown.legs]
+        route = [CourseLeg.of(number, leg) for number, leg in flown.legs]
         if any(leg.number in numbers for leg in route):
             burnt |= burnt_of(instance, flown.chaser, route)
     return FlightCourse(
         instance,
         trajectory.chaser,
-        tuple(_leg(path.number, path.leg) for path in trajectory.legs),
+        tuple(CourseLeg.of(path.number, path.leg) for path in trajectory.legs),
         (*origin(instance, plan, axes), *who(instance, trajectory.chaser)),
         burnt,
     )
-
-
-def _leg(number: int, leg: Leg) -> CourseLeg:
-    ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
-    return CourseLeg(number, *ends, leg.burns, leg.removal_burns)

@@ -29,39 +29,30 @@ GMATS_OWN = (
 
 
 def to_opm(
-    instance: Instance,
+    course: FlightCourse,
     refined: RefinedPlan,
     legs: Sequence[RefinedLeg],
-    chaser: str | None,
-    said: Sequence[str],
     axes: Axes,
     object_id: str | None,
 ) -> str:
-    """The first state of the legs and all their burns.
+    """The first state of the legs of a course and all their burns.
 
     Whoever propagates it in the field that it names follows the plan on what burns leave, to
     millimetres after a leg: through service, too, where the plan has the chaser docked.
     """
-    course = _course(instance, refined, legs, chaser, said)
     start_s = round(_ready_s(legs[0]) * 1e6) / 1e6
     state = _chaser_state(refined, legs[0], start_s)
     return opm.message(course, axes, object_id, start_s, state)
 
 
 def to_gmat(
-    instance: Instance,
-    refined: RefinedPlan,
-    legs: Sequence[RefinedLeg],
-    chaser: str | None,
-    said: Sequence[str],
-    axes: Axes,
+    course: FlightCourse, refined: RefinedPlan, legs: Sequence[RefinedLeg], axes: Axes
 ) -> str:
     """The script: osculating states of chaser and bodies, burns as impulses, coasts by time."""
-    course = _course(instance, refined, legs, chaser, said)
     degree = DEGREES[refined.gravity]
     if degree:
         course = replace(course, said=(*course.said, GMATS_OWN))
-    start_s = whole_millisecond(instance, _ready_s(legs[0]))
+    start_s = whole_millisecond(course.instance, _ready_s(legs[0]))
     bodies = {body.name: state_of(body) for body in refined.bodies}
 
     def state(body: str | None) -> Iterator[tuple[str, str]]:
@@ -89,13 +80,20 @@ def _chaser_state(refined: RefinedPlan, leg: RefinedLeg, time_s: float) -> Array
     return moved(origin, time_s, refined.gravity)
 
 
-def _course(
+def refined_course(
     instance: Instance,
     refined: RefinedPlan,
     legs: Sequence[RefinedLeg],
     chaser: str | None,
     said: Sequence[str],
 ) -> FlightCourse:
+    """The course of some legs of a refined plan, with masses where all legs are refined.
+
+    Raises
+    ------
+    InputError
+        They do not follow each other.
+    """
     for one, after in pairwise(legs):
         if one.destination != after.origin:
             raise InputError(
@@ -107,15 +105,11 @@ def _course(
         wanted = {leg.leg for leg in legs}
         for its, route in refined_routes(instance, refined):
             if any(leg.leg in wanted for leg in route):
-                flown = [_leg(leg) for leg in route]
+                flown = [CourseLeg.of(leg.leg, leg) for leg in route]
                 if its.is_launched:
                     # No refined leg, but the kit that stays there is aboard at first.
                     start = route[0].ready_s
                     flown = [CourseLeg(0, its.name, route[0].origin, start, start, ()), *flown]
                 burnt |= burnt_of(instance, its, flown)
-    return FlightCourse(instance, chaser, tuple(_leg(leg) for leg in legs), tuple(said), burnt)
-
-
-def _leg(leg: RefinedLeg) -> CourseLeg:
-    ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
-    return CourseLeg(leg.leg, *ends, leg.burns, leg.removal_burns)
+    own = tuple(CourseLeg.of(leg.leg, leg) for leg in legs)
+    return FlightCourse(instance, chaser, own, tuple(said), burnt)

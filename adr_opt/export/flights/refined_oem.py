@@ -19,7 +19,7 @@ from ...plan.routes import chaser_wanted
 from ...problem.instance import Instance
 from .kvn import header, metadata, object_name, plain, who
 from .oem import segment
-from .refined_messages import to_gmat, to_opm
+from .refined_messages import refined_course, to_gmat, to_opm
 from .write import BY_SUFFIX, FlightFile, axes_in, check_frame
 
 FORMATS = ("oem", "opm", "script")
@@ -86,10 +86,11 @@ def write_refined(
         legs = [
             one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)
         ]
+        course = refined_course(instance, refined, legs, name, said)
         if format == "opm":
-            text = to_opm(instance, refined, legs, name, said, axes, object_id)
+            text = to_opm(course, refined, legs, axes, object_id)
         else:
-            text = to_gmat(instance, refined, legs, name, said, axes)
+            text = to_gmat(course, refined, legs, axes)
     write_text(path, text)
     return written
 

@@ -23,7 +23,7 @@ from ...common.constants import STATION
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
 from ...mission.mission import Mission
-from .weights import LARGEST, comment, rows, slug, whole_weights
+from .weights import LARGEST, comment, edges, slug, whole_weights
 
 FINEST_SCORES = 1000.0
 
@@ -71,10 +71,7 @@ def write(
         "TYPE : OP",
         f"DIMENSION : {len(matrices.names)}",
         f"COST_LIMIT : {math.floor(weights.scale * limit)}",
-        "EDGE_WEIGHT_TYPE : EXPLICIT",
-        "EDGE_WEIGHT_FORMAT : FULL_MATRIX",
-        "EDGE_WEIGHT_SECTION",
-        *rows(weights.values),
+        *edges(weights),
         "NODE_SCORE_SECTION",
         *(f"{node} {score}" for node, score in enumerate([0, *values], start=1)),
         "DEPOT_SECTION",

@@ -74,14 +74,14 @@ def write(path: Path, mission: Mission) -> None:
     names = pa.array(mission.names, pa.string())
     bodies = range(len(mission.names))
     resolution = mission.instance.transfer.delta_v_resolution_m_s
+    columns = schema(mission)
     # Not by its name, which pyarrow insists on having in UTF-8.
     with (
         path.open("wb") as sink,
         pq.ParquetWriter(
-            sink, columns := schema(mission), compression="zstd",
-            use_dictionary=["origin", "destination"],
+            sink, columns, compression="zstd", use_dictionary=["origin", "destination"]
         ) as file,
-    ):  # fmt: skip
+    ):
         for i in bodies:
             found = [mission.connecting.of_pair(i, j, resolution) for j in bodies]
             there = np.repeat(bodies, [each.departure.size for each in found]).astype(np.int32)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...legs.matrices import Matrices
 from ...problem.instance import Instance
-from .weights import comment, rows, slug, whole_weights
+from .weights import comment, edges, slug, whole_weights
 
 
 def write(
@@ -22,10 +22,7 @@ def write(
         "TYPE : ATSP",
         f"COMMENT : {comment(instance, weights)}",
         f"DIMENSION : {len(matrices.names)}",
-        "EDGE_WEIGHT_TYPE : EXPLICIT",
-        "EDGE_WEIGHT_FORMAT : FULL_MATRIX",
-        "EDGE_WEIGHT_SECTION",
-        *rows(weights.values),
+        *edges(weights),
         "EOF",
     ]
     path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")

@@ -22,7 +22,7 @@ from pathlib import Path
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
 from ...mission.mission import Mission
-from .weights import comment, rows, slug, whole_weights
+from .weights import comment, edges, slug, whole_weights
 
 LARGEST_PRIZES = 2**44
 """Largest sum of prizes, as PyVRP's largest distance: beyond it sums may overflow."""
@@ -70,10 +70,7 @@ def write(
         f"VEHICLES : {vehicles}",
         f"CAPACITY : {targets}",
         f"VEHICLES_MAX_{'DURATION' if is_duration else 'DISTANCE'} : {budget}",
-        "EDGE_WEIGHT_TYPE : EXPLICIT",
-        "EDGE_WEIGHT_FORMAT : FULL_MATRIX",
-        "EDGE_WEIGHT_SECTION",
-        *rows(weights.values),
+        *edges(weights),
         *section("DEMAND", [0] + [1] * targets),
         *section("PRIZE", prizes),
     ]

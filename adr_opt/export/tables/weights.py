@@ -174,6 +174,11 @@ def check_no_kits(instance: Instance, path: Path) -> None:
         )
 
 
-def rows(values: npt.NDArray[np.int64]) -> list[str]:
-    """Format the rows of a matrix."""
-    return [" ".join(map(str, row)) for row in values.tolist()]
+def edges(weights: WeightMatrix) -> list[str]:
+    """The lines that hold the matrix, in all these formats."""
+    return [
+        "EDGE_WEIGHT_TYPE : EXPLICIT",
+        "EDGE_WEIGHT_FORMAT : FULL_MATRIX",
+        "EDGE_WEIGHT_SECTION",
+        *(" ".join(map(str, row)) for row in weights.values.tolist()),
+    ]

@@ -158,20 +158,19 @@ class Fields:
     @property
     def longest_s(self) -> float:
         """Longest duration that a mission can have [s]."""
-        longest = [limit.duration_s for limit in self.limits]
-        if self.share_of_limits < 1.0:
-            base = family(self.family).duration_s
-            longest.append(base if self.duration_s is None else self.duration_s[1])
-        return max(longest)
+        return self._largest("duration_s")
 
     @property
     def largest_delta_v_m_s(self) -> float:
         """Largest ΔV budget that a mission can have [m/s]."""
-        budgets = [limit.delta_v_m_s for limit in self.limits]
+        return self._largest("delta_v_m_s")
+
+    def _largest(self, name: str) -> float:
+        found = [getattr(limits, name) for limits in self.limits]
         if self.share_of_limits < 1.0:
-            base = family(self.family).delta_v_m_s
-            budgets.append(base if self.delta_v_m_s is None else self.delta_v_m_s[1])
-        return max(budgets)
+            span = getattr(self, name)
+            found.append(getattr(family(self.family), name) if span is None else span[1])
+        return float(max(found))
 
     def draw_field(self, rng: np.random.Generator) -> Instance:
         """A field for the longest mission with the largest budget; what is drawn is no more."""

@@ -15,9 +15,9 @@ from ...mission.mission import Mission
 
 SIZE = 400
 MARGIN = 30
-BACKGROUND, OPEN, VISITED, STATION_COLOUR, CHASER = (
-    (250, 250, 248), (30, 110, 180), (190, 190, 190), (40, 140, 70), (215, 80, 40),
-)  # fmt: skip
+BACKGROUND = (250, 250, 248)
+OPEN, VISITED = (30, 110, 180), (190, 190, 190)
+STATION_COLOUR, CHASER = (40, 140, 70), (215, 80, 40)
 
 
 def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bool_]) -> str:

@@ -40,8 +40,5 @@ def space(name: str, targets: int) -> spaces.Space[Any]:
     if name == "published":
         return box(published_size(targets))
     return spaces.Dict(
-        {
-            MISSION: box(len(kernels.MISSION_FIELDS)),
-            MOVES: box(targets + 1, len(move_fields(name))),
-        }
+        {MISSION: box(len(kernels.MISSION_FIELDS)), MOVES: box(targets + 1, len(move_fields(name)))}
     )

@@ -30,7 +30,7 @@ from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
 from .drag import drag_warning
 from .filters import Filters
-from .finding import find
+from .finding import ANY, Finder
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, ElementSet
 from .selection import named, nearest, within_limits
@@ -203,7 +203,10 @@ def to_instance(
         raise InputError(f"max targets = {max_targets}: must be at least 1")
 
     told = None if station is None else parse_orbit(station)
-    host = find(records, station) if station is not None and told is None else None
+    host = None
+    if station is not None and told is None:
+        instead = f"{ANY}, or ALTITUDE_KM,INCLINATION,RAAN"
+        host = records[Finder(records).one(station, "--station", instead)]
     demands = demands or Demands()
     choice = demands.choice(records, host)
     candidates = named(records, host, filters, dropped, choice)
@@ -337,9 +340,7 @@ def _default_name(records: Sequence[ElementSet], count: int) -> str:
 def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: ElementSet | None) -> str:
     first = failed[0]
     said = f"{first} (epoch {epoch.astimezone(UTC):%Y-%m-%dT%H:%M:%SZ}"
-    if host is not None and (first.source, first.line, first.object) == (
-        host.source, host.line, host.label,
-    ):  # fmt: skip
+    if host is not None and first == Dropped.of(host, first.reason, first.detail):
         return f"{said}); give another --station or --epoch"
     more = ""
     if len(failed) > 1:
@@ -382,11 +383,8 @@ def _warnings(
             f"{rule.max_altitude_m / 1e3:g} km; few or no transfers will lead there"
         )
     duration_s = instance.mission.duration_s
-    for warning in (
-        drag_warning(bodies, epoch, duration_s), drift_warning(instance), too_short(instance),
-    ):  # fmt: skip
-        if warning is not None:
-            yield warning
+    drag = drag_warning(bodies, epoch, duration_s)
+    yield from filter(None, (drag, drift_warning(instance), too_short(instance)))
     if len(targets) > MANY_TARGETS:
         yield (
             f"{len(targets)} targets: the timetable grows with their square; --max-targets keeps "

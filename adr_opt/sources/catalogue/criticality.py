@@ -19,12 +19,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
+from .propagation import FLOAT
 from .records import ElementSet
-
-FLOAT = npt.NDArray[np.float64]
 
 LARGEST = 100.0
 """Prize of the most critical target."""

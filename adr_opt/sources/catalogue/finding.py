@@ -75,13 +75,3 @@ class Finder:
             parts = [text] if self._all(text) else text.split(",")
             found |= {self.one(part, option): part.strip() for part in parts}
         return found
-
-
-def find(
-    records: Sequence[ElementSet],
-    text: str,
-    option: str = "--station",
-    instead: str = f"{ANY}, or ALTITUDE_KM,INCLINATION,RAAN",
-) -> ElementSet:
-    """The object among some that is meant by its number or name, see :meth:`Finder.one`."""
-    return records[Finder(records).one(text, option, instead)]

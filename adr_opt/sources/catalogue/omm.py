@@ -13,7 +13,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from ...common.constants import DAY_S
-from .records import ElementSet, RowError, clean_name, shown
+from .records import Dropped, ElementSet, RowError, clean_name, shown
 from .tle import catalogue_number
 
 UNITS = {
@@ -55,10 +55,16 @@ _EPOCH = re.compile(
 )
 
 
-def record(
-    fields: Mapping[str, Any], source: str, line: int, ordinal: int | None = None
-) -> ElementSet:
-    """The record that the fields of one message make.
+def read_message(
+    fields: Mapping[str, Any],
+    source: str,
+    line: int,
+    ordinal: int | None = None,
+    *,
+    fault: RowError | None = None,
+    fault_line: int | None = None,
+) -> ElementSet | Dropped:
+    """The record that the fields of one message make, or why they make none.
 
     Parameters
     ----------
@@ -66,12 +72,21 @@ def record(
         Keyword in capitals → text, number or None.
     source, line, ordinal
         Where they are from.
-
-    Raises
-    ------
-    RowError
-        A field is missing, no number, or out of range.
+    fault : RowError, optional
+        What is wrong with the message, whatever its fields say.
+    fault_line : int, optional
+        Where that is, if not where the message begins.
     """
+    try:
+        if fault is not None:
+            raise fault
+        return _record(fields, source, line, ordinal)
+    except RowError as error:
+        at = line if error is not fault or fault_line is None else fault_line
+        return Dropped(source, at, label(fields), error.reason, error.detail, ordinal)
+
+
+def _record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | None) -> ElementSet:
     theory = _text(fields, "MEAN_ELEMENT_THEORY", "SGP4").upper()
     not_sgp4 = _why_not_sgp4(fields, theory)
     if fields.get("MEAN_MOTION") in (None, "") and fields.get("SEMI_MAJOR_AXIS") not in (None, ""):

@@ -39,16 +39,12 @@ def read_csv(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
             header = [value.strip().upper() for value in values]
             _check_header(header, source, number)
             continue
+        fault = None
+        if len(values) != len(header):
+            reason = "truncated" if len(values) < len(header) else "malformed"
+            fault = RowError(f"{len(values)} values under {len(header)} columns", reason)
         fields = dict(zip(header, values, strict=False))
-        try:
-            if len(values) != len(header):
-                raise RowError(
-                    f"{len(values)} values under {len(header)} columns",
-                    "truncated" if len(values) < len(header) else "malformed",
-                )
-            yield omm.record(fields, source, number)
-        except RowError as error:
-            yield Dropped(source, number, omm.label(fields), error.reason, error.detail)
+        yield omm.read_message(fields, source, number, fault=fault)
 
 
 def _check_header(header: list[str], source: str, number: int) -> None:

@@ -88,13 +88,10 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
         detail = f"{shown(item)!r} is not a JSON object with the keywords of OMM"
         return Dropped(source, line, "", "malformed", detail, ordinal)
     fields = {key.strip().upper(): value for key, value in item.items()}
-    try:
-        if isinstance(item, _Object) and item.twice is not None:
-            raise RowError(f"field {item.twice} is given twice in one object")
-        return omm.record(fields, source, line, ordinal)
-    except RowError as error:
-        label = omm.label(fields)
-        return Dropped(source, line, label, error.reason, error.detail, ordinal)
+    fault = None
+    if isinstance(item, _Object) and item.twice is not None:
+        fault = RowError(f"field {item.twice} is given twice in one object")
+    return omm.read_message(fields, source, line, ordinal, fault=fault)
 
 
 def _refuse_message(item: Any, source: str) -> None:

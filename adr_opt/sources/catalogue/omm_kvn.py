@@ -23,7 +23,7 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
         key = key.strip().upper()
         if key == HEADER:
             if begin:
-                yield _message(fields, source, begin, fault, fault_line)
+                yield omm.read_message(fields, source, begin, fault=fault, fault_line=fault_line)
             fields, begin, fault = {}, number, None
             continue
         if fault is not None:
@@ -43,19 +43,7 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
         except RowError as error:
             fault, fault_line = error, number
     if begin:
-        yield _message(fields, source, begin, fault, fault_line)
-
-
-def _message(
-    fields: dict[str, str], source: str, begin: int, fault: RowError | None, fault_line: int
-) -> ElementSet | Dropped:
-    try:
-        if fault is not None:
-            raise fault
-        return omm.record(fields, source, begin)
-    except RowError as error:
-        line = fault_line if error is fault else begin
-        return Dropped(source, line, omm.label(fields), error.reason, error.detail)
+        yield omm.read_message(fields, source, begin, fault=fault, fault_line=fault_line)
 
 
 def _without_unit(key: str, value: str) -> str:

@@ -11,7 +11,7 @@ from xml.parsers import expat
 
 from ...common.errors import InputError
 from . import omm
-from .records import Dropped, ElementSet, RowError, shown
+from .records import Dropped, ElementSet, RowError
 
 DEEPEST = 50
 LONGEST_TEXT = 1000
@@ -103,12 +103,11 @@ class _Reader:
             self.fields, self.begin, self.fault = {}, line, None
         elif self.begin and tag in omm.FIELDS:
             self.leaf = tag
-            for name, unit in attributes.items():
-                if name == "units":
-                    try:
-                        omm.check_unit(tag, unit)
-                    except RowError as error:
-                        self.blame(error)
+            if "units" in attributes:
+                try:
+                    omm.check_unit(tag, attributes["units"])
+                except RowError as error:
+                    self.blame(error)
 
     def hear(self, text: str) -> None:
         if self.leaf:
@@ -125,19 +124,12 @@ class _Reader:
             self.fields[self.leaf] = self.text.strip()
             self.leaf = ""
         if self.begin and tag.rpartition(":")[2] == "segment":
-            self.found.append(self.segment())
+            read = omm.read_message(
+                self.fields, self.source, self.begin, fault=self.fault, fault_line=self.fault_line
+            )
+            self.found.append(read)
             self.begin = 0
 
     def blame(self, error: RowError) -> None:
         if self.fault is None:
             self.fault, self.fault_line = error, self.parser.CurrentLineNumber
-
-    def segment(self) -> ElementSet | Dropped:
-        try:
-            if self.fault is not None:
-                raise self.fault
-            return omm.record(self.fields, self.source, self.begin)
-        except RowError as error:
-            line = self.fault_line if error is self.fault else self.begin
-            label = omm.label(self.fields)
-            return Dropped(self.source, line, shown(label, 80), error.reason, error.detail)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import DAY_S
+from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import MissingExtra
 from .records import Dropped, ElementSet
 
@@ -75,9 +75,9 @@ def mean_elements(records: Sequence[ElementSet], epoch: datetime) -> tuple[FLOAT
                 why = _failure(code, (*position, *velocity, *elements[row]), api.SGP4_ERRORS)
                 if why is not None:
                     break
-            if why is None and elements[row, 0] > LARGEST_RISE * satellite.a * _earth_radius_m():
+            if why is None and elements[row, 0] > LARGEST_RISE * satellite.a * EARTH_RADIUS_M:
                 why = "sgp4-error", "SGP4 makes the orbit far larger, as it does after a decay"
-        if why is None and elements[row, 0] * (1.0 - elements[row, 1]) <= _earth_radius_m():
+        if why is None and elements[row, 0] * (1.0 - elements[row, 1]) <= EARTH_RADIUS_M:
             why = "decayed", "the perigee at the epoch is under the ground"
         if why is not None:
             elements[row] = np.nan
@@ -109,10 +109,8 @@ def satellite_of(record: ElementSet) -> Any:
     api = _sgp4()
     radians, revolution = math.pi / 180.0, 2.0 * math.pi
     epoch = record.epoch.astimezone(UTC)
-    day, fraction = api.jday(
-        epoch.year, epoch.month, epoch.day, epoch.hour, epoch.minute,
-        epoch.second + 1e-6 * epoch.microsecond,
-    )  # fmt: skip
+    seconds = epoch.second + 1e-6 * epoch.microsecond
+    day, fraction = api.jday(*epoch.timetuple()[:5], seconds)
     satellite = api.Satrec()
     satellite.sgp4init(
         api.WGS72,
@@ -210,12 +208,6 @@ def _mean(satellite: Any) -> tuple[float, ...]:
         math.fmod(perigee, 2.0 * math.pi),
         satellite.mm,
     )
-
-
-def _earth_radius_m() -> float:
-    from ...common.constants import EARTH_RADIUS_M
-
-    return EARTH_RADIUS_M
 
 
 def _sgp4() -> Any:

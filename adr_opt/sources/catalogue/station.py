@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
+from .propagation import FLOAT
 from .records import shown
 
 NEIGHBOUR_RAD = math.radians(2.0)
@@ -16,8 +16,6 @@ NEIGHBOUR_RAD = math.radians(2.0)
 
 BLOCK = 1024
 """Rows of angles between planes held at once."""
-
-FLOAT = npt.NDArray[np.float64]
 
 
 def normals(elements: FLOAT) -> FLOAT:
@@ -70,14 +68,7 @@ def densest(elements: FLOAT) -> FLOAT:
     group = elements[normals(elements) @ centre >= least]
     x, y, z = normals(group).sum(axis=0)
     return np.array(
-        [
-            np.median(group[:, 0]),
-            0.0,
-            math.atan2(math.hypot(x, y), z),
-            math.atan2(x, -y),
-            0.0,
-            0.0,
-        ]
+        [np.median(group[:, 0]), 0.0, math.atan2(math.hypot(x, y), z), math.atan2(x, -y), 0.0, 0.0]
     )
 
 
@@ -112,13 +103,5 @@ def parse_orbit(text: str) -> FLOAT | None:
         raise InputError(f"--station: inclination {inclination:g}: must be between 0 and 180")
     if max(abs(raan), abs(latitude)) > 360.0:
         raise InputError(f"--station {shown(text)!r}: angles must be between -360 and 360")
-    return np.array(
-        [
-            EARTH_RADIUS_M + 1e3 * altitude_km,
-            0.0,
-            math.radians(inclination),
-            math.radians(raan),
-            0.0,
-            math.radians(latitude),
-        ]
-    )
+    inclination, raan, latitude = map(math.radians, (inclination, raan, latitude))
+    return np.array([EARTH_RADIUS_M + 1e3 * altitude_km, 0.0, inclination, raan, 0.0, latitude])

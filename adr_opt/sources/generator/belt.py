@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from ...common.constants import EARTH_RADIUS_M
 from ...problem.orbit import Orbit
+from .ellipse import rounded
 from .stream import Uniform
 
 ALTITUDE_KM = (700.0, 800.0)
@@ -19,15 +20,8 @@ STATION_INCLINATION_DEG = 96.0
 
 
 def circle(altitude_km: float, inclination_deg: float, raan_deg: float, u_deg: float) -> Orbit:
-    """A circular orbit, rounded to the digits of the file."""
-    return Orbit(
-        semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude_km, 3),
-        eccentricity=0.0,
-        inclination_deg=round(inclination_deg, 6),
-        raan_deg=round(raan_deg, 6),
-        argument_of_perigee_deg=0.0,
-        true_anomaly_deg=round(u_deg, 6),
-    )
+    """A circular orbit in the digits of the file."""
+    return rounded(EARTH_RADIUS_M + 1e3 * altitude_km, 0.0, inclination_deg, raan_deg, 0.0, u_deg)
 
 
 def draw_circle(uniform: Uniform) -> Orbit:

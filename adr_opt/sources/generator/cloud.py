@@ -24,6 +24,7 @@ from __future__ import annotations
 from ...common.constants import EARTH_RADIUS_M
 from ...problem.orbit import Orbit
 from .belt import circle
+from .ellipse import rounded
 from .stream import Uniform, at_percentile
 
 TARGETS = 50
@@ -50,13 +51,13 @@ def draw_fragment(uniform: Uniform) -> Orbit:
     perigee_km = at_percentile(PERCENTILES, PERIGEE_KM, perigee_share)
     difference_km = at_percentile(PERCENTILES, APOGEE_MINUS_PERIGEE_KM, difference_share)
     semi_major_axis_m = EARTH_RADIUS_M + 1e3 * (perigee_km + 0.5 * difference_km)
-    return Orbit(
-        semi_major_axis_m=round(semi_major_axis_m, 3),
-        eccentricity=round(0.5e3 * difference_km / semi_major_axis_m, 7),
-        inclination_deg=round(at_percentile(PERCENTILES, INCLINATION_DEG, inclination_share), 6),
-        raan_deg=round(HALF_WIDTH_DEG * (2.0 * raan_share - 1.0), 6),
-        argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
-        true_anomaly_deg=round(uniform(0.0, 360.0), 6),
+    return rounded(
+        semi_major_axis_m,
+        0.5e3 * difference_km / semi_major_axis_m,
+        at_percentile(PERCENTILES, INCLINATION_DEG, inclination_share),
+        HALF_WIDTH_DEG * (2.0 * raan_share - 1.0),
+        uniform(0.0, 360.0),
+        uniform(0.0, 360.0),
     )
 
 

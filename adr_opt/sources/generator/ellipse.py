@@ -1,4 +1,4 @@
-"""Nearly circular orbits whose elements are independent and uniform."""
+"""Orbits in the digits of the file, among them nearly circular ones of uniform elements."""
 
 from __future__ import annotations
 
@@ -9,6 +9,25 @@ from .stream import Uniform
 Range = tuple[float, float]
 
 
+def rounded(
+    semi_major_axis_m: float,
+    eccentricity: float,
+    inclination_deg: float,
+    raan_deg: float,
+    argument_of_perigee_deg: float,
+    true_anomaly_deg: float,
+) -> Orbit:
+    """An orbit, rounded to the digits of the file."""
+    return Orbit(
+        semi_major_axis_m=round(semi_major_axis_m, 3),
+        eccentricity=round(eccentricity, 7),
+        inclination_deg=round(inclination_deg, 6),
+        raan_deg=round(raan_deg, 6),
+        argument_of_perigee_deg=round(argument_of_perigee_deg, 6),
+        true_anomaly_deg=round(true_anomaly_deg, 6),
+    )
+
+
 def draw_ellipse(
     uniform: Uniform,
     altitude_km: Range,
@@ -16,16 +35,12 @@ def draw_ellipse(
     eccentricity: Range,
     raan_deg: Range,
 ) -> Orbit:
-    """An orbit from ranges of its elements, rounded to the digits of the file.
+    """An orbit from ranges of its elements.
 
     Perigee and anomaly go all around. The altitude is that of the semi-major axis.
     """
     altitude, inclination = uniform(*altitude_km), uniform(*inclination_deg)
-    return Orbit(
-        semi_major_axis_m=round(EARTH_RADIUS_M + 1e3 * altitude, 3),
-        eccentricity=round(uniform(*eccentricity), 7),
-        inclination_deg=round(inclination, 6),
-        raan_deg=round(uniform(*raan_deg), 6),
-        argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
-        true_anomaly_deg=round(uniform(0.0, 360.0), 6),
-    )
+    return rounded(
+        EARTH_RADIUS_M + 1e3 * altitude, uniform(*eccentricity), inclination, uniform(*raan_deg),
+        uniform(0.0, 360.0), uniform(0.0, 360.0),
+    )  # fmt: skip

@@ -46,11 +46,7 @@ def chasers_of(
 
 
 def _start(
-    kind: Family,
-    number: int,
-    first: Orbit | None,
-    stations: tuple[Station, ...],
-    uniform: Uniform,
+    kind: Family, number: int, first: Orbit | None, stations: tuple[Station, ...], uniform: Uniform
 ) -> Start:
     if first is None:
         return AtStation(station=stations[number % len(stations)].name)

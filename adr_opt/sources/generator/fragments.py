@@ -18,6 +18,7 @@ from ...common.constants import EARTH_RADIUS_M, HOUR_S
 from ...problem.orbit import Orbit
 from ...problem.settings import TransferSettings
 from .belt import circle
+from .ellipse import rounded
 from .stream import Uniform
 
 TARGETS = 1900
@@ -40,11 +41,11 @@ def draw_piece(uniform: Uniform) -> Orbit:
     apogee_km = EVENT_KM + (HIGHEST_KM - EVENT_KM) * min(uniform(0.0, 1.0), uniform(0.0, 1.0))
     tilt_deg = SPREAD_DEG * (uniform(0.0, 1.0) + uniform(0.0, 1.0) - 1.0)
     semi_major_axis_m = EARTH_RADIUS_M + 500.0 * (perigee_km + apogee_km)
-    return Orbit(
-        semi_major_axis_m=round(semi_major_axis_m, 3),
-        eccentricity=round(500.0 * (apogee_km - perigee_km) / semi_major_axis_m, 7),
-        inclination_deg=round(INCLINATION_DEG + tilt_deg, 6),
-        raan_deg=round(uniform(0.0, 360.0), 6),
-        argument_of_perigee_deg=round(uniform(0.0, 360.0), 6),
-        true_anomaly_deg=round(uniform(0.0, 360.0), 6),
+    return rounded(
+        semi_major_axis_m,
+        500.0 * (apogee_km - perigee_km) / semi_major_axis_m,
+        INCLINATION_DEG + tilt_deg,
+        uniform(0.0, 360.0),
+        uniform(0.0, 360.0),
+        uniform(0.0, 360.0),
     )

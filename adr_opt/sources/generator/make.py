@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from typing import Any
 
 from ...common.errors import InputError
 from ...problem.bodies import Target
@@ -165,14 +166,12 @@ def by_name(name: str) -> Instance:
             f"instance {name!r} is no name of a generated instance; use FAMILY-SEED such as "
             f"nominal-042, with one of the families {', '.join(FAMILIES)}"
         )
-    targets = None if found["targets"] is None else int(found["targets"])
-    chasers, stations = (
-        None if found[what] is None else int(found[what]) for what in ("chasers", "stations")
-    )
-    made = generate(
-        found["family"], int(found["seed"]), targets=targets, zones=int(found["zones"] or 0),
-        chasers=chasers, stations=stations,
-    )  # fmt: skip
+    counts: dict[str, Any] = {
+        what: int(found[what])
+        for what in ("targets", "zones", "chasers", "stations")
+        if found[what] is not None
+    }
+    made = generate(found["family"], int(found["seed"]), **counts)
     if made.name != name:
         raise InputError(f"instance {name!r} is written {made.name!r}; write it so")
     return made
