@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...common.errors import InputError
 from ...common.wording import counted
 from .flown import flight_line, flight_of, no_fly_option, was_refined
 from .output import emit, emit_json
-from .parameters import instance_argument, json_option, plan_argument
+from .parameters import about, instance_argument, json_option, mission_of, plan_argument
 
 if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
@@ -32,14 +31,10 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
     are violations.
     """
     from ...judge.check.verdict import check
-    from ...plan.plan import load_plan
-    from ...problem.instance import load
 
-    instance, plan = load(instance_path), load_plan(plan_path)
-    try:
+    instance, plan = mission_of(instance_path, plan_path)
+    with about(plan_path):
         violations = check(instance, plan)
-    except InputError as error:
-        raise InputError(f"{plan_path}: {error}") from None
     refined = was_refined(plan)
     flight: MeanFlight | str = VIOLATED if violations else UNASKED
     if refined is None and not violations and not no_fly:

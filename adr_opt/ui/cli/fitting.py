@@ -4,52 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
-
-import click
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...common.errors import InputError
+from . import take
 
 if TYPE_CHECKING:
     from ...problem.chasers import AnyTank
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 
-
-def fitting_options(usual: str) -> Callable[[Function], Function]:
+def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
     """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank that nobody speaks of."""
-
-    def add(function: Function) -> Function:
-        for option in reversed(
-            (
-                click.option(
-                    "--delta-v", type=float, metavar="M_S", help=f"ΔV of a full tank; {usual}."
-                ),
-                click.option(
-                    "--dry-mass", type=float, metavar="KG", help="Instead: mass without it,"
-                ),
-                click.option(
-                    "--propellant", type=float, metavar="KG", help="what a full tank holds,"
-                ),
-                click.option("--isp", type=float, metavar="S", help="and its specific impulse."),
-                click.option(
-                    "--kits", type=int, metavar="K",
-                    help="A kit for each target, at most K aboard.",
-                ),
-                click.option("--kit-mass", type=float, metavar="KG", help="Of each kit; 0."),
-                click.option(
-                    "--tow", type=float, metavar="KG", help="Mass of each target, which is towed,"
-                ),
-                click.option(
-                    "--disposal-altitude", type=float, metavar="KM",
-                    help="down to a circle there.",
-                ),
-            )
-        ):  # fmt: skip
-            function = option(function)
-        return function
-
-    return add
+    return take.together(
+        take.number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
+        take.number("--dry-mass", "KG", "Instead: mass without it,"),
+        take.number("--propellant", "KG", "what a full tank holds,"),
+        take.number("--isp", "S", "and its specific impulse."),
+        take.count("--kits", "K", "A kit for each target, at most K aboard."),
+        take.number("--kit-mass", "KG", "Of each kit; 0."),
+        take.number("--tow", "KG", "Mass of each target, which is towed,"),
+        take.number("--disposal-altitude", "KM", "down to a circle there."),
+    )
 
 
 class Fitting(NamedTuple):

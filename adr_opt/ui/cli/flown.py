@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import click
-
 from ...common.errors import InputError
+from . import take
 from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
@@ -22,9 +21,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 NOT_FLOWN = "not flown: "
 
-no_fly_option = click.option(
-    "--no-fly", is_flag=True, help="Do not fly the plan in mean motion on the true orbits."
-)
+no_fly_option = take.flag("--no-fly", "Do not fly the plan in mean motion on the true orbits.")
 
 
 def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:

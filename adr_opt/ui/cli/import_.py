@@ -12,6 +12,7 @@ import click
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
 from .parameters import check_out, json_option, quiet_option
@@ -32,21 +33,17 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--out", required=True, metavar="FILE", help="Instance file to write.")
-@click.option(
-    "--epoch", "epoch_text", metavar="TIME", help="ISO, UTC; else the latest of the elements."
-)
-@click.option("--altitude", metavar="LO:HI", help="Mean altitudes to keep, km.")
-@click.option("--inclination", metavar="LO:HI", help="Inclinations to keep, degrees.")
-@click.option("--raan", metavar="LO:HI", help="RAANs to keep, degrees; 350:10 goes through 0.")
-@click.option(
-    "--name", "names", multiple=True, metavar="PATTERN", help="Names to keep; may be repeated."
-)
-@click.option("--max-targets", type=int, metavar="N", help="Keep N, nearest planes first.")
-@click.option(
+@take.file("--out", "Instance file to write.", required=True)
+@take.word("--epoch", "TIME", "ISO, UTC; else the latest of the elements.", name="epoch_text")
+@take.word("--altitude", "LO:HI", "Mean altitudes to keep, km.")
+@take.word("--inclination", "LO:HI", "Inclinations to keep, degrees.")
+@take.word("--raan", "LO:HI", "RAANs to keep, degrees; 350:10 goes through 0.")
+@take.many("--name", "PATTERN", "Names to keep; may be repeated.", name="names")
+@take.count("--max-targets", "N", "Keep N, nearest planes first.")
+@take.word(
     "--station",
-    metavar="ORBIT|OBJECT",
-    help="ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+    "ORBIT|OBJECT",
+    "ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
 )
 @click.option(
     "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
@@ -59,29 +56,13 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
     show_default=True,
     help="How planes move: with J2 they drift.",
 )
-@click.option(
-    "--no-refuelling",
-    is_flag=True,
-    help="No station: the chaser starts where it would be.",
-)
-@click.option(
-    "--drift-step-days", type=float, metavar="D", help="Grid of long transfers, instead of a 150th."
-)
-@click.option(
-    "--max-drift-days", type=float, metavar="D", help="Longest of them, 0 for none; the mission's."
-)
-@click.option(
-    "--departure-spacing-days", type=float, metavar="D", help="Least time between departures."
-)
-@click.option(
-    "--resolution", type=float, metavar="M_S", help="Transfers that save less are left out, m/s."
-)
-@click.option(
-    "--criticality",
-    is_flag=True,
-    help="Prizes by mass, altitude and crowding, from 1 to 100: a ranking.",
-)
-@click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
+@take.flag("--no-refuelling", "No station: the chaser starts where it would be.")
+@take.number("--drift-step-days", "D", "Grid of long transfers, instead of a 150th.")
+@take.number("--max-drift-days", "D", "Longest of them, 0 for none; the mission's.")
+@take.number("--departure-spacing-days", "D", "Least time between departures.")
+@take.number("--resolution", "M_S", "Transfers that save less are left out, m/s.")
+@take.flag("--criticality", "Prizes by mass, altitude and crowding, from 1 to 100: a ranking.")
+@take.flag("--skip-bad", "Keep the good rows and objects, list the rest.")
 @json_option
 @quiet_option
 def command(

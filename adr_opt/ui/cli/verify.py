@@ -9,7 +9,7 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from .output import emit, emit_json
-from .parameters import instance_argument, json_option
+from .parameters import about, instance_argument, json_option
 
 MOST_CONNECTIONS = 1_000_000
 """As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
@@ -48,13 +48,9 @@ def command(
     plan = load_plan(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
     certificate = load_certificate(path)
-    try:
-        verdict = verify(
-            instance, plan, certificate, seed=seed,
-            connections=CONNECTIONS if connections is None else connections,
-        )  # fmt: skip
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+    tried = CONNECTIONS if connections is None else connections
+    with about(path):
+        verdict = verify(instance, plan, certificate, seed=seed, connections=tried)
     if as_json:
         emit_json(
             {
