@@ -10,17 +10,17 @@ from ...common.errors import InputError
 from . import take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit
-from .parameters import instance_argument, json_option, parse_assignments, quiet_option, run_options
+from .parameters import parse_assignments, run_options
 
 
 @click.command("bound")
-@instance_argument
+@take.instance
 @take.word("--method", "NAME", "Bound; 'methods' lists them and the default.")
 @take.number("--time-limit", "S", "Wall time, the timetable included; 60 s.")
 @run_options
 @certificate_option
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     method: str | None,

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.wording import counted
+from . import take
 from .flown import flight_line, flight_of, no_fly_option, was_refined
 from .output import emit, emit_json
-from .parameters import about, instance_argument, json_option, mission_of, plan_argument
+from .parameters import about, mission_of
 
 if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
@@ -19,10 +20,10 @@ VIOLATED, UNASKED = "it has violations", "nobody asked for it"
 
 
 @click.command("check")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @no_fly_option
-@json_option
+@take.as_json
 def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> int:
     """List all violations of PLAN on INSTANCE.
 

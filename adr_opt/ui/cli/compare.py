@@ -10,7 +10,7 @@ import click
 from ...common.errors import InputError
 from . import take
 from .output import emit, emit_json, emit_rich, say
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 @click.command("compare", short_help="Lay plans side by side, leg by leg.")
-@instance_argument
+@take.instance
 @click.argument("plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...")
 @take.file("--page", "HTML file to write as well.", name="page_path")
 @take.flag("--all", "List the legs too that are the same.", name="tell_all")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_paths: tuple[str, ...],

@@ -11,15 +11,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
 from .output import emit_json, say
-from .parameters import (
-    about,
-    check_out,
-    instance_argument,
-    json_option,
-    mission_of,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import about, check_out, mission_of
 
 if TYPE_CHECKING:
     from ...export.flights.write import FlightFile
@@ -28,8 +20,8 @@ if TYPE_CHECKING:
 
 
 @click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @take.file("--out", "File to write: .oem, .opm, .czml or .script.", required=True)
 @click.option(
     "--format",
@@ -59,8 +51,8 @@ if TYPE_CHECKING:
     "International designator of what is written, like 2026-001A; else UNKNOWN, or that "
     "which INSTANCE has of a --body.",
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,

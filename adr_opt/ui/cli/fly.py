@@ -11,15 +11,7 @@ from ...common.wording import counted
 from . import take
 from .fly_errors import Sampling, error_options
 from .output import emit, emit_json, say
-from .parameters import (
-    about,
-    check_out,
-    instance_argument,
-    json_option,
-    mission_of,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import about, check_out, mission_of
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight
@@ -34,12 +26,12 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @take.file("--out", "Write the plan again with the result in its notes.")
 @error_options
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,

@@ -10,7 +10,7 @@ from ...common.wording import counted
 from . import take
 from .fitting import Fitting, fitting_options
 from .output import emit, say
-from .parameters import check_out, json_option, quiet_option
+from .parameters import check_out
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
@@ -22,8 +22,8 @@ from .parameters import check_out, json_option, quiet_option
 @take.count("--stations", "M", "Stations, instead of the family's.")
 @fitting_options("the family's")
 @take.file("--out", "Instance file to write; else it is printed.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     family: str,
     seed: int,

@@ -15,7 +15,7 @@ from ...common.wording import counted
 from . import take
 from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
-from .parameters import check_out, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...problem.orbit import Orbit
@@ -63,8 +63,8 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 @take.number("--resolution", "M_S", "Transfers that save less are left out, m/s.")
 @take.flag("--criticality", "Prizes by mass, altitude and crowding, from 1 to 100: a ranking.")
 @take.flag("--skip-bad", "Keep the good rows and objects, list the rest.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     files: tuple[str, ...],
     out: str,

@@ -11,7 +11,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
 from .output import emit_json, say
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...legs.matrices import FloatArray
@@ -22,7 +22,7 @@ MOST_BYTES = 2**34
 
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
-@instance_argument
+@take.instance
 @take.number("--every", "S", "Ready times, S apart, from 0.", name="every_s")
 @take.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
 @click.option(
@@ -47,8 +47,8 @@ MOST_BYTES = 2**34
     "Every departure, without ready times: .parquet, .lp, .mps.",
     required=True,
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     every_s: float | None,

@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from ...common.errors import InputError, MissingExtra
 from . import take
 
@@ -18,23 +16,8 @@ if TYPE_CHECKING:
     from ...run.methods import Planner
 
 
-instance_argument = click.argument("instance_path", metavar="INSTANCE")
-plan_argument = click.argument("plan_path", metavar="PLAN")
-json_option = take.flag("--json", "Print one JSON object and nothing else.", name="as_json")
-cluster_option = take.word(
-    "--cluster",
-    "dask://HOST:PORT",
-    "Work on the workers of a Dask scheduler, in the place of --jobs.",
-)
-quiet_option = take.flag("--quiet", "No messages and no progress.")
-method_option = take.word("--method", "NAME", "Planner; 'methods' lists them and the default.")
-seed_option = click.option(
-    "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
-)
-
-
 run_options = take.together(
-    seed_option,
+    take.seed,
     take.count("--iterations", "N", "Most iterations, as the method counts."),
     take.number(
         "--margin",

@@ -11,7 +11,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...analysis import PricedOrder, PricedRoute
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 @click.command("price", short_help="Time an order of bodies, and say what would mend it.")
-@instance_argument
+@take.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
 @take.file("--file", "The order instead: a name a line.", name="file_path")
 @take.word("--out", "PLAN", "Plan file to write, if the order can be flown.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     names: tuple[str, ...],

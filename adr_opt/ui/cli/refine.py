@@ -11,16 +11,7 @@ import click
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, say
-from .parameters import (
-    about,
-    check_out,
-    cluster_option,
-    instance_argument,
-    json_option,
-    mission_of,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import about, check_out, mission_of
 from .signals import signals_to
 
 if TYPE_CHECKING:
@@ -45,15 +36,15 @@ freedom_option = click.option(
 
 
 @click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @take.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
 @take.count("--jobs", "N", "Cores to use; 0 for all.")
-@cluster_option
-@json_option
-@quiet_option
+@take.cluster
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,

@@ -13,16 +13,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import (
-    check_out,
-    instance_argument,
-    is_same_file,
-    json_option,
-    mission_of,
-    plan_argument,
-    quiet_option,
-    seed_option,
-)
+from .parameters import check_out, is_same_file, mission_of
 
 if TYPE_CHECKING:
     from ...analysis.replanned import Replanned
@@ -36,8 +27,8 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
 @click.command("replan", short_help="Plan the rest of a mission anew.")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @take.word("--at", "TIME", "Days after the epoch; 36h, 900s; ISO.", name="at_text", required=True)
 @take.file("--zones", "JSON: new keep-out zones, a list.", name="zones_path")
 @take.many("--lost", "NAME[,NAME...]", "A target that is none any more.")
@@ -54,11 +45,11 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 @take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
 @take.word("--method", "NAME", "Planner of the rest; else a beam, of several auto.")
 @take.number("--time-limit", "S", "Wall time of a run; 2 s.")
-@seed_option
+@take.seed
 @take.file("--out", "Plan file of the rest to write.")
 @take.file("--out-instance", "Instance file of the rest to write.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,

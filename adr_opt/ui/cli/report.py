@@ -10,14 +10,7 @@ from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
 from . import take
 from .output import emit_json, say
-from .parameters import (
-    check_out,
-    instance_argument,
-    json_option,
-    mission_of,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import check_out, mission_of
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight, RefinedFlight
@@ -27,8 +20,8 @@ if TYPE_CHECKING:
 
 
 @click.command("report", short_help="Write PLAN as an interactive page that works offline.")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @take.file("--out", "HTML file to write.", required=True)
 @take.file(
     "--refined",
@@ -40,8 +33,8 @@ if TYPE_CHECKING:
     "Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
     name="wants_flight",
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,

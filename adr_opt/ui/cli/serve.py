@@ -13,7 +13,6 @@ import click
 from ...common.errors import MissingExtra
 from . import take
 from .output import emit, emit_json, say
-from .parameters import instance_argument, json_option, quiet_option
 from .signals import Aborted, signals_to
 
 PATIENCE_S = 60.0
@@ -21,13 +20,13 @@ PATIENCE_S = 60.0
 
 
 @click.command("serve", short_help="Plan on a page of this machine, live.")
-@instance_argument
+@take.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False)
 @take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
 @take.word("--folder", "DIR", "Working folder; INSTANCE-served, beside this call.")
 @take.flag("--no-open", "Open no browser.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str | None,

@@ -14,15 +14,7 @@ from . import take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_rich, say, terminal_width
-from .parameters import (
-    check_out,
-    instance_argument,
-    json_option,
-    method_option,
-    parse_assignments,
-    quiet_option,
-    run_options,
-)
+from .parameters import check_out, parse_assignments, run_options
 from .refining_loop import Refining, refine_options, run_refined, save_refined, tell_refined
 
 if TYPE_CHECKING:
@@ -31,8 +23,8 @@ if TYPE_CHECKING:
 
 
 @click.command("solve")
-@instance_argument
-@method_option
+@take.instance
+@take.method
 @take.number("--time-limit", "S", "Wall time, the timetable included; 10 s.")
 @run_options
 @take.number(
@@ -49,8 +41,8 @@ if TYPE_CHECKING:
 @certificate_option
 @refine_options
 @no_fly_option
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     method: str | None,

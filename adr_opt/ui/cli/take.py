@@ -1,4 +1,4 @@
-"""Options of verbs, by what they take."""
+"""What verbs take: options by their kinds, and arguments and options that several verbs share."""
 
 from __future__ import annotations
 
@@ -44,3 +44,18 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
         return function
 
     return add
+
+
+instance = click.argument("instance_path", metavar="INSTANCE")
+plan = click.argument("plan_path", metavar="PLAN")
+as_json = flag("--json", "Print one JSON object and nothing else.", name="as_json")
+cluster = word(
+    "--cluster",
+    "dask://HOST:PORT",
+    "Work on the workers of a Dask scheduler, in the place of --jobs.",
+)
+quiet = flag("--quiet", "No messages and no progress.")
+method = word("--method", "NAME", "Planner; 'methods' lists them and the default.")
+seed = click.option(
+    "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
+)

@@ -10,15 +10,7 @@ from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
 from . import take
 from .output import emit_json, emit_rich, say
-from .parameters import (
-    check_out,
-    cluster_option,
-    instance_argument,
-    json_option,
-    method_option,
-    quiet_option,
-    seed_option,
-)
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -30,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
-@instance_argument
+@take.instance
 @take.many(
     "--vary",
     "NAME=LO:HI:STEP",
@@ -42,16 +34,16 @@ if TYPE_CHECKING:
     "CSV: least ΔV against the last day, at the most prize; needs no --vary.",
     name="frontier_path",
 )
-@method_option
+@take.method
 @take.number("--time-limit", "S", "Wall time of each run; 10 s.")
-@seed_option
+@take.seed
 @take.count("--jobs", "N", "Processes; 0 for all cores.", default=1)
 @take.file("--out", "CSV; from an earlier call, it goes on with it.")
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
-@cluster_option
-@json_option
-@quiet_option
+@take.cluster
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     varied: tuple[str, ...],

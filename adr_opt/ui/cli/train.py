@@ -14,7 +14,6 @@ import click
 from ...common.errors import InputError
 from . import take
 from .output import emit_json, say
-from .parameters import json_option, quiet_option
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
@@ -39,8 +38,8 @@ from .parameters import json_option, quiet_option
     default=60.0,
     show_default=True,
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     config: str,
     steps: int | None,

@@ -8,22 +8,23 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .output import emit, emit_json
-from .parameters import about, instance_argument, json_option
+from .parameters import about
 
 MOST_CONNECTIONS = 1_000_000
 """As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
 
 
 @click.command("verify")
-@instance_argument
+@take.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
 @click.option(
     "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
     help="Connections to fly again by the physics of 'check'; 1000.",
 )  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")
-@json_option
+@take.as_json
 def command(
     instance_path: str,
     paths: tuple[str, ...],

@@ -10,7 +10,6 @@ import click
 from ...common.errors import InputError
 from . import take
 from .output import emit, emit_json, say
-from .parameters import json_option, quiet_option
 
 ENVIRONMENT = "environment"
 """Stands for what the environment and its policies call."""
@@ -19,8 +18,8 @@ ENVIRONMENT = "environment"
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...")
 @take.count("--jobs", "N", "Processes side by side; one for each core.")
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 
