@@ -32,6 +32,8 @@ class Series:
     name, colour : str
     x, y : sequence of float
         NaN for a gap in a line.
+    z : sequence of float, optional
+        In space.
     legs : sequence of int, optional
         The leg of each point, 0 where none has begun; None where points belong to none.
     of : sequence
@@ -46,6 +48,7 @@ class Series:
     colour: str
     x: Values
     y: Values
+    z: Values | None = None
     legs: Sequence[int] | None = None
     of: Sequence[Any] = ()
     phase: str | None = None
@@ -60,8 +63,6 @@ class Line(Series):
     ----------
     width : float
         [px].
-    z : sequence of float, optional
-        In space.
     step, dots : bool
         Whether it keeps its value until the next point, and whether points are marked.
     below : sequence of float
@@ -69,7 +70,6 @@ class Line(Series):
     """
 
     width: float = 1.8
-    z: Values | None = None
     step: bool = False
     dots: bool = False
     below: Sequence[float] = ()

@@ -33,14 +33,17 @@ def earth(ax: Any) -> Any:
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
     )
-    radius = EARTH_RADIUS_M / KM_M
-    ax.plot_surface(
-        radius * np.cos(latitude) * np.cos(longitude),
-        radius * np.cos(latitude) * np.sin(longitude),
-        radius * np.sin(latitude),
-        color="#9db4c8", alpha=0.5, linewidth=0,
-    )  # fmt: skip
+    ax.plot_surface(*on_earth(latitude, longitude), color="#9db4c8", alpha=0.5, linewidth=0)
     return _drawn(ax, ())
+
+
+def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
+    """Places on a spherical Earth [km], the three coordinates first."""
+    x, y = (
+        np.cos(latitude_rad) * np.cos(longitude_rad),
+        np.cos(latitude_rad) * np.sin(longitude_rad),
+    )
+    return EARTH_RADIUS_M / KM_M * np.stack([x, y, np.sin(latitude_rad)])
 
 
 def orbits(ax: Any, instance: Instance) -> Any:

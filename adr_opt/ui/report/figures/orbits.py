@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from ....common.constants import EARTH_RADIUS_M
-from ....fly.trajectory.kepler import Array
 from ....fly.trajectory.sampling import SHORTEST_ARC_S
 from ....plan.palette import COLOURS, STATION, UNVISITED, VISITED, chaser_colours
 from ....plan.plan import Plan
 from ....plan.routes import owners
 from ....problem.instance import Instance
-from ...plot.chart import KM_M, Axis, Chart, Line
-from ...plot.space import in_km, path_lines, rings_of
+from ...plot.chart import KM_M, Axis, Chart, Line, Marks
+from ...plot.space import in_km, on_earth, path_lines, rings_of
 from ...plot.tracks import POINTS_OF_A_RING, Track, joined
 from ..text import clock, in_chart
 from .parts import SILENT, Figure, column, leg_title, named, of_arcs, said, trace
@@ -47,43 +46,33 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
         _rings(rings_of(instance, "station's orbit", homes, STATION, 4.0), 1.0),
         *(trace(line, SPACE) | of_arcs(line, "") for line in lines),
     ]
-    whose, colours = owners(instance, plan), chaser_colours(instance)
-    stays: dict[int, Track] = {}
-    for track in tracks:
-        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
-            stays.setdefault(track.leg, track)
-    refuels = {
-        at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names
-    }
-    traces.append(
-        {
-            "type": "scatter3d", "mode": "markers", "name": "arrivals", **named(instance, False),
-            **_columns(np.array([track.around_m[0] for track in stays.values()])),
-            "customdata": list(stays),
-            **said(
-                "%{text}",
-                [
-                    f"{leg_title(plan, leg)}<br>arrives {clock(track.times_s[0])}"
-                    for leg, track in stays.items()
-                ],
-            ),
-            "marker": {
-                "size": 4,
-                "color": [
-                    colours[whose[leg]]
-                    if leg in whose
-                    else COLOURS["refuelling" if leg in refuels else "service"]
-                    for leg in stays
-                ],
-            },
-        }
-    )  # fmt: skip
+    arrivals = _arrivals(instance, plan, tracks)
+    texts = [f"{leg_title(plan, leg)}<br>arrives {clock(time_s)}" for leg, time_s in arrivals.of]
+    traces.append(trace(arrivals, SPACE) | named(instance, False) | said("%{text}", texts))
     layout = {"scene": _scene(instance, tracks), **named(instance, True)}
     return {"data": traces, "layout": layout}
 
 
-def _columns(points_m: Array) -> dict[str, Any]:
-    return {axis: column(values, 1) for axis, values in zip("xyz", in_km(points_m), strict=True)}
+def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Marks:
+    """Where the chaser has docked after each leg."""
+    whose, colours = owners(instance, plan), chaser_colours(instance)
+    docked: dict[int, Track] = {}
+    for track in tracks:
+        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
+            docked.setdefault(track.leg, track)
+
+    def colour(leg: int) -> str:
+        if leg in whose:
+            return colours[whose[leg]]
+        refuels = plan.legs[leg - 1].destination in instance.station_names
+        return COLOURS["refuelling" if refuels else "service"]
+
+    x, y, z = in_km(np.array([track.around_m[0] for track in docked.values()]))
+    return Marks(
+        name="arrivals", colour=COLOURS["service"], size=4.0, x=x, y=y, z=z, legs=list(docked),
+        of=[(leg, track.times_s[0]) for leg, track in docked.items()],
+        colours=[colour(leg) for leg in docked],
+    )  # fmt: skip
 
 
 def _rings(line: Line, opacity: float) -> dict[str, Any]:
@@ -100,12 +89,7 @@ def _earth() -> dict[str, Any]:
         np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False),
         indexing="ij",
     )
-    radius = EARTH_RADIUS_M / KM_M
-    sphere = {
-        "x": radius * np.cos(latitude) * np.cos(longitude),
-        "y": radius * np.cos(latitude) * np.sin(longitude),
-        "z": radius * np.sin(latitude),
-    }
+    sphere = dict(zip("xyz", on_earth(latitude, longitude), strict=True))
     number = np.arange(rows * columns).reshape(rows, columns)
     south, north = number[:-1], number[1:]
     south_east, north_east = np.roll(south, -1, axis=1), np.roll(north, -1, axis=1)
@@ -130,21 +114,12 @@ def _earth() -> dict[str, Any]:
 
 def _graticule() -> dict[str, Any]:
     """Meridians and parallels every 30°, a little above the ground."""
-    radius, around = 1.01 * EARTH_RADIUS_M / KM_M, np.linspace(0.0, 2.0 * np.pi, 61)
-    lines = []
-    for latitude in np.radians(np.arange(-60.0, 61.0, 30.0)):
-        level = np.full(around.size, np.sin(latitude))
-        flat = np.cos(latitude)
-        lines.append(
-            radius * np.column_stack([flat * np.cos(around), flat * np.sin(around), level])
-        )
-    for longitude in np.radians(np.arange(0.0, 180.0, 30.0)):
-        flat = np.cos(around)
-        lines.append(
-            radius
-            * np.column_stack([flat * np.cos(longitude), flat * np.sin(longitude), np.sin(around)])
-        )
-    x, y, z = joined(lines).T
+    around = np.linspace(0.0, 2.0 * np.pi, 61)
+    lines = [
+        *(on_earth(np.full(61, at), around) for at in np.radians(np.arange(-60.0, 61.0, 30.0))),
+        *(on_earth(around, np.full(61, at)) for at in np.radians(np.arange(0.0, 180.0, 30.0))),
+    ]
+    x, y, z = 1.01 * joined([line.T for line in lines]).T
     line = Line(name="graticule", colour="#b4c7d6", width=1.5, x=x, y=y, z=z, in_legend=False)
     return trace(line, SPACE) | SILENT | {"meta": {"role": "earth"}}
 

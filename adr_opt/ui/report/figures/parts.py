@@ -60,8 +60,6 @@ def trace(one: Series, chart: Chart) -> dict[str, Any]:
     if isinstance(one, Line):
         line = {"color": one.colour, "width": one.width, **({"shape": "hv"} if one.step else {})}
         made |= {"type": "scatter", "mode": "lines", "line": line}
-        if one.z is not None:
-            made |= {"type": "scatter3d", "z": column(one.z, chart.y.digits)}
     elif isinstance(one, Marks):
         colour = list(one.colours) or one.colour
         made |= {"type": "scatter", "mode": "markers"}
@@ -74,6 +72,8 @@ def trace(one: Series, chart: Chart) -> dict[str, Any]:
     else:
         made |= {"type": "bar", "textposition": "none"}
         made["marker"] = {"color": one.colour, "line": NO_LINE}
+    if one.z is not None:
+        made |= {"type": "scatter3d", "z": column(one.z, chart.y.digits)}
     if isinstance(one, Bars):
         made |= {"orientation": "h", "base": x, "x": column(one.lengths, chart.x.digits)}
         made["width"] = one.share
