@@ -33,12 +33,7 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 @take.as_json
 @take.quiet
 def command(
-    instance_path: str,
-    plan_path: str,
-    out: str | None,
-    as_json: bool,
-    quiet: bool,
-    **asked: Any,
+    instance_path: str, plan_path: str, out: str | None, as_json: bool, quiet: bool, **asked: Any
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 

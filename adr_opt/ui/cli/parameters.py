@@ -20,10 +20,7 @@ run_options = take.together(
     take.seed,
     take.count("--iterations", "N", "Most iterations, as the method counts."),
     take.number(
-        "--margin",
-        "SHARE",
-        "Share of each tank to keep back, as 0.1 for a tenth.",
-        default=0.0,
+        "--margin", "SHARE", "Share of each tank to keep back, as 0.1 for a tenth.", default=0.0
     ),
     take.count("--jobs", "N", "Cores to use; 0 for all."),
     take.word("--start", "PLAN", "A plan to begin from.", name="start_path"),

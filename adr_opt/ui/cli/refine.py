@@ -132,14 +132,12 @@ def _tell_legs(refined: RefinedPlan) -> None:
 
 def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
     legs = [leg.model_dump(mode="json", exclude={"burns", "states"}) for leg in refined.legs]
+    facts = ("status", "runtime_s", "planned_delta_v_m_s", "flown_delta_v_m_s")
     return {
         "path": out,
         "gravity": refined.gravity,
         "burns": refined.freedom,
-        "status": refined.status,
-        "runtime_s": refined.runtime_s,
-        "planned_delta_v_m_s": refined.planned_delta_v_m_s,
-        "flown_delta_v_m_s": refined.flown_delta_v_m_s,
+        **{name: getattr(refined, name) for name in facts},
         "missing": [missing.model_dump() for missing in refined.missing],
         "legs": legs,
     }

@@ -93,11 +93,8 @@ def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
 def tell_refined(looped: RefinedResult, as_json: bool) -> None:
     """Whether the plan holds, and what it costs."""
     refined, plan = looped.refined, looped.plan
-    planned, flown = (
-        (None, None)
-        if refined is None
-        else (refined.planned_delta_v_m_s, refined.flown_delta_v_m_s)
-    )
+    planned = None if refined is None else refined.planned_delta_v_m_s
+    flown = None if refined is None else refined.flown_delta_v_m_s
     if as_json:
         emit_json(
             {

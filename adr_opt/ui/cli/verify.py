@@ -16,6 +16,13 @@ MOST_CONNECTIONS = 1_000_000
 """As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
 
 
+TOLD = (
+    "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
+    "reasons",
+)  # fmt: skip
+"""What --json says of a verdict, by the same names."""
+
+
 @click.command("verify")
 @take.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
@@ -26,11 +33,7 @@ MOST_CONNECTIONS = 1_000_000
 @click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")
 @take.as_json
 def command(
-    instance_path: str,
-    paths: tuple[str, ...],
-    connections: int | None,
-    seed: int,
-    as_json: bool,
+    instance_path: str, paths: tuple[str, ...], connections: int | None, seed: int, as_json: bool
 ) -> int:
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
@@ -53,20 +56,8 @@ def command(
     with about(path):
         verdict = verify(instance, plan, certificate, seed=seed, connections=tried)
     if as_json:
-        emit_json(
-            {
-                "instance": instance.name,
-                "verified": verdict.verified,
-                "upper_bound": verdict.upper_bound,
-                "objective": verdict.objective,
-                "gap": verdict.gap,
-                "labels": verdict.labels,
-                "legs": verdict.legs,
-                "connections": verdict.connections,
-                "departures": verdict.departures,
-                "reasons": list(verdict.reasons),
-            }
-        )
+        told = {name: getattr(verdict, name) for name in TOLD}
+        emit_json({"instance": instance.name, **told})
         return 0 if verdict.verified else 1
     if verdict.upper_bound == -math.inf:
         proven = "no plan keeps to all rules"

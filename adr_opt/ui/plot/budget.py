@@ -100,16 +100,5 @@ def budget_chart(instance: Instance, plan: Plan) -> Chart:
 
 
 def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser."""
     return draw(ax, budget_chart(instance, plan))

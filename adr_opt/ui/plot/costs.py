@@ -42,16 +42,6 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     They differ by what is set aside for eccentricity, and where a leg drifts: then the plan counts
     with a closed form. Where connections are given there are no burns to be shown.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

@@ -75,16 +75,6 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
 
     With a plan, targets that it visits differ from the others, and a line follows each chaser from
     plane to plane.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     if plan is not None:
         refuse_foreign(instance, plan)
@@ -99,15 +89,10 @@ def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "del
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
     matrices : Matrices
     departure : int
         Which of ``matrices.departures``.
     quantity : {"delta_v", "duration"}
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------

@@ -62,16 +62,6 @@ def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
 
     Where there are several chasers, the first leg of each has its name beside the destination.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

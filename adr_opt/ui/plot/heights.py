@@ -45,16 +45,6 @@ def zones(instance: Instance) -> tuple[Box, ...]:
 def altitude(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add the chaser's altitude [km] against time [days], one colour per phase.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError
@@ -65,15 +55,5 @@ def altitude(ax: Any, instance: Instance, plan: Plan) -> Any:
 
 
 def keep_out_zones(ax: Any, instance: Instance) -> Any:
-    """Add the keep-out zones as shaded boxes, altitude [km] against time [days].
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """Add the keep-out zones as shaded boxes, altitude [km] against time [days]."""
     return draw(ax, Chart(zones(instance), DAYS, ALTITUDES))

@@ -127,16 +127,6 @@ def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     Targets are thin lines. With a plan, those that it visits differ from the others, and thick
     lines, one colour per phase, follow the chaser: on a drift orbit its node crosses to the next.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError

@@ -19,16 +19,7 @@ from .tracks import Track, joined, ring, strands, tracks
 
 
 def earth(ax: Any) -> Any:
-    """Add the Earth as a sphere [km].
-
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
-    """
+    """Add the Earth as a sphere [km]."""
     _check_three(ax)
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
@@ -47,17 +38,7 @@ def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
 
 
 def orbits(ax: Any, instance: Instance) -> Any:
-    """Add the orbits of the stations and of all targets [km], as the circles planned with.
-
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-    instance : Instance
-
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
-    """
+    """Add the orbits of the stations and of all targets [km], as the circles planned with."""
     rings = (
         rings_of(instance, "targets", [target.name for target in instance.targets], UNVISITED, 0.5),
         rings_of(instance, "station", list(instance.station_names), STATION, 1.6),
@@ -88,16 +69,6 @@ def path_lines(
 
 def path(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add the chaser's path in the inertial frame [km], one colour per phase.
-
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
 
     Raises
     ------

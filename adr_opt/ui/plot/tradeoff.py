@@ -50,13 +50,8 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
     made : Tradeoff
     kind : {"delta-v", "propellant", "duration"}, optional
         What goes along the axis; the first that is varied by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
     return draw(ax, tradeoff_chart(made, kind or made.axes[0].kind))

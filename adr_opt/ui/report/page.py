@@ -241,10 +241,7 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
 
 
 def _data(
-    instance: Instance,
-    plan: Plan,
-    known: _Found,
-    burned: tuple[burns.ReportedBurn, ...],
+    instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """What the script of the page draws from."""
     drawn = known.drawn

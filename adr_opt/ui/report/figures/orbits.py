@@ -33,10 +33,7 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     The frame is the inertial one of the elements. Orbits are the circles that are planned with;
     of every arc of the chaser at most one revolution is drawn.
     """
-    names, visited = [target.name for target in instance.targets], set(plan.destinations)
-    missed = [name for name in names if name not in visited][:MOST_RINGS]
-    homes = list(instance.station_names)
-    seen = [name for name in names if name in visited]
+    (_, homes), (_, seen), (_, missed) = kinds_shown(instance, plan)
     lines = path_lines(instance, plan, tracks, 3.0, by_chaser=True)
     traces: list[dict[str, Any]] = [
         _earth(),
@@ -51,6 +48,16 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     traces.append(trace(arrivals, SPACE) | named(instance, False) | said("%{text}", texts))
     layout = {"scene": _scene(instance, tracks), **named(instance, True)}
     return {"data": traces, "layout": layout}
+
+
+def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], ...]:
+    """The bodies whose orbits are drawn, by what they are."""
+    names, visited = [target.name for target in instance.targets], set(plan.destinations)
+    return (
+        ("station", list(instance.station_names)),
+        ("visited", [name for name in names if name in visited]),
+        ("not visited", [name for name in names if name not in visited][:MOST_RINGS]),
+    )
 
 
 def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Marks:
