@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
 from . import take
@@ -56,7 +56,7 @@ class Fitting(NamedTuple):
         ------
         InputError
         """
-        check_positive(self, Fitting._fields)
+        check_positive(**self._asdict())
         if self.kit_mass is not None and self.kits is None and not kits:
             raise InputError("--kit-mass: there are no kits; say how many with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
@@ -112,19 +112,19 @@ class Fitting(NamedTuple):
             raise InputError(f"--dry-mass, --propellant and --isp: {sentence(error)}") from None
 
 
-def check_positive(given: Any, names: tuple[str, ...]) -> None:
+def check_positive(**given: float | None) -> None:
     """Raise :class:`InputError` for an option that is given and is no positive number."""
-    for name in names:
-        value = getattr(given, name)
+    for name, value in given.items():
         if value is not None and not 0.0 < value < math.inf:
-            option = f"--{name.replace('_', '-')}"
-            raise InputError(f"{option} = {value:g}: must be a positive number")
+            raise InputError(f"{_option(name)} = {value:g}: must be a positive number")
 
 
-def check_not_negative(given: Any, names: tuple[str, ...]) -> None:
+def check_not_negative(**given: float | None) -> None:
     """Raise :class:`InputError` for an option that is given and is negative or not finite."""
-    for name in names:
-        value = getattr(given, name)
+    for name, value in given.items():
         if value is not None and not 0.0 <= value < math.inf:
-            option = f"--{name.replace('_', '-')}"
-            raise InputError(f"{option} = {value:g}: must be a finite number of at least 0")
+            raise InputError(f"{_option(name)} = {value:g}: must be a finite number of at least 0")
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from ...common.errors import InputError
 from . import take
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
     from ...plan.plan import Plan
     from ...plan.plan_flight import PlanFlight
     from ...problem.instance import Instance
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 NOT_FLOWN = "not flown: "
 

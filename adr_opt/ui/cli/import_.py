@@ -13,6 +13,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
+from .fitting import check_positive
 from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
 from .parameters import check_out
@@ -101,12 +102,7 @@ def command(
     check_out(out, *files, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
-    for option, value, least in (
-        ("--max-targets", max_targets, 1),
-        ("--duration-days", duration_days, 0.0),
-    ):
-        if value is not None and not (least <= value < math.inf and value > 0):
-            raise InputError(f"{option} = {value:g}: must be a positive number")
+    check_positive(max_targets=max_targets, duration_days=duration_days)
     if duration_days * DAY_S > LARGEST_DURATION_S:
         raise InputError(
             f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
@@ -171,9 +167,8 @@ def _transfer(
             raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
     if dynamics != "j2":
         for option, value in (
-            ("--drift-step-days", drift_step_days),
-            ("--max-drift-days", max_drift_days),
-        ):
+            ("--drift-step-days", drift_step_days), ("--max-drift-days", max_drift_days)
+        ):  # fmt: skip
             if value:
                 raise InputError(
                     f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
@@ -228,10 +223,8 @@ def _tell(made: Imported, out: str) -> None:
         f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
     left_out = f"left out: {listed or 'nothing'}"
-    if made.home is None:
-        say(f"start {made.station}; {left_out}")
-    else:
-        say(f"{_placed(made, made.home)}; {left_out}")
+    placed = f"start {made.station}" if made.home is None else _placed(made, made.home)
+    say(f"{placed}; {left_out}")
     launches = told(instance)
     if launches is not None:
         say(launches)

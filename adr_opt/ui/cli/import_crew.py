@@ -99,14 +99,13 @@ class CrewOptions(NamedTuple):
         from ...sources.catalogue import Crew
         from ...sources.catalogue.crew import APART_S
 
-        check_positive(self, ("launches", "launch_separation"))
-        check_not_negative(self, ("launch_every", "service_days"))
-        if self.launch_every is not None and self.launches is None:
-            raise InputError("--launch-every: nothing is launched; say how often with --launches")
-        if self.launch_separation is not None and self.launches is None:
-            raise InputError(
-                "--launch-separation: nothing is launched; say how often with --launches"
-            )
+        check_positive(launches=self.launches, launch_separation=self.launch_separation)
+        check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
+        for option, value in (
+            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation)
+        ):  # fmt: skip
+            if value is not None and self.launches is None:
+                raise InputError(f"{option}: nothing is launched; say how often with --launches")
         fitting = self.fitting
         fitting.check()
         usual_s = APART_S if self.launch_separation is None else 0.0
