@@ -18,12 +18,11 @@ import numpy.typing as npt
 from ...common.constants import DAY_S
 
 KM_M = 1000.0
-SINCE_EPOCH = "days since the epoch"
 
 Values = Sequence[float] | npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Series:
     """What is drawn as one and has one entry in the legend.
 
@@ -55,7 +54,7 @@ class Series:
     in_legend: bool | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Line(Series):
     """A line, or several with gaps between them.
 
@@ -75,7 +74,7 @@ class Line(Series):
     below: Sequence[float] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Marks(Series):
     """Points, each with a mark.
 
@@ -94,7 +93,7 @@ class Marks(Series):
     colours: Sequence[str] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Bars(Series):
     """Bars along rows: from ``x``, of a length, in the rows ``y``, of which they fill a share."""
 
@@ -102,12 +101,12 @@ class Bars(Series):
     share: float = 0.72
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Columns(Series):
     """Columns from 0 up to ``y``, those of several series side by side."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Box(Series):
     """A rectangle behind the others, from the first to the second ``x`` and ``y``."""
 
@@ -134,7 +133,7 @@ class Axis:
     headings: tuple[int, ...] = ()
 
 
-DAYS = Axis(SINCE_EPOCH, 6)
+DAYS = Axis("days since the epoch", 6)
 """Times in days, to less than a tenth of a second."""
 
 
