@@ -10,6 +10,7 @@ from . import take
 from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
+    from ...fly.flight import Flight, RefinedFlight
     from ...fly.flight.mean_flight import MeanFlight
     from ...fly.refine.loop import RefinedResult
     from ...plan.plan import Plan
@@ -57,6 +58,14 @@ def flight_line(flight: MeanFlight | str) -> str:
         return NOT_FLOWN + flight
     said = str(flight)
     return said if flight.holds else f"{said}; 'solve --refine' plans until the plan holds"
+
+
+def tanks_told(flight: Flight | RefinedFlight) -> list[str]:
+    """The tanks that break, or how near the worst one comes to it; nothing where none is used."""
+    if flight.broken_tanks or not flight.tanks:
+        return [str(tank) for tank in flight.broken_tanks]
+    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
+    return [f"every tank holds: {worst}"]
 
 
 def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:

@@ -9,6 +9,7 @@ import click
 
 from ...common.wording import counted
 from . import take
+from .flown import tanks_told
 from .fly_errors import Sampling, error_options
 from .output import emit, emit_json, say
 from .parameters import about, check_out, mission_of
@@ -127,13 +128,7 @@ def _drifts(flight: Flight) -> str:
 
 
 def _tanks(flight: Flight) -> str:
-    """Which tanks break, or how near the worst one comes to it."""
-    if flight.broken_tanks:
-        return "; ".join(str(tank) for tank in flight.broken_tanks)
-    if not flight.tanks:
-        return "no tank is used"
-    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
-    return f"every tank holds: {worst}"
+    return "; ".join(tanks_told(flight)) or "no tank is used"
 
 
 def _tell_misses(flight: Flight) -> None:

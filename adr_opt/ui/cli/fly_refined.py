@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...common.wording import counted
+from .flown import tanks_told
 from .fly_errors import Sampling, tell
 from .output import emit, emit_json, say
 from .parameters import about
@@ -73,12 +74,7 @@ def said(flight: RefinedFlight) -> str:
     if flight.missing:
         numbers = ", ".join(map(str, flight.missing))
         parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
-    if flight.broken_tanks:
-        parts += [str(tank) for tank in flight.broken_tanks]
-    elif flight.tanks:
-        worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
-        parts.append(f"every tank holds: {worst}")
-    return "; ".join(parts)
+    return "; ".join((*parts, *tanks_told(flight)))
 
 
 def _tell_legs(flight: RefinedFlight) -> None:
