@@ -10,7 +10,7 @@ from ...plan.palette import STATION, chaser_colours
 from ...plan.plan import Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from .chart import DAYS, Axis, Chart, Line, Marks, days
+from .chart import DAYS, Chart, ChartAxis, Line, Marks, days
 from .draw import draw
 
 LEFT = "ΔV left"
@@ -96,7 +96,7 @@ def budget_chart(instance: Instance, plan: Plan) -> Chart:
         colours=whose if several(instance) else (),
         x=days(times_s), y=left_m_s, legs=legs, of=list(zip(legs, times_s, strict=True)),
     )  # fmt: skip
-    return Chart((*lines, marks), DAYS, Axis(f"{LEFT} [m/s]"))
+    return Chart((*lines, marks), DAYS, ChartAxis(f"{LEFT} [m/s]"))
 
 
 def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:

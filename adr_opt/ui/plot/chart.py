@@ -112,7 +112,7 @@ class Box(Series):
 
 
 @dataclass(frozen=True)
-class Axis:
+class ChartAxis:
     """An axis.
 
     Attributes
@@ -133,7 +133,7 @@ class Axis:
     headings: tuple[int, ...] = ()
 
 
-DAYS = Axis("days since the epoch", 6)
+DAYS = ChartAxis("days since the epoch", 6)
 """Times in days, to less than a tenth of a second."""
 
 
@@ -142,8 +142,8 @@ class Chart:
     """Series on two axes, in the order in which they are drawn."""
 
     series: tuple[Series, ...]
-    x: Axis
-    y: Axis
+    x: ChartAxis
+    y: ChartAxis
 
 
 def days(times_s: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -11,7 +11,7 @@ from ...plan.palette import COLOURS
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
-from .chart import Axis, Chart, Columns
+from .chart import Chart, ChartAxis, Columns
 from .draw import draw
 
 PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
@@ -33,7 +33,7 @@ def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
         Columns(name=name, colour=colour, x=numbers, y=values, legs=numbers, of=plan.legs)
         for name, colour, values in shown
     )
-    return Chart(tuple(columns), Axis("leg", 0), Axis("ΔV [m/s]"))
+    return Chart(tuple(columns), ChartAxis("leg", 0), ChartAxis("ΔV [m/s]"))
 
 
 def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:

@@ -15,7 +15,7 @@ from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.plan import Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from .chart import Axis, Chart, Line, Marks, Series
+from .chart import Chart, ChartAxis, Line, Marks, Series
 from .draw import draw, label
 
 
@@ -67,7 +67,7 @@ def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
         series.append(Marks(name="visited", colour=VISITED, **there))
     stations = at(list(range(len(instance.stations))))
     series.append(Marks(name="station", colour=STATION, symbol="square", size=12, **stations))
-    return Chart(tuple(series), Axis("RAAN [°]", 4), Axis("inclination [°]", 4))
+    return Chart(tuple(series), ChartAxis("RAAN [°]", 4), ChartAxis("inclination [°]", 4))
 
 
 def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:

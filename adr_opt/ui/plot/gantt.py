@@ -9,7 +9,7 @@ from ...plan.palette import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
-from .chart import DAYS, Axis, Bars, Chart, days
+from .chart import DAYS, Bars, Chart, ChartAxis, days
 from .draw import draw
 from .segments import Segment, segments
 
@@ -54,7 +54,9 @@ def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:
             rows.append(f"{who}: {leg.destination}" if is_named else leg.destination)
             row_of[number] = len(rows)
     bars = phase_bars(segments(instance, plan), row_of.__getitem__)
-    return Chart(tuple(bars), DAYS, Axis("destination", rows=tuple(rows), headings=tuple(headings)))
+    return Chart(
+        tuple(bars), DAYS, ChartAxis("destination", rows=tuple(rows), headings=tuple(headings))
+    )
 
 
 def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:

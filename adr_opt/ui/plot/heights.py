@@ -11,11 +11,11 @@ from ...fly.trajectory.kepler import Array
 from ...plan.palette import ZONE
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .chart import DAYS, KM_M, Axis, Box, Chart, days
+from .chart import DAYS, KM_M, Box, Chart, ChartAxis, days
 from .draw import draw
 from .tracks import Track, strands, tracks
 
-ALTITUDES = Axis("altitude [km]")
+ALTITUDES = ChartAxis("altitude [km]")
 
 
 def altitude_chart(

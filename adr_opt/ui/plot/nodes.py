@@ -15,7 +15,7 @@ from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.palette import STATION, UNVISITED, VISITED
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .chart import DAYS, Axis, Chart, Line, days
+from .chart import DAYS, Chart, ChartAxis, Line, days
 from .draw import draw
 from .fields import raan_deg
 from .tracks import Track, joined, strands, tracks
@@ -118,7 +118,7 @@ def nodes_chart(
         lines += strands(instance, plan, tracks, course, 4.0, by_chaser=by_chaser)
     rate = f"{shown.common_deg_s * DAY_S:+.3f}".replace("-", "−")
     title = f"RAAN less {rate}°/day [°]" if shown.common_deg_s else "RAAN [°]"
-    return Chart(tuple(lines), DAYS, Axis(title, 4))
+    return Chart(tuple(lines), DAYS, ChartAxis(title, 4))
 
 
 def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...analysis.trade.axes import KINDS, AxisKind
 from ...plan.palette import CHASERS
-from .chart import Axis, Chart, Line
+from .chart import Chart, ChartAxis, Line
 from .draw import draw
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
                 below=[bound if math.isfinite(bound) else most for bound in bounds],
             )
         )  # fmt: skip
-    return Chart(tuple(lines), Axis(along.title), Axis("prize"))
+    return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
 
 
 def named(kind: AxisKind, value: float) -> str:

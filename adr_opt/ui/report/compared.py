@@ -13,7 +13,7 @@ from ...plan.plan import Leg, Plan
 from ...plan.routes import several
 from ...problem.instance import Instance
 from ..plot.budget import LEFT, budget_chart
-from ..plot.chart import DAYS, Axis, Chart, Line
+from ..plot.chart import DAYS, Chart, ChartAxis, Line
 from .charts import drawn
 from .plain import page, row, section
 from .tables import table
@@ -28,7 +28,7 @@ def compared_page(comparison: Comparison) -> str:
     colours = dict(zip(plans, CHASERS * len(plans), strict=False))
     visits = Chart(
         tuple(_visits(instance, plan, name, colours[name]) for name, plan in plans.items()),
-        DAYS, Axis("visits"),
+        DAYS, ChartAxis("visits"),
     )  # fmt: skip
     parts = [
         section("Side by side", "", _sides(comparison)),

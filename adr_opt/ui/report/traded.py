@@ -11,7 +11,7 @@ from ...analysis.trade.points import Point, Tradeoff
 from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
-from ..plot.chart import Axis, Chart, Line
+from ..plot.chart import Chart, ChartAxis, Line
 from ..plot.tradeoff import named, tradeoff_chart
 from .charts import drawn
 from .plain import page, row, section
@@ -113,7 +113,7 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
                 y=[ending.delta_v_m_s for ending in own],
             )
         )  # fmt: skip
-    return drawn(Chart(tuple(lines), Axis("last day"), Axis("ΔV [m/s]")), FRONTIER)
+    return drawn(Chart(tuple(lines), ChartAxis("last day"), ChartAxis("ΔV [m/s]")), FRONTIER)
 
 
 def _frontier_table(endings: Sequence[Ending]) -> str:

@@ -9,7 +9,7 @@ from ....plan.palette import chaser_colours
 from ....plan.plan import Plan
 from ....plan.routes import owners, routes_of, several
 from ....problem.instance import Instance
-from ...plot.chart import DAYS, Axis, Bars, Chart, Series, days
+from ...plot.chart import DAYS, Bars, Chart, ChartAxis, Series, days
 from ...plot.gantt import phase_bars
 from ...plot.segments import segments
 from ...plot.traffic import stays
@@ -62,4 +62,4 @@ def _chart(instance: Instance, plan: Plan) -> Chart:
                     lengths=days([stay.until_s - stay.since_s for stay in mine]),
                 )
             )  # fmt: skip
-    return Chart(tuple(bars), DAYS, Axis("", rows=names))
+    return Chart(tuple(bars), DAYS, ChartAxis("", rows=names))

@@ -12,7 +12,7 @@ from ....plan.palette import COLOURS, STATION, UNVISITED, VISITED, chaser_colour
 from ....plan.plan import Plan
 from ....plan.routes import owners
 from ....problem.instance import Instance
-from ...plot.chart import KM_M, Axis, Chart, Line, Marks
+from ...plot.chart import KM_M, Chart, ChartAxis, Line, Marks
 from ...plot.space import in_km, on_earth, path_lines, rings_of
 from ...plot.tracks import POINTS_OF_A_RING, Track, joined
 from ..text import clock, in_chart
@@ -24,7 +24,7 @@ MOST_RINGS = 200
 WINDOW_FILL = 1.6
 """How large the farthest orbit is drawn; beyond this it would be cut off by the window."""
 
-SPACE = Chart((), Axis("x [km]", 1), Axis("y [km]", 1))
+SPACE = Chart((), ChartAxis("x [km]", 1), ChartAxis("y [km]", 1))
 
 
 def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:

@@ -15,7 +15,7 @@ from ....plan.palette import LABELS
 from ....plan.plan import Plan
 from ....plan.routes import several
 from ....problem.instance import Instance
-from ...plot.chart import Axis, Bars, Box, Chart, Line, Marks, Series
+from ...plot.chart import Bars, Box, Chart, ChartAxis, Line, Marks, Series
 from ..text import clock, in_chart, lasting
 
 Figure = dict[str, Any]
@@ -88,7 +88,7 @@ def _shape(box: Box) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _axis(axis: Axis) -> dict[str, Any]:
+def _axis(axis: ChartAxis) -> dict[str, Any]:
     if axis.rows is None:
         return {"title": {"text": axis.title}}
     short, count = shortened(axis.rows, LONGEST_TICK), len(axis.rows)
