@@ -15,7 +15,7 @@ VIEWS = {
     "Certificate": ("of_refined", "of_certificate"),
     "Comparison": ("of_analysis", "of_comparison"),
     "Connections": ("of_connections", "of_connections"),
-    "Given": ("of_given", "of_given"),
+    "Given": ("of_connections", "of_given"),
     "Instance": ("of_instance", "of_instance"),
     "Leg": ("of_plan", "of_leg"),
     "Matrices": ("of_timetable", "of_matrices"),

@@ -1,13 +1,15 @@
-"""The card of the connections of a pair."""
+"""The cards of connections, found or given."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days
+from ...common.wording import counted
 
 if TYPE_CHECKING:
     from ...legs.connections import AllConnections, Connections
+    from ...problem.given import Given
 
 
 def of_connections(found: Connections) -> Card:
@@ -35,3 +37,13 @@ def of_all(found: AllConnections) -> Card:
     if len(found):
         facts.append(f"{found.delta_v.min():,.1f} to {found.delta_v.max():,.1f} m/s")
     return Card("AllConnections", "", tuple(facts), (), ())
+
+
+def of_given(given: Given) -> Card:
+    """The card of connections that somebody gives."""
+    facts = (
+        counted(int(given.departure.size), "connection"),
+        counted(len(given.names), "body", "bodies"),
+        f"sha256 {given.sha256[:12]}…",
+    )  # fmt: skip
+    return Card("Given", "", facts)

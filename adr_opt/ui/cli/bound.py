@@ -7,21 +7,20 @@ import math
 import click
 
 from ...common.errors import InputError
+from . import take
 from .certificates import certificate_option, check_certificate, save_certificate
-from .output import emit, emit_json, say
-from .parameters import instance_argument, json_option, parse_assignments, quiet_option, run_options
+from .output import emit
+from .parameters import parse_assignments, run_options
 
 
 @click.command("bound")
-@instance_argument
-@click.option("--method", metavar="NAME", help="Bound; 'methods' lists them and the default.")
-@click.option(
-    "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 60 s."
-)
+@take.instance
+@take.word("--method", "NAME", "Bound; 'methods' lists them and the default.")
+@take.number("--time-limit", "S", "Wall time, the timetable included; 60 s.")
 @run_options
 @certificate_option
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     method: str | None,
@@ -45,8 +44,7 @@ def command(
     from ...problem.instance import load
     from ...run import front
     from ...run.methods import BOUNDS
-    from .live import wanted
-    from .work import work
+    from .work import emit_result, run_method
 
     method = method or front.DEFAULT_BOUND
     time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
@@ -61,17 +59,7 @@ def command(
     given = front.RunOptions(
         time_limit, seed, start, jobs=jobs, iterations=iterations, margin=margin, options=options
     )
-    result = work(
-        lambda stop, progress: front.run(
-            BOUNDS, instance, method, given, stop=stop, progress=progress,
-            building=progress.building, sizing=progress.sizing,
-        ),
-        live=wanted(as_json, quiet),
-        quiet=quiet,
-    )  # fmt: skip
-    if not quiet:
-        for note in result.notes:
-            say(f"note: {note}")
+    result = run_method(BOUNDS, instance, method, given, as_json=as_json, quiet=quiet)
     not_written: InputError | None = None
     if certificate_path is not None:
         try:
@@ -79,8 +67,7 @@ def command(
         except InputError as error:
             not_written = error
     if as_json:
-        reference = {"name": instance.name, "sha256": instance.sha256}
-        emit_json({"instance": reference, "margin": margin, **result.to_dict()})
+        emit_result(instance, margin, result)
     else:
         proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
         status = status_words(result.status)

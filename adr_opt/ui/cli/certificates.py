@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import click
-
 from ...common.errors import InputError
+from . import take
 from .output import say
 from .parameters import check_out
 
@@ -15,11 +14,10 @@ if TYPE_CHECKING:
     from ...mission.result import Result
     from ...problem.instance import Instance
 
-certificate_option = click.option(
+certificate_option = take.file(
     "--certificate",
-    "certificate_path",
-    metavar="FILE",
-    help="Certificate file to write, for 'verify'; FILE.gz for a packed one.",
+    "Certificate file to write, for 'verify'; FILE.gz for a packed one.",
+    name="certificate_path",
 )
 
 

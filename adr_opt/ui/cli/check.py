@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .flown import flight_line, flight_of, no_fly_option, was_refined
 from .output import emit, emit_json
-from .parameters import instance_argument, json_option, plan_argument
+from .parameters import about, mission_of
 
 if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
@@ -20,10 +20,10 @@ VIOLATED, UNASKED = "it has violations", "nobody asked for it"
 
 
 @click.command("check")
-@instance_argument
-@plan_argument
+@take.instance
+@take.plan
 @no_fly_option
-@json_option
+@take.as_json
 def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> int:
     """List all violations of PLAN on INSTANCE.
 
@@ -32,14 +32,10 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
     are violations.
     """
     from ...judge.check.verdict import check
-    from ...plan.plan import load_plan
-    from ...problem.instance import load
 
-    instance, plan = load(instance_path), load_plan(plan_path)
-    try:
+    instance, plan = mission_of(instance_path, plan_path)
+    with about(plan_path):
         violations = check(instance, plan)
-    except InputError as error:
-        raise InputError(f"{plan_path}: {error}") from None
     refined = was_refined(plan)
     flight: MeanFlight | str = VIOLATED if violations else UNASKED
     if refined is None and not violations and not no_fly:

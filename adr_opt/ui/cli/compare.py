@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.errors import InputError
+from . import take
 from .output import emit, emit_json, emit_rich, say
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,12 +20,12 @@ if TYPE_CHECKING:
 
 
 @click.command("compare", short_help="Lay plans side by side, leg by leg.")
-@instance_argument
+@take.instance
 @click.argument("plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...")
-@click.option("--page", "page_path", metavar="FILE", help="HTML file to write as well.")
-@click.option("--all", "tell_all", is_flag=True, help="List the legs too that are the same.")
-@json_option
-@quiet_option
+@take.file("--page", "HTML file to write as well.", name="page_path")
+@take.flag("--all", "List the legs too that are the same.", name="tell_all")
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_paths: tuple[str, ...],
@@ -53,8 +54,7 @@ def command(
     comparison = compare(instance, plans)
     if page_path is not None:
         write_page(page_path, compared_page(comparison))
-        if not quiet:
-            say(f"wrote {page_path}")
+        say(f"wrote {page_path}", unless=quiet)
     if as_json:
         emit_json(comparison.to_dict())
     else:
@@ -83,33 +83,22 @@ def _tell(comparison: Comparison, tell_all: bool) -> None:
 
 
 def _sides(comparison: Comparison) -> Table:
-    from rich.table import Table
-
     from ..report.compared import FIGURES, figures
+    from .tables import number_table
 
-    table = Table(title=comparison.instance.name, title_justify="left")
-    table.add_column("", no_wrap=True)
-    for name in comparison.plans:
-        table.add_column(name, justify="right", no_wrap=True)
-    columns = [figures(side) for side in comparison.sides]
-    for at, title in enumerate(FIGURES):
-        table.add_row(title, *(column[at] for column in columns))
-    return table
+    rows = zip(FIGURES, *map(figures, comparison.sides), strict=True)
+    return number_table(comparison.instance.name, comparison.plans, rows, first="")
 
 
 def _legs(first: str, difference: Difference, tell_all: bool) -> Table:
-    from rich.table import Table
     from rich.text import Text
 
     from ..report.compared import more, told
     from ..report.text import NOTHING
+    from .tables import number_table
     from .timeline import clock
 
-    table = Table(title=f"{difference.name} against {first}", title_justify="left")
-    table.add_column("destination", no_wrap=True)
-    for heading in ("leg", "departs", "ΔV\nm/s", "leg\nthere", "departs\nthere", "more\nm/s"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    rows = []
     for pair in difference.pairs:
         if pair.what == "same" and not tell_all:
             continue
@@ -120,5 +109,7 @@ def _legs(first: str, difference: Difference, tell_all: bool) -> Table:
             else:
                 at, leg = numbered
                 cells.append((str(at), clock(leg.departure_s), f"{leg.delta_v_m_s:.1f}"))
-        table.add_row(Text(pair.destination), *cells[0], *cells[1][:2], more(pair), told(pair))
-    return table
+        rows.append((Text(pair.destination), *cells[0], *cells[1][:2], more(pair), told(pair)))
+    headings = ("leg", "departs", "ΔV\nm/s", "leg\nthere", "departs\nthere", "more\nm/s")
+    title = f"{difference.name} against {first}"
+    return number_table(title, headings, rows, first="destination", last="")

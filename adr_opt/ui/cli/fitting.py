@@ -4,52 +4,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
-
-import click
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
+from . import take
 
 if TYPE_CHECKING:
     from ...problem.chasers import AnyTank
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 
-
-def fitting_options(usual: str) -> Callable[[Function], Function]:
+def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
     """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank that nobody speaks of."""
-
-    def add(function: Function) -> Function:
-        for option in reversed(
-            (
-                click.option(
-                    "--delta-v", type=float, metavar="M_S", help=f"ΔV of a full tank; {usual}."
-                ),
-                click.option(
-                    "--dry-mass", type=float, metavar="KG", help="Instead: mass without it,"
-                ),
-                click.option(
-                    "--propellant", type=float, metavar="KG", help="what a full tank holds,"
-                ),
-                click.option("--isp", type=float, metavar="S", help="and its specific impulse."),
-                click.option(
-                    "--kits", type=int, metavar="K",
-                    help="A kit for each target, at most K aboard.",
-                ),
-                click.option("--kit-mass", type=float, metavar="KG", help="Of each kit; 0."),
-                click.option(
-                    "--tow", type=float, metavar="KG", help="Mass of each target, which is towed,"
-                ),
-                click.option(
-                    "--disposal-altitude", type=float, metavar="KM",
-                    help="down to a circle there.",
-                ),
-            )
-        ):  # fmt: skip
-            function = option(function)
-        return function
-
-    return add
+    return take.together(
+        take.number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
+        take.number("--dry-mass", "KG", "Instead: mass without it,"),
+        take.number("--propellant", "KG", "what a full tank holds,"),
+        take.number("--isp", "S", "and its specific impulse."),
+        take.count("--kits", "K", "A kit for each target, at most K aboard."),
+        take.number("--kit-mass", "KG", "Of each kit; 0."),
+        take.number("--tow", "KG", "Mass of each target, which is towed,"),
+        take.number("--disposal-altitude", "KM", "down to a circle there."),
+    )
 
 
 class Fitting(NamedTuple):
@@ -81,7 +56,7 @@ class Fitting(NamedTuple):
         ------
         InputError
         """
-        check_positive(self, Fitting._fields)
+        check_positive(**self._asdict())
         if self.kit_mass is not None and self.kits is None and not kits:
             raise InputError("--kit-mass: there are no kits; say how many with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
@@ -137,19 +112,19 @@ class Fitting(NamedTuple):
             raise InputError(f"--dry-mass, --propellant and --isp: {sentence(error)}") from None
 
 
-def check_positive(given: Any, names: tuple[str, ...]) -> None:
+def check_positive(**given: float | None) -> None:
     """Raise :class:`InputError` for an option that is given and is no positive number."""
-    for name in names:
-        value = getattr(given, name)
+    for name, value in given.items():
         if value is not None and not 0.0 < value < math.inf:
-            option = f"--{name.replace('_', '-')}"
-            raise InputError(f"{option} = {value:g}: must be a positive number")
+            raise InputError(f"{_option(name)} = {value:g}: must be a positive number")
 
 
-def check_not_negative(given: Any, names: tuple[str, ...]) -> None:
+def check_not_negative(**given: float | None) -> None:
     """Raise :class:`InputError` for an option that is given and is negative or not finite."""
-    for name in names:
-        value = getattr(given, name)
+    for name, value in given.items():
         if value is not None and not 0.0 <= value < math.inf:
-            option = f"--{name.replace('_', '-')}"
-            raise InputError(f"{option} = {value:g}: must be a finite number of at least 0")
+            raise InputError(f"{_option(name)} = {value:g}: must be a finite number of at least 0")
+
+
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"

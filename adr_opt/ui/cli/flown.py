@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
-
-import click
+from typing import TYPE_CHECKING
 
 from ...common.errors import InputError
+from . import take
 from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
+    from ...fly.flight import Flight, RefinedFlight
     from ...fly.flight.mean_flight import MeanFlight
     from ...fly.refine.loop import RefinedResult
     from ...plan.plan import Plan
     from ...plan.plan_flight import PlanFlight
     from ...problem.instance import Instance
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
 NOT_FLOWN = "not flown: "
 
-no_fly_option = click.option(
-    "--no-fly", is_flag=True, help="Do not fly the plan in mean motion on the true orbits."
-)
+no_fly_option = take.flag("--no-fly", "Do not fly the plan in mean motion on the true orbits.")
 
 
 def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
@@ -63,6 +58,14 @@ def flight_line(flight: MeanFlight | str) -> str:
         return NOT_FLOWN + flight
     said = str(flight)
     return said if flight.holds else f"{said}; 'solve --refine' plans until the plan holds"
+
+
+def tanks_told(flight: Flight | RefinedFlight) -> list[str]:
+    """The tanks that break, or how near the worst one comes to it; nothing where none is used."""
+    if flight.broken_tanks or not flight.tanks:
+        return [str(tank) for tank in flight.broken_tanks]
+    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
+    return [f"every tank holds: {worst}"]
 
 
 def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:

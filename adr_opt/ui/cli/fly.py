@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
+from . import take
+from .flown import tanks_told
 from .fly_errors import Sampling, error_options
-from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import check_out, instance_argument, json_option, plan_argument, quiet_option
+from .output import emit, emit_json, say
+from .parameters import about, check_out, mission_of
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...fly.flight import Flight
+    from ...fly.flight.result import LegFlight
     from ...plan.plan import Plan
 
 MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
@@ -26,19 +27,14 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
-@instance_argument
-@plan_argument
-@click.option("--out", metavar="FILE", help="Write the plan again with the result in its notes.")
+@take.instance
+@take.plan
+@take.file("--out", "Write the plan again with the result in its notes.")
 @error_options
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
-    instance_path: str,
-    plan_path: str,
-    out: str | None,
-    as_json: bool,
-    quiet: bool,
-    **asked: Any,
+    instance_path: str, plan_path: str, out: str | None, as_json: bool, quiet: bool, **asked: Any
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
@@ -62,26 +58,18 @@ def command(
         return fly_and_tell(instance_path, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
-    from ...plan.plan import load_plan
-    from ...problem.instance import load
 
-    instance, plan = load(instance_path), load_plan(plan_path)
+    instance, plan = mission_of(instance_path, plan_path)
     sampling.refuse_unrefined(plan_path)
-    try:
+    with about(plan_path):
         flight = fly(instance, plan)
-    except MissingExtra:
-        raise
-    except InputError as error:
-        raise InputError(f"{plan_path}: {error}") from None
     if out is not None:
         annotated(plan, flight).save(out)
-        if not quiet:
-            say(f"wrote {out}")
+        say(f"wrote {out}", unless=quiet)
     if as_json:
         emit_json(flight.to_dict())
     else:
-        width = terminal_width()
-        emit_rich(*_misses(flight, width))
+        _tell_misses(flight)
         emit(
             f"worst miss {flight.worst_miss_m:.2g} m over {counted(len(flight.legs), 'leg')} in "
             f"{MOTIONS[flight.dynamics]}"
@@ -89,7 +77,7 @@ def command(
         if flight.drifts:
             emit(_drifts(flight))
         if flight.eccentric:
-            emit_rich(*_eccentric(flight, width))
+            _tell_eccentric(flight)
         if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
         for chaser in flight.chasers:
@@ -140,55 +128,51 @@ def _drifts(flight: Flight) -> str:
 
 
 def _tanks(flight: Flight) -> str:
-    """Which tanks break, or how near the worst one comes to it."""
-    if flight.broken_tanks:
-        return "; ".join(str(tank) for tank in flight.broken_tanks)
-    if not flight.tanks:
-        return "no tank is used"
-    worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
-    return f"every tank holds: {worst}"
+    return "; ".join(tanks_told(flight)) or "no tank is used"
 
 
-def _misses(flight: Flight, width: int | None) -> list[Table]:
-    from .tables import Row, leg_tables, whose
+def _tell_misses(flight: Flight) -> None:
+    from .tables import emit_legs, whose
 
-    rows, headings = [], ["miss\nm", "relative\nm/s", "arrival\nmiss m"]
+    columns: list[tuple[str, Callable[[LegFlight], str]]] = [
+        ("miss\nm", lambda leg: f"{leg.miss_m:.2g}"),
+        ("relative\nm/s", lambda leg: f"{leg.relative_speed_m_s:.2g}"),
+        ("arrival\nmiss m", lambda leg: f"{leg.arrival_miss_m:.2g}"),
+    ]
     if flight.dynamics == "j2":
-        headings += ["kind", "planned\nm/s", "burns\nm/s"]
-        if flight.true_legs:
-            headings.append("true\nm/s")
-    for leg in flight.legs:
-        texts = [f"{leg.miss_m:.2g}", f"{leg.relative_speed_m_s:.2g}", f"{leg.arrival_miss_m:.2g}"]
-        if flight.dynamics == "j2":
-            planned, burned = leg.planned_delta_v_m_s, leg.burns_delta_v_m_s
-            texts += [leg.kind, f"{planned:.1f}", f"{burned:.1f}"]
-            if flight.true_legs:
-                texts.append(_or_unknown(leg.true_delta_v_m_s, ".1f") if leg.on_true_orbits else "")
-        rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
-    return leg_tables(headings, rows, width, whose(flight.tanks))
+        columns += [
+            ("kind", lambda leg: leg.kind),
+            ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
+            ("burns\nm/s", lambda leg: f"{leg.burns_delta_v_m_s:.1f}"),
+        ]
+    if flight.dynamics == "j2" and flight.true_legs:
+        columns.append(("true\nm/s", _true_delta_v))
+    emit_legs(flight.legs, columns, whose(flight.tanks))
 
 
-def _eccentric(flight: Flight, width: int | None) -> list[Table]:
-    from .tables import Row, leg_tables, whose
+def _true_delta_v(leg: LegFlight) -> str:
+    return _or_unknown(leg.true_delta_v_m_s, ".1f") if leg.on_true_orbits else ""
 
-    rows = []
-    for leg in flight.legs:
-        true = leg.eccentric
-        if true is not None:
-            texts = (
-                _or_unknown(true.true_miss_m, ".4g"),
-                f"{true.eccentricity_delta_v_m_s:.2f}",
-                _or_unknown(leg.true_delta_v_m_s, ".2f"),
-                _or_unknown(true.correction_delta_v_m_s, ".2f"),
-                f"{true.last_arc_delta_v_m_s:.2f}",
-                _or_unknown(true.lambert_delta_v_m_s, ".2f"),
-            )
-            rows.append(Row(leg.leg, leg.origin, leg.destination, texts))
-    headings = (
-        "true\nmiss m", "aside\nm/s", "true\nm/s", "corrected\nm/s", "last arc\nm/s",
-        "Lambert\nm/s",
-    )  # fmt: skip
-    return leg_tables(headings, rows, width, whose(flight.tanks))
+
+def _tell_eccentric(flight: Flight) -> None:
+    from .tables import emit_legs, whose
+
+    true = {leg.leg: leg.eccentric for leg in flight.legs if leg.eccentric is not None}
+    emit_legs(
+        [leg for leg in flight.legs if leg.leg in true],
+        (
+            ("true\nmiss m", lambda leg: _or_unknown(true[leg.leg].true_miss_m, ".4g")),
+            ("aside\nm/s", lambda leg: f"{true[leg.leg].eccentricity_delta_v_m_s:.2f}"),
+            ("true\nm/s", lambda leg: _or_unknown(leg.true_delta_v_m_s, ".2f")),
+            (
+                "corrected\nm/s",
+                lambda leg: _or_unknown(true[leg.leg].correction_delta_v_m_s, ".2f"),
+            ),
+            ("last arc\nm/s", lambda leg: f"{true[leg.leg].last_arc_delta_v_m_s:.2f}"),
+            ("Lambert\nm/s", lambda leg: _or_unknown(true[leg.leg].lambert_delta_v_m_s, ".2f")),
+        ),
+        whose(flight.tanks),
+    )
 
 
 def _or_unknown(value: float | None, form: str) -> str:

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
-
-import click
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from .output import emit, emit_rich, terminal_width
+from . import take
+from .output import emit
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...fly.dispersion import Dispersion, Quantile
     from ...fly.refine import RefinedPlan
     from ...problem.instance import Instance
     from .leg_bar import Show
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 OPTIONS = (
     ("--samples", int, "N", "Fly a refined plan N times with errors as well."),
@@ -78,16 +72,15 @@ class Sampling(NamedTuple):
         )  # fmt: skip
 
 
-def error_options(function: Function) -> Function:
-    """The options of flights with errors."""
-    for name, kind, metavar, text in reversed(OPTIONS):
-        function = click.option(name, type=kind, metavar=metavar, help=text)(function)
-    return function
+error_options = take.together(
+    *(take.word(name, metavar, text, type=kind) for name, kind, metavar, text in OPTIONS)
+)
+"""The options of flights with errors."""
 
 
 def tell(dispersion: Dispersion) -> None:
     """Print what flights with errors came to."""
-    emit_rich(*_tables(dispersion, terminal_width()))
+    _tell_legs(dispersion)
     for sentence in said(dispersion):
         emit(sentence)
 
@@ -133,26 +126,20 @@ def _with_interval(quantile: Quantile, form: str) -> str:
     return f"{quantile.value:{form}} ({low} to {high})"
 
 
-def _tables(dispersion: Dispersion, width: int | None) -> list[Table]:
-    from .tables import Row, leg_tables, whose
+def _tell_legs(dispersion: Dispersion) -> None:
+    from .tables import emit_legs, whose
 
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
-    headings = ["refined\nm/s", "mean\nm/s", f"{asked}\nm/s", "stand-off\nm", "\nm/s", "waits\n%"]
-    rows = [
-        Row(
-            leg.leg,
-            leg.origin,
-            leg.destination,
-            [
-                f"{leg.refined_delta_v_m_s:.1f}",
-                f"{leg.mean_delta_v_m_s:.1f}",
-                f"{leg.delta_v_m_s.value:.1f}",
-                f"{leg.standoff_miss_m.value:.0f}",
-                f"{leg.standoff_miss_m_s.value:.2g}",
-                f"{100.0 * leg.waits_share:.1f}",
-            ],
-        )
-        for leg in dispersion.legs
-    ]
-    title = f"with errors; {asked} of the flights take, and miss the stand-off by, no more than"
-    return leg_tables(headings, rows, width, whose(dispersion.tanks), title)
+    emit_legs(
+        dispersion.legs,
+        (
+            ("refined\nm/s", lambda leg: f"{leg.refined_delta_v_m_s:.1f}"),
+            ("mean\nm/s", lambda leg: f"{leg.mean_delta_v_m_s:.1f}"),
+            (f"{asked}\nm/s", lambda leg: f"{leg.delta_v_m_s.value:.1f}"),
+            ("stand-off\nm", lambda leg: f"{leg.standoff_miss_m.value:.0f}"),
+            ("\nm/s", lambda leg: f"{leg.standoff_miss_m_s.value:.2g}"),
+            ("waits\n%", lambda leg: f"{100.0 * leg.waits_share:.1f}"),
+        ),
+        whose(dispersion.tanks),
+        f"with errors; {asked} of the flights take, and miss the stand-off by, no more than",
+    )

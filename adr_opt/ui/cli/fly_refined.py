@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
+from .flown import tanks_told
 from .fly_errors import Sampling, tell
-from .output import emit, emit_json, emit_rich, say, terminal_width
+from .output import emit, emit_json, say
+from .parameters import about
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...fly.flight import RefinedFlight
 
 FLOWN = "flown in true dynamics"
@@ -35,28 +34,23 @@ def fly_and_tell(
 
     instance, refined = load(instance_path), load_refined(refined_path)
     dispersion = None
-    try:
+    with about(refined_path):
         if sampling.samples is not None:
             # First, because it is quick: what is wrong with the errors is said at once.
             with leg_bar(wanted(as_json, quiet), "sampling") as show:
                 dispersion = sampling.fly(instance, refined, show)
         with leg_bar(wanted(as_json, quiet), "flying") as show:
             flight = fly_refined(instance, refined, show)
-    except MissingExtra:
-        raise
-    except InputError as error:
-        raise InputError(f"{refined_path}: {error}") from None
     if out is not None:
         kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
         refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)
-        if not quiet:
-            say(f"wrote {out}")
+        say(f"wrote {out}", unless=quiet)
     if as_json:
         errors = {} if dispersion is None else {"errors": dispersion.to_dict()}
         emit_json(flight.to_dict() | errors)
     else:
         if flight.legs:
-            emit_rich(*_tables(flight, terminal_width()))
+            _tell_legs(flight)
         for chaser in flight.chasers:
             emit(str(chaser))
         emit(said(flight))
@@ -80,33 +74,22 @@ def said(flight: RefinedFlight) -> str:
     if flight.missing:
         numbers = ", ".join(map(str, flight.missing))
         parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
-    if flight.broken_tanks:
-        parts += [str(tank) for tank in flight.broken_tanks]
-    elif flight.tanks:
-        worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
-        parts.append(f"every tank holds: {worst}")
-    return "; ".join(parts)
+    return "; ".join((*parts, *tanks_told(flight)))
 
 
-def _tables(flight: RefinedFlight, width: int | None) -> list[Table]:
-    from .tables import Row, leg_tables, whose
+def _tell_legs(flight: RefinedFlight) -> None:
+    from .tables import emit_legs, whose
 
-    headings = ["stand-off\nm", "\nm/s", "arrival\nm", "\nm/s", "planned\nm/s", "flown\nm/s"]
-    rows = [
-        Row(
-            leg.leg,
-            leg.origin,
-            leg.destination,
-            [
-                f"{leg.standoff_miss_m:.2g}",
-                f"{leg.standoff_miss_m_s:.2g}",
-                f"{leg.arrival_miss_m:.2g}",
-                f"{leg.arrival_miss_m_s:.2g}",
-                f"{leg.planned_delta_v_m_s:.1f}",
-                f"{leg.flown_delta_v_m_s:.1f}",
-            ],
-            bold=not leg.arrives,
-        )
-        for leg in flight.legs
-    ]
-    return leg_tables(headings, rows, width, whose(flight.tanks))
+    emit_legs(
+        flight.legs,
+        (
+            ("stand-off\nm", lambda leg: f"{leg.standoff_miss_m:.2g}"),
+            ("\nm/s", lambda leg: f"{leg.standoff_miss_m_s:.2g}"),
+            ("arrival\nm", lambda leg: f"{leg.arrival_miss_m:.2g}"),
+            ("\nm/s", lambda leg: f"{leg.arrival_miss_m_s:.2g}"),
+            ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
+            ("flown\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
+        ),
+        whose(flight.tanks),
+        bold=lambda leg: not leg.arrives,
+    )

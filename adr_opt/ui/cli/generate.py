@@ -7,22 +7,23 @@ from typing import Any
 import click
 
 from ...common.wording import counted
+from . import take
 from .fitting import Fitting, fitting_options
 from .output import emit, say
-from .parameters import check_out, json_option, quiet_option
+from .parameters import check_out
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
 @click.argument("family")
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
-@click.option("--targets", type=int, metavar="N", help="Targets, instead of the family's.")
-@click.option("--zones", type=int, default=0, metavar="N", help="Keep-out zones to draw.")
-@click.option("--chasers", type=int, metavar="N", help="Chasers, instead of the family's.")
-@click.option("--stations", type=int, metavar="M", help="Stations, instead of the family's.")
+@take.count("--targets", "N", "Targets, instead of the family's.")
+@take.count("--zones", "N", "Keep-out zones to draw.", default=0)
+@take.count("--chasers", "N", "Chasers, instead of the family's.")
+@take.count("--stations", "M", "Stations, instead of the family's.")
 @fitting_options("the family's")
-@click.option("--out", metavar="FILE", help="Instance file to write; else it is printed.")
-@json_option
-@quiet_option
+@take.file("--out", "Instance file to write; else it is printed.")
+@take.as_json
+@take.quiet
 def command(
     family: str,
     seed: int,
@@ -61,9 +62,8 @@ def command(
     text = instance.to_json()
     if out is not None:
         write_text(out, text)
-        if not quiet:
-            count = counted(len(instance.targets), "target")
-            say(f"wrote {out}: {instance.name}, {count}")
+        count = counted(len(instance.targets), "target")
+        say(f"wrote {out}: {instance.name}, {count}", unless=quiet)
     if out is None or as_json:
         emit(text)
     return 0

@@ -12,9 +12,11 @@ import click
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
+from .fitting import check_positive
 from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
-from .parameters import check_out, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...problem.orbit import Orbit
@@ -32,21 +34,17 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
-@click.option("--out", required=True, metavar="FILE", help="Instance file to write.")
-@click.option(
-    "--epoch", "epoch_text", metavar="TIME", help="ISO, UTC; else the latest of the elements."
-)
-@click.option("--altitude", metavar="LO:HI", help="Mean altitudes to keep, km.")
-@click.option("--inclination", metavar="LO:HI", help="Inclinations to keep, degrees.")
-@click.option("--raan", metavar="LO:HI", help="RAANs to keep, degrees; 350:10 goes through 0.")
-@click.option(
-    "--name", "names", multiple=True, metavar="PATTERN", help="Names to keep; may be repeated."
-)
-@click.option("--max-targets", type=int, metavar="N", help="Keep N, nearest planes first.")
-@click.option(
+@take.file("--out", "Instance file to write.", required=True)
+@take.word("--epoch", "TIME", "ISO, UTC; else the latest of the elements.", name="epoch_text")
+@take.word("--altitude", "LO:HI", "Mean altitudes to keep, km.")
+@take.word("--inclination", "LO:HI", "Inclinations to keep, degrees.")
+@take.word("--raan", "LO:HI", "RAANs to keep, degrees; 350:10 goes through 0.")
+@take.many("--name", "PATTERN", "Names to keep; may be repeated.", name="names")
+@take.count("--max-targets", "N", "Keep N, nearest planes first.")
+@take.word(
     "--station",
-    metavar="ORBIT|OBJECT",
-    help="ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+    "ORBIT|OBJECT",
+    "ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
 )
 @click.option(
     "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
@@ -59,31 +57,15 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
     show_default=True,
     help="How planes move: with J2 they drift.",
 )
-@click.option(
-    "--no-refuelling",
-    is_flag=True,
-    help="No station: the chaser starts where it would be.",
-)
-@click.option(
-    "--drift-step-days", type=float, metavar="D", help="Grid of long transfers, instead of a 150th."
-)
-@click.option(
-    "--max-drift-days", type=float, metavar="D", help="Longest of them, 0 for none; the mission's."
-)
-@click.option(
-    "--departure-spacing-days", type=float, metavar="D", help="Least time between departures."
-)
-@click.option(
-    "--resolution", type=float, metavar="M_S", help="Transfers that save less are left out, m/s."
-)
-@click.option(
-    "--criticality",
-    is_flag=True,
-    help="Prizes by mass, altitude and crowding, from 1 to 100: a ranking.",
-)
-@click.option("--skip-bad", is_flag=True, help="Keep the good rows and objects, list the rest.")
-@json_option
-@quiet_option
+@take.flag("--no-refuelling", "No station: the chaser starts where it would be.")
+@take.number("--drift-step-days", "D", "Grid of long transfers, instead of a 150th.")
+@take.number("--max-drift-days", "D", "Longest of them, 0 for none; the mission's.")
+@take.number("--departure-spacing-days", "D", "Least time between departures.")
+@take.number("--resolution", "M_S", "Transfers that save less are left out, m/s.")
+@take.flag("--criticality", "Prizes by mass, altitude and crowding, from 1 to 100: a ranking.")
+@take.flag("--skip-bad", "Keep the good rows and objects, list the rest.")
+@take.as_json
+@take.quiet
 def command(
     files: tuple[str, ...],
     out: str,
@@ -120,12 +102,7 @@ def command(
     check_out(out, *files, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
-    for option, value, least in (
-        ("--max-targets", max_targets, 1),
-        ("--duration-days", duration_days, 0.0),
-    ):
-        if value is not None and not (least <= value < math.inf and value > 0):
-            raise InputError(f"{option} = {value:g}: must be a positive number")
+    check_positive(max_targets=max_targets, duration_days=duration_days)
     if duration_days * DAY_S > LARGEST_DURATION_S:
         raise InputError(
             f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
@@ -190,9 +167,8 @@ def _transfer(
             raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
     if dynamics != "j2":
         for option, value in (
-            ("--drift-step-days", drift_step_days),
-            ("--max-drift-days", max_drift_days),
-        ):
+            ("--drift-step-days", drift_step_days), ("--max-drift-days", max_drift_days)
+        ):  # fmt: skip
             if value:
                 raise InputError(
                     f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
@@ -247,10 +223,8 @@ def _tell(made: Imported, out: str) -> None:
         f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
     left_out = f"left out: {listed or 'nothing'}"
-    if made.home is None:
-        say(f"start {made.station}; {left_out}")
-    else:
-        say(f"{_placed(made, made.home)}; {left_out}")
+    placed = f"start {made.station}" if made.home is None else _placed(made, made.home)
+    say(f"{placed}; {left_out}")
     launches = told(instance)
     if launches is not None:
         say(launches)

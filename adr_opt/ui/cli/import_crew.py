@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
-
-import click
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .fitting import Fitting, check_not_negative, check_positive, fitting_options
 
 if TYPE_CHECKING:
@@ -17,59 +15,55 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
     from ...sources.catalogue import Crew, Demands
 
-Function = TypeVar("Function", bound=Callable[..., Any])
-
 DELTA_V_M_S = 3000.0
 """A full tank, where nobody says what is in it."""
 
 
-def crew_options(function: Function) -> Function:
-    """The options of chasers and of single objects, for ``import``."""
-    for option in reversed(
-        (
-            click.option(
-                "--launches", type=int, metavar="N", help="N chasers, each onto its first target."
-            ),
-            click.option(
-                "--launch-every", type=float, metavar="DAYS",
-                help="Between two launches; 365. 0 for all chasers on one rocket.",
-            ),
-            click.option(
-                "--launch-separation", type=float, metavar="DAYS",
-                help="Between two launches at least, each as soon as it is worth it.",
-            ),
-            click.option(
-                "--expense", metavar="FIXED[,PER_KG[,PER_KG2]]",
-                help="Of each chaser that is used; of equal plans the least expense is best.",
-            ),
-            click.option(
-                "--service-days", type=float, metavar="D",
-                help="How long each service takes; else one revolution of the target.",
-            ),
-            click.option(
-                "--deadline", "deadlines", multiple=True, metavar="OBJECT=DAYS",
-                help="When its service has to be over; may be repeated.",
-            ),
-            click.option(
-                "--require", "required", multiple=True, metavar="OBJECT",
-                help="Has to be serviced; refused if filters leave it out. Repeatable.",
-            ),
-            click.option(
-                "--must", "musts", multiple=True, metavar="OBJECT[,OBJECT...]",
-                help="The same, but kept whatever the filters say.",
-            ),
-            click.option(
-                "--exclude", "excluded", multiple=True, metavar="OBJECT[,OBJECT...]",
-                help="One that is to be no target; may be repeated.",
-            ),
-            click.option(
-                "--prizes", "prizes_path", metavar="FILE",
-                help="CSV: object, prize, required, window, mass, removal.",
-            ),
-        )
-    ):  # fmt: skip
-        function = option(function)
-    return fitting_options(f"{DELTA_V_M_S:g}")(function)
+crew_options = take.together(
+    fitting_options(f"{DELTA_V_M_S:g}"),
+    take.count("--launches", "N", "N chasers, each onto its first target."),
+    take.number(
+        "--launch-every", "DAYS", "Between two launches; 365. 0 for all chasers on one rocket."
+    ),
+    take.number(
+        "--launch-separation",
+        "DAYS",
+        "Between two launches at least, each as soon as it is worth it.",
+    ),
+    take.word(
+        "--expense",
+        "FIXED[,PER_KG[,PER_KG2]]",
+        "Of each chaser that is used; of equal plans the least expense is best.",
+    ),
+    take.number(
+        "--service-days", "D", "How long each service takes; else one revolution of the target."
+    ),
+    take.many(
+        "--deadline",
+        "OBJECT=DAYS",
+        "When its service has to be over; may be repeated.",
+        name="deadlines",
+    ),
+    take.many(
+        "--require",
+        "OBJECT",
+        "Has to be serviced; refused if filters leave it out. Repeatable.",
+        name="required",
+    ),
+    take.many(
+        "--must", "OBJECT[,OBJECT...]", "The same, but kept whatever the filters say.", name="musts"
+    ),
+    take.many(
+        "--exclude",
+        "OBJECT[,OBJECT...]",
+        "One that is to be no target; may be repeated.",
+        name="excluded",
+    ),
+    take.file(
+        "--prizes", "CSV: object, prize, required, window, mass, removal.", name="prizes_path"
+    ),
+)
+"""The options of chasers and of single objects, for ``import``."""
 
 
 class CrewOptions(NamedTuple):
@@ -105,14 +99,13 @@ class CrewOptions(NamedTuple):
         from ...sources.catalogue import Crew
         from ...sources.catalogue.crew import APART_S
 
-        check_positive(self, ("launches", "launch_separation"))
-        check_not_negative(self, ("launch_every", "service_days"))
-        if self.launch_every is not None and self.launches is None:
-            raise InputError("--launch-every: nothing is launched; say how often with --launches")
-        if self.launch_separation is not None and self.launches is None:
-            raise InputError(
-                "--launch-separation: nothing is launched; say how often with --launches"
-            )
+        check_positive(launches=self.launches, launch_separation=self.launch_separation)
+        check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
+        for option, value in (
+            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation)
+        ):  # fmt: skip
+            if value is not None and self.launches is None:
+                raise InputError(f"{option}: nothing is launched; say how often with --launches")
         fitting = self.fitting
         fitting.check()
         usual_s = APART_S if self.launch_separation is None else 0.0

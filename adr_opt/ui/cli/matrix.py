@@ -9,8 +9,9 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .output import emit_json, say
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...legs.matrices import FloatArray
@@ -21,11 +22,9 @@ MOST_BYTES = 2**34
 
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
-@instance_argument
-@click.option("--every", "every_s", type=float, metavar="S", help="Ready times, S apart, from 0.")
-@click.option(
-    "--at", "at_s", type=float, multiple=True, metavar="S", help="Ready time; repeatable."
-)
+@take.instance
+@take.number("--every", "S", "Ready times, S apart, from 0.", name="every_s")
+@take.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
 @click.option(
     "--quantity",
     type=click.Choice(["delta_v", "duration"]),
@@ -33,24 +32,23 @@ MOST_BYTES = 2**34
     show_default=True,
     help="Weights of .tsp, .vrp and .oplib; the others hold both.",
 )
-@click.option(
+@take.word(
     "--choose",
-    metavar="HOW",
-    help="At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
+    "HOW",
+    "At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
     "m/s that an hour is worth. By default 75 of those, and service in time.",
 )
 @click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
 )
-@click.option(
+@take.file(
     "--out",
-    required=True,
-    metavar="FILE",
-    help="File to write. Matrices at ready times: .nc, .npz; at one: .tsp, .vrp, .oplib. "
+    "File to write. Matrices at ready times: .nc, .npz; at one: .tsp, .vrp, .oplib. "
     "Every departure, without ready times: .parquet, .lp, .mps.",
+    required=True,
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     every_s: float | None,
@@ -105,8 +103,7 @@ def command(
         what = counted(departures.size, "ready time")
     if as_json:
         emit_json(written | {"bodies": list(instance.names)})
-    if not quiet:
-        say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}")
+    say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}", unless=quiet)
     return 0
 
 

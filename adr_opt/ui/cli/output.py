@@ -90,7 +90,9 @@ ENDS = {ord("\n"): "\\n", ord("\t"): "\\t"}
 """How a message says what would end its line."""
 
 
-def say(message: str) -> None:
-    """Print a message on standard error; if nobody can hear it, so be it."""
+def say(message: str, *, unless: bool = False) -> None:
+    """Print a message on standard error, ``unless`` so; if nobody can hear it, so be it."""
+    if unless:
+        return
     with suppress(OSError):
         click.echo(f"adr-opt: {harmless(message).translate(ENDS)}", err=True)

@@ -2,63 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-import click
-
-from ...common.errors import InputError
+from ...common.errors import InputError, MissingExtra
+from . import take
 
 if TYPE_CHECKING:
+    from ...plan.plan import Plan
+    from ...problem.instance import Instance
     from ...run.methods import Planner
 
-Function = TypeVar("Function", bound=Callable[..., Any])
 
-# Paths are plain strings: the sentences about files come from where files are read and written.
-instance_argument = click.argument("instance_path", metavar="INSTANCE")
-plan_argument = click.argument("plan_path", metavar="PLAN")
-json_option = click.option(
-    "--json", "as_json", is_flag=True, help="Print one JSON object and nothing else."
+run_options = take.together(
+    take.seed,
+    take.count("--iterations", "N", "Most iterations, as the method counts."),
+    take.number(
+        "--margin", "SHARE", "Share of each tank to keep back, as 0.1 for a tenth.", default=0.0
+    ),
+    take.count("--jobs", "N", "Cores to use; 0 for all."),
+    take.word("--start", "PLAN", "A plan to begin from.", name="start_path"),
+    take.many(
+        "--option",
+        "NAME=VALUE",
+        "An option of the method, see 'methods'; may be repeated.",
+        name="assignments",
+    ),
 )
-cluster_option = click.option(
-    "--cluster",
-    metavar="dask://HOST:PORT",
-    help="Work on the workers of a Dask scheduler, in the place of --jobs.",
-)
-quiet_option = click.option("--quiet", is_flag=True, help="No messages and no progress.")
+"""The options of a verb that runs a method."""
 
 
-def run_options(function: Function) -> Function:
-    """The options of a verb that runs a method."""
-    for option in reversed(
-        (
-            click.option(
-                "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
-            ),
-            click.option(
-                "--iterations", type=int, metavar="N", help="Most iterations, as the method counts."
-            ),
-            click.option(
-                "--margin",
-                type=float,
-                default=0.0,
-                metavar="SHARE",
-                help="Share of each tank to keep back, as 0.1 for a tenth.",
-            ),
-            click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all."),
-            click.option("--start", "start_path", metavar="PLAN", help="A plan to begin from."),
-            click.option(
-                "--option",
-                "assignments",
-                multiple=True,
-                metavar="NAME=VALUE",
-                help="An option of the method, see 'methods'; may be repeated.",
-            ),
-        )
-    ):
-        function = option(function)
-    return function
+def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
+    """The instance and the plan that a verb is called with."""
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+
+    return load(instance_path), load_plan(plan_path)
+
+
+@contextmanager
+def about(path: str) -> Iterator[None]:
+    """Have an :class:`InputError` begin with the file that it is about.
+
+    A package that is missing is no fault of the file.
+    """
+    try:
+        yield
+    except MissingExtra:
+        raise
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
 
 
 def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, Any]:

@@ -9,8 +9,9 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import check_out, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from ...analysis import PricedOrder, PricedRoute
@@ -18,12 +19,12 @@ if TYPE_CHECKING:
 
 
 @click.command("price", short_help="Time an order of bodies, and say what would mend it.")
-@instance_argument
+@take.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
-@click.option("--file", "file_path", metavar="FILE", help="The order instead: a name a line.")
-@click.option("--out", metavar="PLAN", help="Plan file to write, if the order can be flown.")
-@json_option
-@quiet_option
+@take.file("--file", "The order instead: a name a line.", name="file_path")
+@take.word("--out", "PLAN", "Plan file to write, if the order can be flown.")
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     names: tuple[str, ...],
@@ -49,8 +50,7 @@ def command(
     if out is not None and priced.holds:
         plan = priced.plan()
         plan.save(out)
-        if not quiet:
-            say(f"wrote {out}: objective {plan.objective:g}")
+        say(f"wrote {out}: objective {plan.objective:g}", unless=quiet)
     elif out is not None and not quiet:
         say(f"{out} is not written: the order cannot be flown as it is")
     if as_json:

@@ -3,29 +3,20 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import click
 
-from ...common.errors import InputError
 from ...common.wording import counted
-from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import (
-    check_out,
-    cluster_option,
-    instance_argument,
-    json_option,
-    plan_argument,
-    quiet_option,
-)
+from . import take
+from .output import emit, emit_json, say
+from .parameters import about, check_out, mission_of
 from .signals import signals_to
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...fly.refine import RefinedPlan
-    from ...plan.refined_plan import Freedom, Gravity
+    from ...plan.refined_plan import Freedom, Gravity, RefinedLeg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
@@ -45,15 +36,15 @@ freedom_option = click.option(
 
 
 @click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
-@instance_argument
-@plan_argument
-@click.option("--out", required=True, metavar="FILE", help="Refined plan file to write.")
+@take.instance
+@take.plan
+@take.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
-@click.option("--jobs", type=int, metavar="N", help="Cores to use; 0 for all.")
-@cluster_option
-@json_option
-@quiet_option
+@take.count("--jobs", "N", "Cores to use; 0 for all.")
+@take.cluster
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -71,29 +62,24 @@ def command(
     reached in time or no trajectory was found.
     """
     from ...fly.refine import refine
-    from ...plan.plan import load_plan
-    from ...problem.instance import load
     from .leg_bar import leg_bar
     from .live import wanted
 
     check_out(out, instance_path, plan_path)
-    instance, plan, stopped = load(instance_path), load_plan(plan_path), threading.Event()
-    try:
-        with signals_to(stopped.set), leg_bar(wanted(as_json, quiet), "refining") as show:
-            refined = refine(
-                instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,
-                enough=stopped.is_set, report=show,
-            )  # fmt: skip
-    except InputError as error:
-        raise InputError(f"{plan_path}: {error}") from None
+    (instance, plan), stopped = mission_of(instance_path, plan_path), threading.Event()
+    bar = leg_bar(wanted(as_json, quiet), "refining")
+    with about(plan_path), signals_to(stopped.set), bar as show:
+        refined = refine(
+            instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,
+            enough=stopped.is_set, report=show,
+        )  # fmt: skip
     refined.save(out)
-    if not quiet:
-        say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}")
+    say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}", unless=quiet)
     if as_json:
         emit_json(_told(refined, out))
     else:
         if refined.legs:
-            emit_rich(*_tables(refined, terminal_width()))
+            _tell_legs(refined)
         for sentence in _by_chaser(refined):
             emit(sentence)
         emit(_summary(refined))
@@ -127,43 +113,31 @@ def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
         )
 
 
-def _tables(refined: RefinedPlan, width: int | None) -> list[Table]:
-    from .tables import Row, leg_tables
+def _tell_legs(refined: RefinedPlan) -> None:
+    from .tables import emit_legs
 
-    towed = any(leg.removal_m_s for leg in refined.legs)
-    tow = ["tow\nm/s"] if towed else []
-    headings = ["kind", "planned\nm/s", "own burns\nm/s", "flown\nm/s", *tow, "burns", "lowest\nkm"]
-    rows = [
-        Row(
-            leg.leg,
-            leg.origin,
-            leg.destination,
-            [
-                leg.kind,
-                f"{leg.planned_delta_v_m_s:.1f}",
-                f"{leg.retargeted_delta_v_m_s:.1f}",
-                f"{leg.flown_delta_v_m_s:.1f}",
-                *([f"{leg.removal_m_s:.1f}"] if towed else []),
-                str(len(leg.burns)),
-                f"{leg.lowest_altitude_m / 1e3:.0f}",
-            ],
-        )
-        for leg in refined.legs
+    columns: list[tuple[str, Callable[[RefinedLeg], str]]] = [
+        ("kind", lambda leg: leg.kind),
+        ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
+        ("own burns\nm/s", lambda leg: f"{leg.retargeted_delta_v_m_s:.1f}"),
+        ("flown\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
+        ("burns", lambda leg: str(len(leg.burns))),
+        ("lowest\nkm", lambda leg: f"{leg.lowest_altitude_m / 1e3:.0f}"),
     ]
+    if any(leg.removal_m_s for leg in refined.legs):
+        columns.insert(4, ("tow\nm/s", lambda leg: f"{leg.removal_m_s:.1f}"))
     whose = {leg.leg: leg.chaser for leg in refined.legs if leg.chaser is not None}
-    return leg_tables(headings, rows, width, whose)
+    emit_legs(refined.legs, columns, whose)
 
 
 def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
     legs = [leg.model_dump(mode="json", exclude={"burns", "states"}) for leg in refined.legs]
+    facts = ("status", "runtime_s", "planned_delta_v_m_s", "flown_delta_v_m_s")
     return {
         "path": out,
         "gravity": refined.gravity,
         "burns": refined.freedom,
-        "status": refined.status,
-        "runtime_s": refined.runtime_s,
-        "planned_delta_v_m_s": refined.planned_delta_v_m_s,
-        "flown_delta_v_m_s": refined.flown_delta_v_m_s,
+        **{name: getattr(refined, name) for name in facts},
         "missing": [missing.model_dump() for missing in refined.missing],
         "legs": legs,
     }

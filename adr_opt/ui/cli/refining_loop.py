@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
-
-import click
+from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
 from ...common.stop import Stop
 from ...common.wording import counted
+from . import take
 from .output import emit, emit_json, say
 from .refine import freedom_option, gravity_option
 
@@ -19,8 +17,6 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
     from ...run.run_options import RunOptions
     from .work import Watch
-
-Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Refining(NamedTuple):
@@ -49,30 +45,17 @@ class Refining(NamedTuple):
         check_out(self.refined_out, instance_path, results=(out,))
 
 
-def refine_options(function: Function) -> Function:
-    """The options of refining, for ``solve``."""
-    for option in reversed(
-        (
-            click.option(
-                "--refine",
-                is_flag=True,
-                help="Refine the plan, and plan again until it holds in true dynamics.",
-            ),
-            click.option("--refined-out", metavar="FILE", help="Refined plan file to write."),
-            gravity_option,
-            freedom_option,
-            click.option(
-                "--rounds", type=int, metavar="N", help="Times to plan, at most, with --refine; 10."
-            ),
-            click.option(
-                "--spend-savings",
-                is_flag=True,
-                help="With --refine: spend what flown legs save; 'check' may refuse the plan.",
-            ),
-        )
-    ):
-        function = option(function)
-    return function
+refine_options = take.together(
+    take.flag("--refine", "Refine the plan, and plan again until it holds in true dynamics."),
+    take.file("--refined-out", "Refined plan file to write."),
+    gravity_option,
+    freedom_option,
+    take.count("--rounds", "N", "Times to plan, at most, with --refine; 10."),
+    take.flag(
+        "--spend-savings", "With --refine: spend what flown legs save; 'check' may refuse the plan."
+    ),
+)
+"""The options of refining, for ``solve``."""
 
 
 def run_refined(
@@ -103,19 +86,15 @@ def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
     if path is None or looped.refined is None:
         return
     looped.refined.save(path)
-    if not quiet:
-        legs = counted(len(looped.refined.legs), "leg")
-        say(f"wrote {path}: {legs}, {looped.refined.status}")
+    legs = counted(len(looped.refined.legs), "leg")
+    say(f"wrote {path}: {legs}, {looped.refined.status}", unless=quiet)
 
 
 def tell_refined(looped: RefinedResult, as_json: bool) -> None:
     """Whether the plan holds, and what it costs."""
     refined, plan = looped.refined, looped.plan
-    planned, flown = (
-        (None, None)
-        if refined is None
-        else (refined.planned_delta_v_m_s, refined.flown_delta_v_m_s)
-    )
+    planned = None if refined is None else refined.planned_delta_v_m_s
+    flown = None if refined is None else refined.flown_delta_v_m_s
     if as_json:
         emit_json(
             {

@@ -11,15 +11,9 @@ import click
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import (
-    check_out,
-    instance_argument,
-    is_same_file,
-    json_option,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import check_out, is_same_file, mission_of
 
 if TYPE_CHECKING:
     from ...analysis.replanned import Replanned
@@ -33,36 +27,29 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
 @click.command("replan", short_help="Plan the rest of a mission anew.")
-@instance_argument
-@plan_argument
-@click.option(
-    "--at", "at_text", required=True, metavar="TIME", help="Days after the epoch; 36h, 900s; ISO."
-)
-@click.option("--zones", "zones_path", metavar="FILE", help="JSON: new keep-out zones, a list.")
-@click.option(
-    "--lost", multiple=True, metavar="NAME[,NAME...]", help="A target that is none any more."
-)
-@click.option("--failed", type=int, metavar="LEG", help="A leg that does not begin when planned.")
-@click.option(
-    "--missed", multiple=True, metavar="NAME[,NAME...]", help="A target come to, not serviced."
-)
-@click.option("--retry", is_flag=True, help="What was missed may be tried again.")
-@click.option(
+@take.instance
+@take.plan
+@take.word("--at", "TIME", "Days after the epoch; 36h, 900s; ISO.", name="at_text", required=True)
+@take.file("--zones", "JSON: new keep-out zones, a list.", name="zones_path")
+@take.many("--lost", "NAME[,NAME...]", "A target that is none any more.")
+@take.count("--failed", "LEG", "A leg that does not begin when planned.")
+@take.many("--missed", "NAME[,NAME...]", "A target come to, not serviced.")
+@take.flag("--retry", "What was missed may be tried again.")
+@take.many(
     "--service-took",
-    "services",
-    multiple=True,
-    metavar="NAME=DAYS",
-    help="How long a service, or the attempt, took; 36h, 900s.",
+    "NAME=DAYS",
+    "How long a service, or the attempt, took; 36h, 900s.",
+    name="services",
 )
-@click.option("--cost", "costs", multiple=True, metavar="LEG=M_S", help="The ΔV that a leg took.")
-@click.option("--keep", type=int, default=0, metavar="N", help="Legs more that stay as planned; 0.")
-@click.option("--method", metavar="NAME", help="Planner of the rest; else a beam, of several auto.")
-@click.option("--time-limit", type=float, metavar="S", help="Wall time of a run; 2 s.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
-@click.option("--out", metavar="FILE", help="Plan file of the rest to write.")
-@click.option("--out-instance", metavar="FILE", help="Instance file of the rest to write.")
-@json_option
-@quiet_option
+@take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
+@take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
+@take.word("--method", "NAME", "Planner of the rest; else a beam, of several auto.")
+@take.number("--time-limit", "S", "Wall time of a run; 2 s.")
+@take.seed
+@take.file("--out", "Plan file of the rest to write.")
+@take.file("--out-instance", "Instance file of the rest to write.")
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -90,11 +77,9 @@ def command(
     """
     from ...analysis.orders import BodyNames
     from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
-    from ...plan.plan import load_plan
-    from ...problem.instance import load
     from .work import work
 
-    instance, plan = load(instance_path), load_plan(plan_path)
+    instance, plan = mission_of(instance_path, plan_path)
     at_s = parse_time(at_text, instance)
     zones = () if zones_path is None else read_zones(zones_path)
     check_out(out, instance_path, plan_path, zones_path)
@@ -129,10 +114,9 @@ def command(
         made.instance.save(out_instance)
     if out is not None and made.plan is not None:
         made.plan.save(out)
-    if not quiet:
-        for path, there in ((out_instance, True), (out, made.plan is not None)):
-            if path is not None and there:
-                say(f"wrote {path}")
+    for path in (out_instance, None if made.plan is None else out):
+        if path is not None:
+            say(f"wrote {path}", unless=quiet)
     if as_json:
         emit_json(made.to_dict())
     else:
@@ -279,8 +263,7 @@ def _tell(made: Replanned) -> None:
     if made.plan is None:
         emit("no plan of the rest services all required targets")
         return
-    for table in timelines(made.instance, made.plan, terminal_width()):
-        emit_rich(table)
+    emit_rich(*timelines(made.instance, made.plan, terminal_width()))
     emit(summary(made.instance, made.plan))
     tried = tuple(name for name in made.missed if name not in made.given_up)
     for words, names in (

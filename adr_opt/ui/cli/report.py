@@ -8,14 +8,9 @@ import click
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
+from . import take
 from .output import emit_json, say
-from .parameters import (  # fmt: skip
-    check_out,
-    instance_argument,
-    json_option,
-    plan_argument,
-    quiet_option,
-)
+from .parameters import check_out, mission_of
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight, RefinedFlight
@@ -25,23 +20,21 @@ if TYPE_CHECKING:
 
 
 @click.command("report", short_help="Write PLAN as an interactive page that works offline.")
-@instance_argument
-@plan_argument
-@click.option("--out", required=True, metavar="FILE", help="HTML file to write.")
-@click.option(
+@take.instance
+@take.plan
+@take.file("--out", "HTML file to write.", required=True)
+@take.file(
     "--refined",
-    "refined_path",
-    metavar="FILE",
-    help="PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+    "PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+    name="refined_path",
 )
-@click.option(
+@take.flag(
     "--fly",
-    "wants_flight",
-    is_flag=True,
-    help="Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+    "Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+    name="wants_flight",
 )
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -58,12 +51,10 @@ def command(
     with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a leg or,
     with --fly, misses.
     """
-    from ...plan.plan import load_plan
     from ...plan.refined_plan import load_refined
-    from ...problem.instance import load
     from ..report import write_report
 
-    instance, plan = load(instance_path), load_plan(plan_path)
+    instance, plan = mission_of(instance_path, plan_path)
     refined = None if refined_path is None else load_refined(refined_path)
     check_out(out, instance_path, plan_path, refined_path)
     if not out.lower().endswith((".html", ".htm")):

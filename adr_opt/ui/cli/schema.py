@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import click
 
+from . import take
 from .output import emit_json
-from .parameters import json_option
 
 
 @click.command("schema")
 @click.argument("which", type=click.Choice(["instance", "plan", "refined", "certificate"]))
-@json_option
+@take.as_json
 def command(which: str, as_json: bool) -> int:
     """Print the JSON Schema of a file: instance, plan, refined plan or certificate."""
     if which == "instance":

@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 
 from ...common.errors import MissingExtra
+from . import take
 from .output import emit, emit_json, say
-from .parameters import instance_argument, json_option, quiet_option
 from .signals import Aborted, signals_to
 
 PATIENCE_S = 60.0
@@ -20,13 +20,13 @@ PATIENCE_S = 60.0
 
 
 @click.command("serve", short_help="Plan on a page of this machine, live.")
-@instance_argument
+@take.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False)
-@click.option("--port", type=int, default=0, metavar="N", help="Port of 127.0.0.1; any free one.")
-@click.option("--folder", metavar="DIR", help="Working folder; INSTANCE-served, beside this call.")
-@click.option("--no-open", is_flag=True, help="Open no browser.")
-@json_option
-@quiet_option
+@take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
+@take.word("--folder", "DIR", "Working folder; INSTANCE-served, beside this call.")
+@take.flag("--no-open", "Open no browser.")
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     plan_path: str | None,
@@ -66,8 +66,7 @@ def command(
             else:
                 emit(server.url)
             sys.stdout.flush()
-            if not quiet:
-                say(f"serving {instance.name!r}, kept in {place.path}; Ctrl-C ends it")
+            say(f"serving {instance.name!r}, kept in {place.path}; Ctrl-C ends it", unless=quiet)
             if not no_open:
                 click.launch(server.url)
             server.wait(ended)

@@ -10,17 +10,11 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import status_words
+from . import take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
-from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import (
-    check_out,
-    instance_argument,
-    json_option,
-    parse_assignments,
-    quiet_option,
-    run_options,
-)
+from .output import emit, emit_rich, say, terminal_width
+from .parameters import check_out, parse_assignments, run_options
 from .refining_loop import Refining, refine_options, run_refined, save_refined, tell_refined
 
 if TYPE_CHECKING:
@@ -29,29 +23,26 @@ if TYPE_CHECKING:
 
 
 @click.command("solve")
-@instance_argument
-@click.option("--method", metavar="NAME", help="Planner; 'methods' lists them and the default.")
-@click.option(
-    "--time-limit", type=float, metavar="S", help="Wall time, the timetable included; 10 s."
-)
+@take.instance
+@take.method
+@take.number("--time-limit", "S", "Wall time, the timetable included; 10 s.")
 @run_options
-@click.option(
+@take.number(
     "--memory",
-    "memory_gib",
-    type=float,
-    metavar="GIB",
-    help="Most memory of the timetable; beyond it, the nearest pairs alone. 2 GiB.",
+    "GIB",
+    "Most memory of the timetable; beyond it, the nearest pairs alone. 2 GiB.",
+    name="memory_gib",
 )
-@click.option("--policy", metavar="FILE", help="Short for --option policy=FILE.")
-@click.option("--decode", metavar="HOW", help="Short for --option decode=HOW.")
-@click.option("--repair", is_flag=True, help="Keep the legal beginning of an illegal --start.")
-@click.option("--bound", "bound_name", metavar="NAME", help="Bound to run beside the planner.")
-@click.option("--out", metavar="FILE", help="Plan file to write.")
+@take.file("--policy", "Short for --option policy=FILE.")
+@take.word("--decode", "HOW", "Short for --option decode=HOW.")
+@take.flag("--repair", "Keep the legal beginning of an illegal --start.")
+@take.word("--bound", "NAME", "Bound to run beside the planner.", name="bound_name")
+@take.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options
 @no_fly_option
-@json_option
-@quiet_option
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     method: str | None,
@@ -89,7 +80,7 @@ def command(
     from ...run import front
     from ...run.methods import BOUNDS, PLANNERS
     from .live import wanted
-    from .work import work
+    from .work import emit_result, run_method, say_notes, work
 
     method = method or front.DEFAULT_METHOD
     time_limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
@@ -104,52 +95,35 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else load_plan(start_path)
     check_out(out, instance_path)
-    check_certificate(
-        certificate_path,
-        instance,
-        method,
-        bound_name,
-        instance_path,
-        start_path,
-        margin=margin,
-        out=out,
-        refine=bool(refining_options["refine"]),
-    )
     refining = Refining(**refining_options)
+    check_certificate(
+        certificate_path, instance, method, bound_name, instance_path, start_path, margin=margin,
+        out=out, refine=refining.refine,
+    )  # fmt: skip
     refining.check(instance_path, out)
     given = front.RunOptions(
         time_limit, seed, start, repair, jobs, iterations, bound_name, margin, memory_gib, options
     )
     looped: RefinedResult | None = None
-    live, problem = wanted(as_json, quiet), problem_of(instance)
+    problem = problem_of(instance)
     if refining.refine:
         looped = work(
             lambda stop, progress: run_refined(
                 instance, method, refining, progress, quiet, stop=stop, wanted=given
             ),
-            live=live, quiet=quiet,
+            live=wanted(as_json, quiet), quiet=quiet,
         )  # fmt: skip
         result = looped.result
+        say_notes(result, quiet)
     else:
-        result = work(
-            lambda stop, progress: front.run(
-                PLANNERS, problem, method, given, stop=stop, progress=progress,
-                building=progress.building, sizing=progress.sizing,
-            ),
-            live=live, quiet=quiet,
-        )  # fmt: skip
-    if not quiet:
-        for note in result.notes:
-            say(f"note: {note}")
+        result = run_method(PLANNERS, problem, method, given, as_json=as_json, quiet=quiet)
     if result.plan is None:
         if looped is not None and as_json:
             tell_refined(looped, as_json)
         elif as_json:
-            reference = {"name": instance.name, "sha256": instance.sha256}
-            emit_json({"instance": reference, "margin": margin, **result.to_dict()})
-        if not quiet:
-            why = f"{method} ended with status {result.status}" if looped is None else looped.reason
-            say(f"no plan: {why}")
+            emit_result(instance, margin, result)
+        why = f"{method} ended with status {result.status}" if looped is None else looped.reason
+        say(f"no plan: {why}", unless=quiet)
         if certificate_path is not None and result.status == "infeasible":
             save_certificate(certificate_path, instance, result, quiet)
         return 1
@@ -172,8 +146,7 @@ def command(
     if not as_json:
         from .timeline import by_chaser, summary, timelines
 
-        for table in timelines(instance, plan, terminal_width()):
-            emit_rich(table)
+        emit_rich(*timelines(instance, plan, terminal_width()))
         for sentence in by_chaser(instance, plan):
             emit(sentence)
         emit(summary(instance, plan))
@@ -202,8 +175,7 @@ def _save_plan(plan: Plan, out: str | None, quiet: bool) -> None:
     if out is None:
         return
     plan.save(out)
-    if not quiet:
-        say(f"wrote {out}: objective {plan.objective:g}, {status_words(plan.status)}")
+    say(f"wrote {out}: objective {plan.objective:g}, {status_words(plan.status)}", unless=quiet)
 
 
 def _first_trouble(*steps: Callable[[], None]) -> InputError | None:

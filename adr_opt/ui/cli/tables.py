@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple, Protocol, TypeVar
 
 from rich.cells import cell_len
 from rich.table import Table
 from rich.text import Text
 
 from ...common.wording import shortened
+from .output import emit_rich, terminal_width
 
 ARROW = " → "
 ROUTE, PLACE = f"origin{ARROW}destination", "destination"
@@ -25,6 +26,20 @@ class Row(NamedTuple):
     destination: str
     texts: Sequence[str]
     bold: bool = False
+
+
+class _Flown(Protocol):
+    """A leg that says its number."""
+
+    @property
+    def leg(self) -> int: ...
+    @property
+    def origin(self) -> str: ...
+    @property
+    def destination(self) -> str: ...
+
+
+Told = TypeVar("Told", bound=_Flown)
 
 
 def leg_table(
@@ -72,31 +87,57 @@ def leg_table(
     return table
 
 
-def leg_tables(
-    headings: Sequence[str],
-    rows: Iterable[Row],
-    width: int | None,
+def emit_legs(
+    legs: Iterable[Told],
+    columns: Iterable[tuple[str, Callable[[Told], str]]],
     whose: Mapping[int, str],
     title: str | None = None,
-) -> list[Table]:
-    """The same as a table for each chaser, where there are several.
+    bold: Callable[[Told], bool] = lambda leg: False,
+) -> None:
+    """Print legs as a table, or as one for each chaser where there are several.
 
     Parameters
     ----------
-    headings, rows, width, title
-        As :func:`leg_table` takes them.
+    legs : iterable
+    columns : iterable of (str, callable)
+        Headings, and what stands below them.
     whose : mapping of int to str
         The chaser of each leg, by its number; empty where there is one.
+    title : str, optional
+    bold : callable
+        Whether a leg stands out.
     """
-    if not whose:
-        return [leg_table(headings, rows, width, title)]
-    found: dict[str, list[Row]] = {}
+    columns = list(columns)
+    tables: dict[str | None, list[Row]] = {} if whose else {None: []}
+    for leg in legs:
+        texts = [told(leg) for _, told in columns]
+        row = Row(leg.leg, leg.origin, leg.destination, texts, bold(leg))
+        tables.setdefault(whose.get(leg.leg), []).append(row)
+    headings, width = [heading for heading, _ in columns], terminal_width()
+    for chaser, rows in tables.items():
+        said = ", ".join(part for part in (chaser, title) if part is not None)
+        emit_rich(leg_table(headings, rows, width, said or None))
+
+
+def number_table(
+    title: str,
+    headings: Iterable[str],
+    rows: Iterable[Iterable[str | Text]],
+    *,
+    first: str | None = None,
+    last: str | None = None,
+) -> Table:
+    """Columns of numbers under their headings, between columns of words if these have one."""
+    table = Table(title=title, title_justify="left")
+    if first is not None:
+        table.add_column(first, no_wrap=True)
+    for heading in headings:
+        table.add_column(heading, justify="right", no_wrap=True)
+    if last is not None:
+        table.add_column(last, no_wrap=True)
     for row in rows:
-        found.setdefault(whose[row.number], []).append(row)
-    return [
-        leg_table(headings, its, width, chaser if title is None else f"{chaser}, {title}")
-        for chaser, its in found.items()
-    ]
+        table.add_row(*row)
+    return table
 
 
 class _Part(Protocol):

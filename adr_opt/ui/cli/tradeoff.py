@@ -8,8 +8,9 @@ import click
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
+from . import take
 from .output import emit_json, emit_rich, say
-from .parameters import check_out, cluster_option, instance_argument, json_option, quiet_option
+from .parameters import check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,30 +22,28 @@ if TYPE_CHECKING:
 
 
 @click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
-@instance_argument
-@click.option(
+@take.instance
+@take.many(
     "--vary",
-    "varied",
-    multiple=True,
-    metavar="NAME=LO:HI:STEP",
-    help="delta-v, m/s, propellant, kg, or duration, days; or values with commas; repeatable.",
+    "NAME=LO:HI:STEP",
+    "delta-v, m/s, propellant, kg, or duration, days; or values with commas; repeatable.",
+    name="varied",
 )
-@click.option(
+@take.file(
     "--frontier",
-    "frontier_path",
-    metavar="FILE",
-    help="CSV: least ΔV against the last day, at the most prize; needs no --vary.",
+    "CSV: least ΔV against the last day, at the most prize; needs no --vary.",
+    name="frontier_path",
 )
-@click.option("--method", metavar="NAME", help="Planner; 'methods' lists them and the default.")
-@click.option("--time-limit", type=float, metavar="S", help="Wall time of each run; 10 s.")
-@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same result.")
-@click.option("--jobs", type=int, default=1, metavar="N", help="Processes; 0 for all cores.")
-@click.option("--out", metavar="FILE", help="CSV; from an earlier call, it goes on with it.")
-@click.option("--page", "page_path", metavar="FILE", help="HTML file to write.")
-@click.option("--plot", "plot_path", metavar="FILE", help="Picture to write: .svg, .png or .pdf.")
-@cluster_option
-@json_option
-@quiet_option
+@take.method
+@take.number("--time-limit", "S", "Wall time of each run; 10 s.")
+@take.seed
+@take.count("--jobs", "N", "Processes; 0 for all cores.", default=1)
+@take.file("--out", "CSV; from an earlier call, it goes on with it.")
+@take.file("--page", "HTML file to write.", name="page_path")
+@take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
+@take.cluster
+@take.as_json
+@take.quiet
 def command(
     instance_path: str,
     varied: tuple[str, ...],
@@ -116,8 +115,8 @@ def command(
     if plot_path is not None:
         _draw(made, plot_path)
     for path in (out, frontier_path, page_path, plot_path):
-        if path is not None and not quiet:
-            say(f"wrote {path}")
+        if path is not None:
+            say(f"wrote {path}", unless=quiet)
     if as_json:
         stated = {"frontier": [ending.to_dict() for ending in endings]} if frontier_path else {}
         emit_json(made.to_dict() | stated)
@@ -159,29 +158,19 @@ def _draw(made: Tradeoff, path: str) -> None:
 
 
 def _table(made: Tradeoff) -> Table:
-    from rich.table import Table
-
     from ..report.traded import HEADINGS, cells
+    from .tables import number_table
 
-    said = f"{made.proven} of {counted(len(made.points), 'point')} proven"
-    table = Table(title=f"{made.instance.name}: {said}", title_justify="left")
     with_propellant = any(axis.kind == "propellant" for axis in made.axes)
-    for heading in (*(("kg",) if with_propellant else ()), *HEADINGS):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for point in made.points:
-        held = (f"{point.propellant_kg:,.6g}",) if with_propellant else ()
-        table.add_row(*held, *cells(point))
-    return table
+    title = f"{made.instance.name}: {made.proven} of {counted(len(made.points), 'point')} proven"
+    if not with_propellant:
+        return number_table(title, HEADINGS, map(cells, made.points))
+    rows = ((f"{point.propellant_kg:,.6g}", *cells(point)) for point in made.points)
+    return number_table(title, ("kg", *HEADINGS), rows)
 
 
 def _frontier_table(endings: tuple[Ending, ...]) -> Table:
-    from rich.table import Table
+    from ..report.traded import FRONTIER, FRONTIER_HEADINGS, ending_cells
+    from .tables import number_table
 
-    from ..report.traded import FRONTIER_HEADINGS, ending_cells
-
-    table = Table(title="Least ΔV against the last day", title_justify="left")
-    for heading in FRONTIER_HEADINGS:
-        table.add_column(heading, justify="right", no_wrap=True)
-    for ending in endings:
-        table.add_row(*ending_cells(ending))
-    return table
+    return number_table(FRONTIER, FRONTIER_HEADINGS, map(ending_cells, endings))

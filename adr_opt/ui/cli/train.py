@@ -12,31 +12,34 @@ from types import FrameType
 import click
 
 from ...common.errors import InputError
+from . import take
 from .output import emit_json, say
-from .parameters import json_option, quiet_option
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
-@click.option(
-    "--config", "config", required=True, metavar="NAME", help="set, set-transfer or published."
-)
-@click.option(
-    "--steps", type=int, metavar="N", help="Environment steps, at least; whole rollouts are played."
-)
-@click.option("--out", required=True, metavar="DIR", help="Folder of the run; resumed.")
+@take.word("--config", "NAME", "set, set-transfer or published.", name="config", required=True)
+@take.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
+@take.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")
 @click.option("--device", default="cpu", show_default=True, help="Of PyTorch: cpu or cuda.")
-@click.option(
-    "--evaluate-every", type=int, default=200_000, show_default=True, metavar="N",
-    help="Steps between evaluations on held fields.",
-)  # fmt: skip
-@click.option(
-    "--checkpoint-every", "checkpoint_s", type=float, default=60.0, show_default=True, metavar="S",
-    help="Seconds between checkpoints.",
-)  # fmt: skip
-@json_option
-@quiet_option
+@take.count(
+    "--evaluate-every",
+    "N",
+    "Steps between evaluations on held fields.",
+    default=200_000,
+    show_default=True,
+)
+@take.number(
+    "--checkpoint-every",
+    "S",
+    "Seconds between checkpoints.",
+    name="checkpoint_s",
+    default=60.0,
+    show_default=True,
+)
+@take.as_json
+@take.quiet
 def command(
     config: str,
     steps: int | None,

@@ -8,28 +8,32 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
+from . import take
 from .output import emit, emit_json
-from .parameters import instance_argument, json_option
+from .parameters import about
 
 MOST_CONNECTIONS = 1_000_000
 """As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
 
 
+TOLD = (
+    "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
+    "reasons",
+)  # fmt: skip
+"""What --json says of a verdict, by the same names."""
+
+
 @click.command("verify")
-@instance_argument
+@take.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
 @click.option(
     "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
     help="Connections to fly again by the physics of 'check'; 1000.",
 )  # fmt: skip
 @click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")
-@json_option
+@take.as_json
 def command(
-    instance_path: str,
-    paths: tuple[str, ...],
-    connections: int | None,
-    seed: int,
-    as_json: bool,
+    instance_path: str, paths: tuple[str, ...], connections: int | None, seed: int, as_json: bool
 ) -> int:
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
@@ -48,28 +52,12 @@ def command(
     plan = load_plan(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
     certificate = load_certificate(path)
-    try:
-        verdict = verify(
-            instance, plan, certificate, seed=seed,
-            connections=CONNECTIONS if connections is None else connections,
-        )  # fmt: skip
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+    tried = CONNECTIONS if connections is None else connections
+    with about(path):
+        verdict = verify(instance, plan, certificate, seed=seed, connections=tried)
     if as_json:
-        emit_json(
-            {
-                "instance": instance.name,
-                "verified": verdict.verified,
-                "upper_bound": verdict.upper_bound,
-                "objective": verdict.objective,
-                "gap": verdict.gap,
-                "labels": verdict.labels,
-                "legs": verdict.legs,
-                "connections": verdict.connections,
-                "departures": verdict.departures,
-                "reasons": list(verdict.reasons),
-            }
-        )
+        told = {name: getattr(verdict, name) for name in TOLD}
+        emit_json({"instance": instance.name, **told})
         return 0 if verdict.verified else 1
     if verdict.upper_bound == -math.inf:
         proven = "no plan keeps to all rules"

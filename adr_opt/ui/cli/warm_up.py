@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from ...common.errors import InputError
+from . import take
 from .output import emit, emit_json, say
-from .parameters import json_option, quiet_option
 
 ENVIRONMENT = "environment"
 """Stands for what the environment and its policies call."""
@@ -17,9 +17,9 @@ ENVIRONMENT = "environment"
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...")
-@click.option("--jobs", type=int, metavar="N", help="Processes side by side; one for each core.")
-@json_option
-@quiet_option
+@take.count("--jobs", "N", "Processes side by side; one for each core.")
+@take.as_json
+@take.quiet
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 
@@ -38,8 +38,10 @@ def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bo
     if jobs is not None and jobs < 1:
         raise InputError(f"--jobs {jobs}: must be ≥ 1")
     wanted = list(dict.fromkeys(methods or known))
-    if not quiet:
-        say(f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again")
+    say(
+        f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again",
+        unless=quiet,
+    )
     # First what all of them need, or each process would compile it anew.
     rows = [_common(), *_compile_all(wanted, jobs or os.cpu_count() or 1)]
     trouble = next((row.pop("trouble") for row in rows if row.get("trouble")), None)

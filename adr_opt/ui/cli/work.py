@@ -7,13 +7,17 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
-from .live import live_line
-from .output import say
+from .live import live_line, wanted
+from .output import emit_json, say
 from .signals import signals_to
 
 if TYPE_CHECKING:
     from ...common.stop import Stop
     from ...legs.timetable_size import Size
+    from ...mission.problem import Problem
+    from ...mission.result import Result
+    from ...problem.instance import Instance
+    from ...run.run_options import RunOptions
 
 Found = TypeVar("Found")
 
@@ -104,3 +108,38 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
     if stop.is_set and not quiet:
         say("interrupted: this is the best result until then")
     return results[0]
+
+
+def run_method(
+    group: str,
+    problem: Instance | Problem,
+    method: str,
+    given: RunOptions,
+    *,
+    as_json: bool,
+    quiet: bool,
+) -> Result:
+    """Run a planner or a bound, and say its notes."""
+    from ...run import front
+
+    result = work(
+        lambda stop, progress: front.run(
+            group, problem, method, given, stop=stop, progress=progress,
+            building=progress.building, sizing=progress.sizing,
+        ),
+        live=wanted(as_json, quiet), quiet=quiet,
+    )  # fmt: skip
+    say_notes(result, quiet)
+    return result
+
+
+def say_notes(result: Result, quiet: bool) -> None:
+    """Say the notes of a result, each in a line."""
+    for note in result.notes:
+        say(f"note: {note}", unless=quiet)
+
+
+def emit_result(instance: Instance, margin: float, result: Result) -> None:
+    """Print a result as one JSON object, with what it is of."""
+    reference = {"name": instance.name, "sha256": instance.sha256}
+    emit_json({"instance": reference, "margin": margin, **result.to_dict()})

@@ -1,7 +1,8 @@
 """Pictures for notebooks: each function takes a matplotlib axis, adds one thing and returns it.
 
-The axis is returned, so that calls can be put into each other. Nothing is cleared, no legend, title
-or figure is made: those are the caller's. Labels of the axes are set where they are still empty.
+The axis is a ``matplotlib.axes.Axes``, and an ``Axes3D`` for what lies in space. It is returned, so
+that calls can be put into each other. Nothing is cleared, no legend, title or figure is made: those
+are the caller's. Labels of the axes are set where they are still empty.
 Times are drawn in days since the epoch, altitudes in km, ΔV in m/s, angles in degrees.
 
 Only the objects given are used: this package does not import matplotlib, and works with every

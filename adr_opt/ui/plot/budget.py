@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...common.constants import DAY_S
 from ...fly.flight.flyable import refuse_foreign
 from ...plan.palette import STATION, chaser_colours
 from ...plan.plan import Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from .axes import label, plain
+from .chart import DAYS, Chart, ChartAxis, Line, Marks, days
+from .draw import draw
+
+LEFT = "ΔV left"
 
 
 @dataclass(frozen=True)
@@ -71,33 +73,32 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
     return Budget(*zip(*rows, strict=True))
 
 
-def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    colours = chaser_colours(instance)
-    refuelled = []
-    for name, course in budgets(instance, plan).items():
-        days = [time / DAY_S for time in course.times_s]
-        said = f"ΔV left, {plain(name)}" if several(instance) else "ΔV left"
-        ax.step(days, course.left_m_s, where="post", color=colours[name], label=said)
-        refuelled += [
-            (day, left)
-            for day, left, was in zip(days, course.left_m_s, course.refuelled, strict=True)
-            if was
-        ]
-    ax.plot(
-        [day for day, _ in refuelled], [left for _, left in refuelled],
-        linestyle="none", marker="^", color=STATION, label="refuelling",
+def budget_chart(instance: Instance, plan: Plan) -> Chart:
+    """ΔV left [m/s] against days, a line for each chaser, and a mark at every refuelling."""
+    colours, found = chaser_colours(instance), budgets(instance, plan)
+    lines = [
+        Line(
+            name=name if several(instance) else LEFT, colour=colours[name], step=True,
+            x=days(course.times_s), y=course.left_m_s, legs=course.legs,
+            of=list(zip(course.legs, course.times_s, strict=True)),
+        )
+        for name, course in found.items()
+    ]  # fmt: skip
+    stops = [
+        (course.times_s[at], course.left_m_s[at], course.legs[at], colours[name])
+        for name, course in found.items()
+        for at, refuelled in enumerate(course.refuelled)
+        if refuelled
+    ]
+    times_s, left_m_s, legs, whose = zip(*stops, strict=True) if stops else ((),) * 4
+    marks = Marks(
+        name="refuelling", colour=STATION, symbol="triangle-up", size=10.0,
+        colours=whose if several(instance) else (),
+        x=days(times_s), y=left_m_s, legs=legs, of=list(zip(legs, times_s, strict=True)),
     )  # fmt: skip
-    label(ax, "days since the epoch", "ΔV left [m/s]")
-    return ax
+    return Chart((*lines, marks), DAYS, ChartAxis(f"{LEFT} [m/s]"))
+
+
+def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
+    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser."""
+    return draw(ax, budget_chart(instance, plan))

@@ -2,16 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from ...fly.flight.flyable import refuse_foreign
+from ...plan.leg_kinds import GIVEN
 from ...plan.palette import COLOURS
 from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
-from .axes import label
+from .chart import Chart, ChartAxis, Columns
+from .draw import draw
 
 PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
-BAR = 0.4
+
+
+def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
+    """The ΔV [m/s] of each leg: planned, in burns and, if the plan is refined, as it is flown then.
+
+    Where connections are given there are no burns to be shown.
+    """
+    shown = [("planned", PLANNED, [leg.delta_v_m_s for leg in plan.legs])]
+    if not any(leg.kind == GIVEN.name for leg in plan.legs):
+        shown.append(("burns", BURNED, [leg.burns_delta_v_m_s for leg in plan.legs]))
+    numbers = range(1, len(plan.legs) + 1)
+    if refined is not None:
+        flown = {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
+        shown.append(("refined", REFINED, [flown.get(at, math.nan) for at in numbers]))
+    columns = (
+        Columns(name=name, colour=colour, x=numbers, y=values, legs=numbers, of=plan.legs)
+        for name, colour, values in shown
+    )
+    return Chart(tuple(columns), ChartAxis("leg", 0), ChartAxis("ΔV [m/s]"))
 
 
 def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
@@ -20,30 +42,10 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     They differ by what is set aside for eccentricity, and where a leg drifts: then the plan counts
     with a closed form. Where connections are given there are no burns to be shown.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
     Raises
     ------
     InputError
         The plan belongs to another instance.
     """
     refuse_foreign(instance, plan)
-    legs = range(1, len(plan.legs) + 1)
-    planned = [leg.delta_v_m_s for leg in plan.legs]
-    burned = [leg.burns_delta_v_m_s for leg in plan.legs]
-    if instance.transfer.given is not None:
-        ax.bar(legs, planned, BAR, color=PLANNED, label="given")
-        label(ax, "leg", "ΔV [m/s]")
-        return ax
-    ax.bar([n - BAR / 2 for n in legs], planned, BAR, color=PLANNED, label="planned")
-    ax.bar([n + BAR / 2 for n in legs], burned, BAR, color=BURNED, label="burns")
-    label(ax, "leg", "ΔV [m/s]")
-    return ax
+    return draw(ax, costs_chart(plan))

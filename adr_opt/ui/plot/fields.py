@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from ...fly.flight.flyable import refuse_foreign
 from ...legs.matrices import Matrices
 from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.plan import Plan
-from ...plan.routes import routes_of, several
+from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-from .axes import label, plain
+from .chart import Chart, ChartAxis, Line, Marks, Series
+from .draw import draw, label
 
 
 def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -28,57 +30,55 @@ def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
     return home + around
 
 
+def way(instance: Instance, flown: Flown) -> tuple[list[int], list[int]]:
+    """The bodies that a chaser goes to from its start on, as numbers, each after its leg or 0."""
+    index = {name: number for number, name in enumerate(instance.names)}
+    home = [] if flown.chaser.is_launched else [(0, flown.chaser.start_name)]
+    there = [*home, *((number, leg.destination) for number, leg in flown.legs)]
+    known = [(number, index[name]) for number, name in there if name in index]
+    return [number for number, _ in known], [body for _, body in known]
+
+
+def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
+    """RAAN across and inclination up, in degrees; a line follows each chaser."""
+    raan, first = raan_deg(instance), instance.first_target
+    inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
+    colours = chaser_colours(instance)
+
+    def at(bodies: list[int], legs: Sequence[int] | None = None) -> dict[str, Any]:
+        of = list(zip(legs or [0] * len(bodies), bodies, strict=True))
+        return {"x": raan[bodies], "y": inclination[bodies], "of": of, "legs": legs}
+
+    series: list[Series] = []
+    visits: list[tuple[int, int]] = []
+    for flown in () if plan is None else routes_of(instance, plan):
+        name, (legs, bodies) = flown.chaser.name, way(instance, flown)
+        said = name if several(instance) else "chaser"
+        series.append(Line(name=said, colour=colours[name], width=1.0, **at(bodies, legs)))
+        visits += [
+            (leg, body) for leg, body in zip(legs, bodies, strict=True) if leg and body >= first
+        ]
+    seen = {body for _, body in visits}
+    others = [body for body in range(first, raan.size) if body not in seen]
+    missed = "target" if plan is None else "not visited"
+    series.append(Marks(name=missed, colour=UNVISITED, symbol="circle-open", **at(others)))
+    if plan is not None:
+        there = at([body for _, body in visits], [leg for leg, _ in visits])
+        series.append(Marks(name="visited", colour=VISITED, **there))
+    stations = at(list(range(len(instance.stations))))
+    series.append(Marks(name="station", colour=STATION, symbol="square", size=12, **stations))
+    return Chart(tuple(series), ChartAxis("RAAN [°]", 4), ChartAxis("inclination [°]", 4))
+
+
 def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     """Add the orbital planes as points, RAAN across and inclination up [deg].
 
     With a plan, targets that it visits differ from the others, and a line follows each chaser from
     plane to plane.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
-    raan = raan_deg(instance)
-    inclination = np.array([orbit.inclination_deg for orbit in instance.body_orbits])
-    index = {name: number for number, name in enumerate(instance.names)}
-    stations = slice(len(instance.stations))
-    visited = np.zeros(raan.size, dtype=bool)
     if plan is not None:
         refuse_foreign(instance, plan)
-        colours = chaser_colours(instance)
-        for flown in routes_of(instance, plan):
-            name = flown.chaser.name
-            route = [] if flown.chaser.is_launched else [index[flown.chaser.start_name]]
-            route += [index[leg.destination] for _, leg in flown.legs if leg.destination in index]
-            visited[route] = True
-            ax.plot(
-                raan[route], inclination[route], color=colours[name], linewidth=0.8, zorder=1,
-                label=plain(name) if several(instance) else "chaser",
-            )  # fmt: skip
-    others = ~visited
-    others[: instance.first_target] = False
-    visited[: instance.first_target] = False
-    ax.plot(
-        raan[others], inclination[others], linestyle="none", marker="o", fillstyle="none",
-        color=UNVISITED, label="target" if plan is None else "not visited",
-    )  # fmt: skip
-    if plan is not None:
-        ax.plot(
-            raan[visited], inclination[visited], linestyle="none", marker="o", color=VISITED,
-            label="visited",
-        )  # fmt: skip
-    ax.plot(
-        raan[stations], inclination[stations], linestyle="none", marker="s", color=STATION,
-        label="station",
-    )  # fmt: skip
-    label(ax, "RAAN [deg]", "inclination [deg]")
-    return ax
+    return draw(ax, planes_chart(instance, plan))
 
 
 def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "delta_v") -> Any:
@@ -89,15 +89,10 @@ def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "del
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
     matrices : Matrices
     departure : int
         Which of ``matrices.departures``.
     quantity : {"delta_v", "duration"}
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
@@ -117,5 +112,4 @@ def matrix(ax: Any, matrices: Matrices, departure: int = 0, quantity: str = "del
     shown = np.where(np.isfinite(costs), costs, np.nan)
     np.fill_diagonal(shown, np.nan)  # a body itself is no transfer
     ax.imshow(shown, interpolation="none")
-    label(ax, "destination", "origin")
-    return ax
+    return label(ax, "destination", "origin")

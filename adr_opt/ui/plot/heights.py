@@ -4,26 +4,46 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ...common.constants import DAY_S
-from ...plan.palette import COLOURS, LABELS, PHASES, ZONE
+from ...fly.trajectory.kepler import Array
+from ...plan.palette import ZONE
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .axes import KM_M, label
-from .tracks import joined, tracks
+from .chart import DAYS, KM_M, Box, Chart, ChartAxis, days
+from .draw import draw
+from .tracks import Track, strands, tracks
+
+ALTITUDES = ChartAxis("altitude [km]")
+
+
+def altitude_chart(
+    instance: Instance, plan: Plan, tracks: tuple[Track, ...], *, by_chaser: bool
+) -> Chart:
+    """Altitudes of the flown arcs [km] against days; ``by_chaser`` as :func:`.strands` has it."""
+
+    def course(track: Track) -> Array:
+        return np.column_stack([days(track.times_s), track.altitudes_m / KM_M])
+
+    lines = strands(instance, plan, tracks, course, 1.8, by_chaser=by_chaser)
+    return Chart(tuple(lines), DAYS, ALTITUDES)
+
+
+def zones(instance: Instance) -> tuple[Box, ...]:
+    """The keep-out zones as boxes."""
+    return tuple(
+        Box(
+            name="keep-out zone", colour=ZONE, phase="zone", of=(zone,),
+            x=(zone.start_s / DAY_S, zone.end_s / DAY_S),
+            y=(zone.min_altitude_m / KM_M, zone.max_altitude_m / KM_M),
+        )
+        for zone in instance.keep_out_zones
+    )  # fmt: skip
 
 
 def altitude(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add the chaser's altitude [km] against time [days], one colour per phase.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
@@ -31,36 +51,9 @@ def altitude(ax: Any, instance: Instance, plan: Plan) -> Any:
         The plan belongs to another instance or cannot be flown.
     """
     found = tracks(instance, plan)
-    for phase in PHASES:
-        of_phase = [track for track in found if track.phase == phase]
-        if of_phase:
-            ax.plot(
-                joined([track.times_s for track in of_phase]) / DAY_S,
-                joined([track.altitudes_m for track in of_phase]) / KM_M,
-                color=COLOURS[phase], linewidth=1.4, label=LABELS[phase],
-            )  # fmt: skip
-    label(ax, "days since the epoch", "altitude [km]")
-    return ax
+    return draw(ax, altitude_chart(instance, plan, found, by_chaser=False))
 
 
 def keep_out_zones(ax: Any, instance: Instance) -> Any:
-    """Add the keep-out zones as shaded boxes, altitude [km] against time [days].
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    for number, zone in enumerate(instance.keep_out_zones):
-        ax.fill_between(
-            [zone.start_s / DAY_S, zone.end_s / DAY_S],
-            zone.min_altitude_m / KM_M, zone.max_altitude_m / KM_M,
-            color=ZONE, alpha=0.25, linewidth=0.8,
-            label="keep-out zone" if number == 0 else None,
-        )  # fmt: skip
-    label(ax, "days since the epoch", "altitude [km]")
-    return ax
+    """Add the keep-out zones as shaded boxes, altitude [km] against time [days]."""
+    return draw(ax, Chart(zones(instance), DAYS, ALTITUDES))

@@ -12,12 +12,13 @@ from ...fly.flight.flyable import refuse_foreign
 from ...fly.trajectory.kepler import Array
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
-from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED
+from ...plan.palette import STATION, UNVISITED, VISITED
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .axes import label
+from .chart import DAYS, Chart, ChartAxis, Line, days
+from .draw import draw
 from .fields import raan_deg
-from .tracks import Track, joined, tracks
+from .tracks import Track, joined, strands, tracks
 
 TURN_DEG = 360.0
 
@@ -85,21 +86,46 @@ def of_track(shown: Nodes, track: Track) -> tuple[Array, Array]:
     return shown.line(track.times_s[[0, -1]], track.nodes_deg)
 
 
+def nodes_chart(
+    instance: Instance, plan: Plan | None, tracks: tuple[Track, ...], *, by_chaser: bool
+) -> Chart:
+    """RAAN [°] against days, less the common drift: bodies thin, flown arcs thick."""
+    shown = nodes_of(instance)
+    missed, visited = "target", set[str]()
+    if plan is not None:
+        missed, visited = "not visited", set(plan.destinations)
+    colours = {missed: UNVISITED, "visited": VISITED, "station": STATION}
+    kinds: dict[str, list[int]] = {kind: [] for kind in colours}
+    for body, name in enumerate(instance.names):
+        if name in instance.station_names:
+            kinds["station"].append(body)
+        elif body >= instance.first_target:
+            kinds["visited" if name in visited else missed].append(body)
+
+    def line(kind: str) -> Line:
+        until_s = instance.mission.duration_s
+        found = [(body, *of_body(instance, shown, body, until_s)) for body in kinds[kind]]
+        x, y = joined([np.column_stack([days(times), angles]) for _, times, angles in found]).T
+        names = [instance.names[body] for body, times, _ in found for _ in range(times.size + 1)]
+        return Line(name=kind, colour=colours[kind], x=x, y=y, width=1.0, of=names)
+
+    def course(track: Track) -> Array:
+        times_s, angles = of_track(shown, track)
+        return np.column_stack([days(times_s), angles])
+
+    lines = [line(kind) for kind, found in kinds.items() if found]
+    if plan is not None:
+        lines += strands(instance, plan, tracks, course, 4.0, by_chaser=by_chaser)
+    rate = f"{shown.common_deg_s * DAY_S:+.3f}".replace("-", "−")
+    title = f"RAAN less {rate}°/day [°]" if shown.common_deg_s else "RAAN [°]"
+    return Chart(tuple(lines), DAYS, ChartAxis(title, 4))
+
+
 def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     """Add RAAN [deg] against time [days], less the drift that the bodies have in common.
 
     Targets are thin lines. With a plan, those that it visits differ from the others, and thick
     lines, one colour per phase, follow the chaser: on a drift orbit its node crosses to the next.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    instance : Instance
-    plan : Plan, optional
-
-    Returns
-    -------
-    matplotlib.axes.Axes
 
     Raises
     ------
@@ -108,39 +134,5 @@ def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     """
     if plan is not None:
         refuse_foreign(instance, plan)
-    visited = set() if plan is None else set(plan.destinations)
-    shown, until_s = nodes_of(instance), instance.mission.duration_s
-    titles = set()
-    for body, name in enumerate(instance.names):
-        colour, title = UNVISITED, "target" if plan is None else "not visited"
-        if name in instance.station_names:
-            colour, title = STATION, "station"
-        elif name in visited:
-            colour, title = VISITED, "visited"
-        elif body < instance.first_target:
-            continue
-        times, angles = of_body(instance, shown, body, until_s)
-        ax.plot(
-            times / DAY_S, angles, color=colour, linewidth=0.6,
-            label=None if title in titles else title,
-        )  # fmt: skip
-        titles.add(title)
-    flown = tracks(instance, plan) if plan is not None else ()
-    for phase in PHASES:
-        lines = [of_track(shown, track) for track in flown if track.phase == phase]
-        if lines:
-            ax.plot(
-                joined([times for times, _ in lines]) / DAY_S,
-                joined([angles for _, angles in lines]),
-                color=COLOURS[phase], linewidth=2.4, label=LABELS[phase],
-            )  # fmt: skip
-    label(ax, "days since the epoch", axis_title(shown))
-    return ax
-
-
-def axis_title(shown: Nodes, unit: str = "deg") -> str:
-    """What stands beside the axis of the angles."""
-    if shown.common_deg_s == 0.0:
-        return f"RAAN [{unit}]"
-    rate = f"{shown.common_deg_s * DAY_S:+.3f}".replace("-", "−")
-    return f"RAAN less {rate}°/day [{unit}]"
+    found = () if plan is None else tracks(instance, plan)
+    return draw(ax, nodes_chart(instance, plan, found, by_chaser=False))

@@ -2,97 +2,81 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
-from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED
+from ...fly.trajectory.kepler import Array
+from ...plan.palette import STATION, UNVISITED
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .axes import KM_M, label
-from .tracks import joined, ring, tracks
+from .chart import KM_M, Line
+from .draw import add, label
+from .tracks import Track, joined, ring, strands, tracks
 
 
 def earth(ax: Any) -> Any:
-    """Add the Earth as a sphere [km].
-
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
-    """
+    """Add the Earth as a sphere [km]."""
     _check_three(ax)
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
     )
-    radius = EARTH_RADIUS_M / KM_M
-    ax.plot_surface(
-        radius * np.cos(latitude) * np.cos(longitude),
-        radius * np.cos(latitude) * np.sin(longitude),
-        radius * np.sin(latitude),
-        color="#9db4c8", alpha=0.5, linewidth=0,
-    )  # fmt: skip
-    ax.set_aspect("equal")
-    return _labelled(ax)
+    ax.plot_surface(*on_earth(latitude, longitude), color="#9db4c8", alpha=0.5, linewidth=0)
+    return _drawn(ax, ())
+
+
+def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
+    """Places on a spherical Earth [km], the three coordinates first."""
+    x, y = (
+        np.cos(latitude_rad) * np.cos(longitude_rad),
+        np.cos(latitude_rad) * np.sin(longitude_rad),
+    )
+    return EARTH_RADIUS_M / KM_M * np.stack([x, y, np.sin(latitude_rad)])
 
 
 def orbits(ax: Any, instance: Instance) -> Any:
-    """Add the orbits of the stations and of all targets [km], as the circles planned with.
+    """Add the orbits of the stations and of all targets [km], as the circles planned with."""
+    rings = (
+        rings_of(instance, "targets", [target.name for target in instance.targets], UNVISITED, 0.5),
+        rings_of(instance, "station", list(instance.station_names), STATION, 1.6),
+    )
+    return _drawn(ax, rings)
 
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-    instance : Instance
 
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
-    """
-    _check_three(ax)
-    rings = joined([ring(instance, target.name) for target in instance.targets]) / KM_M
-    if rings.size:
-        ax.plot(*rings.T, color=UNVISITED, linewidth=0.4, label="targets")
-    homes = joined([ring(instance, name) for name in instance.station_names]) / KM_M
-    if homes.size:
-        ax.plot(*homes.T, color=STATION, linewidth=1.2, label="station")
-    ax.set_aspect("equal")
-    return _labelled(ax)
+def rings_of(instance: Instance, title: str, names: list[str], colour: str, width: float) -> Line:
+    """The orbits of some bodies as one line in space [km]."""
+    x, y, z = in_km(joined([ring(instance, name) for name in names]))
+    return Line(name=title, colour=colour, width=width, x=x, y=y, z=z, of=names)
+
+
+def in_km(points_m: Array) -> Array:
+    """Points in km, shape (3, points)."""
+    return points_m.reshape(-1, 3).T / KM_M
+
+
+def path_lines(
+    instance: Instance, plan: Plan, tracks: tuple[Track, ...], width: float, *, by_chaser: bool
+) -> list[Line]:
+    """The flown arcs in space [km], at most one revolution of each."""
+    return strands(
+        instance, plan, tracks, lambda track: in_km(track.around_m).T, width,
+        by_chaser=by_chaser, in_space=True,
+    )  # fmt: skip
 
 
 def path(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add the chaser's path in the inertial frame [km], one colour per phase.
-
-    Parameters
-    ----------
-    ax : mpl_toolkits.mplot3d.Axes3D
-    instance : Instance
-    plan : Plan
-
-    Returns
-    -------
-    mpl_toolkits.mplot3d.Axes3D
 
     Raises
     ------
     InputError
         The plan belongs to another instance or cannot be flown.
     """
-    _check_three(ax)
     found = tracks(instance, plan)
-    for phase in PHASES:
-        of_phase = [track.around_m for track in found if track.phase == phase]
-        if of_phase:
-            ax.plot(
-                *(joined(of_phase) / KM_M).T, color=COLOURS[phase], linewidth=0.8,
-                label=LABELS[phase],
-            )  # fmt: skip
-    ax.set_aspect("equal")
-    return _labelled(ax)
+    return _drawn(ax, path_lines(instance, plan, found, 1.1, by_chaser=False))
 
 
 def _check_three(ax: Any) -> None:
@@ -100,8 +84,10 @@ def _check_three(ax: Any) -> None:
         raise InputError("the axis is flat; make it with projection='3d'")
 
 
-def _labelled(ax: Any) -> Any:
-    label(ax, "x [km]", "y [km]")
-    if not ax.get_zlabel():
-        ax.set_zlabel("z [km]")
-    return ax
+def _drawn(ax: Any, lines: Iterable[Line]) -> Any:
+    _check_three(ax)
+    for line in lines:
+        if np.size(line.x):
+            add(ax, line, line.name)
+    ax.set_aspect("equal")
+    return label(ax, "x [km]", "y [km]", "z [km]")

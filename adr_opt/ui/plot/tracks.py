@@ -1,9 +1,9 @@
-"""The flown plan with no more points than a picture needs."""
+"""The flown plan with no more points than a picture needs, and the lines that show it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,8 +12,11 @@ from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.kepler import Array, drift, revolution
 from ...fly.trajectory.sampling import LONG_STEP_S, Arc, LegPath, sample
 from ...kernels.orbits.ephemeris import period
+from ...plan.palette import COLOURS, LABELS, PHASES, chaser_colours
 from ...plan.plan import Plan
+from ...plan.routes import owners, several
 from ...problem.instance import Instance
+from .chart import Line
 
 MOST_STEPS = 1e6
 LEVEL_M = 1.0
@@ -112,3 +115,50 @@ def joined(parts: Iterator[Array] | list[Array]) -> Array:
     for part in parts:
         rows += [part, np.full((1, *part.shape[1:]), np.nan)]
     return np.concatenate(rows) if rows else np.empty(0)
+
+
+Course = Callable[[Track], Array]
+"""What is drawn of an arc, shape (points, 2), or (points, 3) in space."""
+
+
+def strands(
+    instance: Instance,
+    plan: Plan,
+    tracks: Iterable[Track],
+    course: Course,
+    width: float,
+    *,
+    by_chaser: bool,
+    in_space: bool = False,
+) -> list[Line]:
+    """A line for each phase, in its colour, ``width`` px wide.
+
+    With ``by_chaser`` each of several chasers has lines and a colour of its own. Its entry in the
+    legend is a line of no points, which stays when phases are switched off.
+    """
+    if not (by_chaser and several(instance)):
+        return list(_by_phase(tuple(tracks), course, width))
+    whose, gap = owners(instance, plan), (np.nan,)
+    entries, lines = [], []
+    for name, colour in chaser_colours(instance).items():
+        height = gap if in_space else None
+        entry = Line(name=name, colour=colour, width=3, in_legend=True, x=gap, y=gap, z=height)
+        entries.append(entry)
+        mine = tuple(track for track in tracks if whose[track.leg] == name)
+        lines += [
+            replace(line, name=name, colour=colour, in_legend=False)
+            for line in _by_phase(mine, course, width)
+        ]
+    return [*entries, *lines]
+
+
+def _by_phase(tracks: tuple[Track, ...], course: Course, width: float) -> Iterator[Line]:
+    for phase in PHASES:
+        arcs = [(track.leg, course(track)) for track in tracks if track.phase == phase]
+        if arcs:
+            x, y, *z = joined([points for _, points in arcs]).T
+            yield Line(
+                name=LABELS[phase], colour=COLOURS[phase], phase=phase, width=width,
+                legs=[leg for leg, points in arcs for _ in range(len(points) + 1)],
+                x=x, y=y, z=z[0] if z else None,
+            )  # fmt: skip

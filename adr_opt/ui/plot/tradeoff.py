@@ -5,15 +5,42 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ...analysis.trade.axes import KINDS
+from ...analysis.trade.axes import KINDS, AxisKind
 from ...plan.palette import CHASERS
-from .axes import label
+from .chart import Chart, ChartAxis, Line
+from .draw import draw
 
 if TYPE_CHECKING:
     from ...analysis.trade import Tradeoff
 
-TITLES = {kind.name: kind.title for kind in KINDS.values()}
-SCALES = {kind.name: kind.scale for kind in KINDS.values()}
+
+def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
+    """What the best plans collect against a limit, with bands up to the bounds, or to all prizes.
+
+    There is a line for each value of the other limit.
+    """
+    along, other = KINDS[kind], KINDS["delta-v" if kind == "duration" else "duration"]
+    rows = made.along(kind)
+    most = math.fsum(target.prize for target in made.instance.targets)
+    lines = []
+    for at, (value, row) in enumerate(rows.items()):
+        there = [point for point in row if math.isfinite(point.prize)]
+        bounds = [point.upper_bound for point in there]
+        lines.append(
+            Line(
+                name=named(other, value) if len(rows) > 1 else "plans, and up to the bound",
+                colour=CHASERS[at % len(CHASERS)], width=2.0, dots=True,
+                x=[point.value(kind) / along.scale for point in there],
+                y=[point.prize for point in there],
+                below=[bound if math.isfinite(bound) else most for bound in bounds],
+            )
+        )  # fmt: skip
+    return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
+
+
+def named(kind: AxisKind, value: float) -> str:
+    """A limit and its value."""
+    return f"{kind.name} {value / kind.scale:,g} {kind.unit}"
 
 
 def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
@@ -23,28 +50,8 @@ def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
     made : Tradeoff
     kind : {"delta-v", "propellant", "duration"}, optional
         What goes along the axis; the first that is varied by default.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
     """
-    kind = kind or made.axes[0].kind
-    rows = made.along(kind)
-    other = "delta-v" if kind == "duration" else "duration"
-    units = {"delta-v": "m/s", "duration": "days"}
-    most = math.fsum(target.prize for target in made.instance.targets)
-    for at, (value, row) in enumerate(rows.items()):
-        there = [point for point in row if math.isfinite(point.prize)]
-        x = [point.value(kind) / SCALES[kind] for point in there]
-        prize = [point.prize for point in there]
-        bound = [point.upper_bound if math.isfinite(point.upper_bound) else most for point in there]
-        colour = CHASERS[at % len(CHASERS)]
-        said = f"{value / SCALES[other]:g} {units[other]}" if len(rows) > 1 else "best plan"
-        ax.plot(x, prize, color=colour, marker="o", markersize=4, label=said)
-        ax.fill_between(x, prize, bound, color=colour, alpha=0.18, linewidth=0)
-    label(ax, TITLES[kind], "prize")
-    return ax
+    return draw(ax, tradeoff_chart(made, kind or made.axes[0].kind))

@@ -19,7 +19,7 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import owners
 from ...problem.instance import Instance
 from ..plot.tracks import Track
-from .tables import table
+from .tables import row, table
 from .text import NOTHING, clock, escape, fixed, in_chart
 
 PLANNED, REFINED = "planned", "refined"
@@ -180,8 +180,7 @@ def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Reporte
             ("n", fixed(burn.size_m_s, 3)),
             *(("n", NOTHING if local is None else fixed(local[axis], 3)) for axis in range(3)),
         )
-        inside = "".join(f"<td{' class=n' if kind else ''}>{text}</td>" for kind, text in cells)
-        rows.append(f'<tr data-of="{burn.leg}">{inside}</tr>')
+        rows.append(row(cells, f'data-of="{burn.leg}"'))
     headings = (
         ("burn", "n"), *([("chaser", "")] if whose else []), ("leg", "n"), ("phase", ""),
         ("time", "n"), ("UTC", "n"), ("ΔV m/s", "n"), ("radial", "n"), ("along-track", "n"),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
+from ..plot.chart import Chart, Line
 from .text import escape, number
 
 WIDTH, HEIGHT = 720, 300
@@ -17,43 +17,16 @@ _Place = Callable[[float, float], tuple[float, float]]
 """Where a point lies in the picture."""
 
 
-@dataclass(frozen=True)
-class Line:
-    """A line of a chart.
-
-    Attributes
-    ----------
-    name : str
-    x, y : sequence of float
-    colour : str
-    step : bool
-        Whether it keeps its value until the next point.
-    dashed, dots : bool
-    below : sequence of float
-        Where given, the band between the line and this is filled.
-    """
-
-    name: str
-    x: Sequence[float]
-    y: Sequence[float]
-    colour: str
-    step: bool = False
-    dashed: bool = False
-    dots: bool = False
-    below: Sequence[float] = ()
-
-
-def chart(lines: Sequence[Line], x_title: str, y_title: str, caption: str) -> str:
-    """A figure of lines with axes from zero and a legend.
+def drawn(chart: Chart, caption: str) -> str:
+    """A figure of the lines of a chart with axes from zero and a legend.
 
     Parameters
     ----------
-    lines : sequence of Line
-    x_title, y_title : str
-        With units.
+    chart : Chart
     caption : str
         What it shows, for those who do not see it.
     """
+    lines = [line for line in chart.series if isinstance(line, Line)]
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]
     ys = [y for line in lines for y in (*line.y, *line.below)] or [0.0, 1.0]
     x_low, x_high = min(xs), max(xs)
@@ -66,7 +39,7 @@ def chart(lines: Sequence[Line], x_title: str, y_title: str, caption: str) -> st
         across = LEFT + (x - x_low) / (x_high - x_low) * (WIDTH - LEFT - RIGHT)
         return across, HEIGHT - BOTTOM - y / y_high * (HEIGHT - TOP - BOTTOM)
 
-    parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), x_title, y_title)]
+    parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), chart)]
     for line in lines:
         parts.append(_drawn(line, place))
     legend = "".join(
@@ -92,10 +65,7 @@ def _drawn(line: Line, place: _Place) -> str:
             point for one, two in pairwise(points) for point in (one, (two[0], one[1]))
         ] + points[-1:]
     path = " ".join(_at(place(x, y)) for x, y in points)
-    dash = ' stroke-dasharray="6 4"' if line.dashed else ""
-    parts.append(
-        f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"{dash}/>'
-    )
+    parts.append(f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>')
     if line.dots:
         for x, y in zip(line.x, line.y, strict=True):
             across, up = place(x, y)
@@ -108,8 +78,7 @@ def _axes(
     x_ticks: Sequence[float],
     y_ticks: Sequence[float],
     x_range: tuple[float, float],
-    x_title: str,
-    y_title: str,
+    chart: Chart,
 ) -> str:
     parts = []
     for y in y_ticks:
@@ -127,9 +96,9 @@ def _axes(
             )
     middle = 0.5 * (LEFT + WIDTH - RIGHT)
     parts.append(
-        f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(x_title)}</text>'
+        f'<text x="{middle}" y="{HEIGHT - 6}" text-anchor="middle">{escape(chart.x.title)}</text>'
         f'<text transform="translate(13 {0.5 * (TOP + HEIGHT - BOTTOM)}) rotate(-90)" '
-        f'text-anchor="middle">{escape(y_title)}</text>'
+        f'text-anchor="middle">{escape(chart.y.title)}</text>'
     )
     return "".join(parts)
 

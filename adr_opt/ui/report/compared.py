@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from ...analysis.comparison import Comparison, Difference, LegPair, Side
 from ...common.constants import DAY_S
@@ -11,8 +12,9 @@ from ...plan.palette import CHASERS
 from ...plan.plan import Leg, Plan
 from ...plan.routes import several
 from ...problem.instance import Instance
-from ..plot.budget import budget
-from .charts import Line, chart
+from ..plot.budget import LEFT, budget_chart
+from ..plot.chart import DAYS, Chart, ChartAxis, Line
+from .charts import drawn
 from .plain import page, row, section
 from .tables import table
 from .text import NOTHING, clock, fixed, number
@@ -24,27 +26,28 @@ def compared_page(comparison: Comparison) -> str:
     """The HTML of the page."""
     instance, plans = comparison.instance, comparison.plans
     colours = dict(zip(plans, CHASERS * len(plans), strict=False))
-    charts = [
-        Line(name, *_visits(instance, plan), colours[name], step=True)
-        for name, plan in plans.items()
-    ]
+    visits = Chart(
+        tuple(_visits(instance, plan, name, colours[name]) for name, plan in plans.items()),
+        DAYS, ChartAxis("visits"),
+    )  # fmt: skip
     parts = [
         section("Side by side", "", _sides(comparison)),
         section(
             "Visits against time", "Targets whose service is over.",
-            chart(charts, "days since the epoch", "visits", "Visits of each plan against time"),
+            drawn(visits, "Visits of each plan against time"),
         ),
     ]  # fmt: skip
     if not several(instance):
-        left = []
-        for name, plan in plans.items():
-            course = budget(instance, plan)
-            days = [time / DAY_S for time in course.times_s]
-            left.append(Line(name, days, course.left_m_s, colours[name], step=True))
+        made = {name: budget_chart(instance, plan) for name, plan in plans.items()}
+        lines = (
+            replace(chart.series[0], name=name, colour=colours[name])
+            for name, chart in made.items()
+        )
+        left = replace(next(iter(made.values())), series=tuple(lines))
         parts.append(
             section(
-                "ΔV left", "A step down at every burn, and up at every refuelling.",
-                chart(left, "days since the epoch", "ΔV left [m/s]", "ΔV left of each plan"),
+                LEFT, "A step down at every burn, and up at every refuelling.",
+                drawn(left, "ΔV left of each plan"),
             )
         )  # fmt: skip
     first = next(iter(plans))
@@ -56,11 +59,11 @@ def compared_page(comparison: Comparison) -> str:
     return page("Plans compared", instance.name, under, parts)
 
 
-def _visits(instance: Instance, plan: Plan) -> tuple[list[float], list[float]]:
-    """Days, and the targets whose service is over by then."""
+def _visits(instance: Instance, plan: Plan, name: str, colour: str) -> Line:
+    """Targets whose service is over, against days."""
     stations = instance.station_names
     ends = sorted(leg.end_s / DAY_S for leg in plan.legs if leg.destination not in stations)
-    return [0.0, *ends], [float(count) for count in range(len(ends) + 1)]
+    return Line(name=name, colour=colour, step=True, x=[0.0, *ends], y=range(len(ends) + 1))
 
 
 FIGURES = (

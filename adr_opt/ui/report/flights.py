@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from ...common.wording import counted
 from ...fly.flight.refined_result import RefinedFlight
@@ -10,16 +10,10 @@ from ...fly.flight.result import EccentricFlight, Flight, LegFlight, TankFlight,
 from ...fly.flight.tanks import tanks_of
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
-from .tables import route_cell, table
+from .tables import Cell, route_cell, row, table
 from .text import NOTHING, escape, fixed
 
-Cell = tuple[str, str]
-"""A class, "n" for numbers, and HTML."""
-
-MOTIONS = {
-    "two-body": "two-body motion",
-    "j2": "the mean motion of orbits that drift under J2",
-}
+MOTIONS = {"two-body": "two-body motion", "j2": "the mean motion of orbits that drift under J2"}
 
 
 def section(
@@ -94,7 +88,7 @@ def _leg(leg: LegFlight, is_true: bool) -> str:
     ]  # fmt: skip
     if is_true:
         cells += _true(leg.eccentric)
-    return _row(cells)
+    return row(cells)
 
 
 def _true(flown: EccentricFlight | None) -> list[Cell]:
@@ -133,7 +127,7 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
                 ("n", _small(max(flown.standoff_miss_m, flown.arrival_miss_m))),
                 ("n", _small(max(flown.standoff_miss_m_s, flown.arrival_miss_m_s))),
             ]  # fmt: skip
-        rows.append(_row(cells))
+        rows.append(row(cells))
     headings = [
         ("leg", "n"), ("from → to", ""), ("kind", ""), ("planned m/s", "n"),
         ("own burns m/s", "n"), ("flown m/s", "n"), ("more m/s", "n"), ("burns", "n"),
@@ -164,7 +158,7 @@ def _total(refined: RefinedPlan) -> str:
 def _tanks(tanks: Sequence[TankFlight]) -> str:
     whose = any(tank.chaser for tank in tanks)
     rows = [
-        _row([
+        row([
             *([("", escape(tank.chaser or NOTHING))] if whose else []),
             ("n", str(tank.tank)), ("", legs_named(tank.first_leg, tank.last_leg)),
             ("n", fixed(tank.budget_m_s, 1)), ("n", fixed(tank.planned_delta_v_m_s, 1)),
@@ -180,11 +174,6 @@ def _tanks(tanks: Sequence[TankFlight]) -> str:
         ("planned m/s", "n"), ("flown m/s", "n"), ("left m/s", "n"), ("", ""),
     )  # fmt: skip
     return "<h3>Its tanks</h3>" + table("Tanks when flown", headings, rows) if rows else ""
-
-
-def _row(cells: Iterable[Cell]) -> str:
-    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
-    return f"<tr>{inside}</tr>"
 
 
 def _small(value: float | None) -> str:

@@ -19,7 +19,7 @@ from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
 from ..plot.tracks import Track
-from .figures.orbits import MOST_RINGS
+from .figures.orbits import kinds_shown
 from .greenwich import greenwich
 from .text import in_chart
 
@@ -54,15 +54,11 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
         by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
         ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s].
     """
-    shown = _shown(instance, plan)
+    shown = {name: kind for kind, names in kinds_shown(instance, plan) for name in names}
     at = {name: number for number, name in enumerate(shown)}
     rows = instance.orbits()
     bodies = [
-        {
-            "name": in_chart(name),
-            "kind": kind,
-            "row": _row(rows[instance.names.index(name)]),
-        }
+        {"name": in_chart(name), "kind": kind, "row": _row(rows[instance.names.index(name)])}
         for name, kind in shown.items()
     ]
     colours = chaser_colours(instance)
@@ -91,18 +87,6 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
 
 def _row(body: npt.NDArray[np.float64]) -> list[float]:
     return [float(element(body, EPOCH_S)) for element in ELEMENTS]
-
-
-def _shown(instance: Instance, plan: Plan) -> dict[str, str]:
-    """The bodies that are drawn, with their kinds: those whose orbits are."""
-    visited = set(plan.destinations)
-    targets = [target.name for target in instance.targets]
-    missed = [name for name in targets if name not in visited][:MOST_RINGS]
-    return {
-        **{name: "station" for name in instance.station_names},
-        **{name: "visited" for name in targets if name in visited},
-        **{name: "not visited" for name in missed},
-    }
 
 
 def _arcs(flown: Flown, tracks: tuple[Track, ...]) -> list[list[Any]]:

@@ -96,7 +96,6 @@ def write_report(
         plotly is not installed.
     """
     check_writable(path)
-    _refuse_other(plan, refined)
     found = _found(instance, plan, refined, flight, refined_flight)
     text = _page(instance, plan, found)
     write_text(path, text)
@@ -124,7 +123,6 @@ def page(
     InputError, MissingExtra
         As in :func:`write_report`.
     """
-    _refuse_other(plan, refined)
     return _page(instance, plan, _found(instance, plan, refined, flight, refined_flight))
 
 
@@ -146,18 +144,15 @@ def _found(
     flight: Flight | None,
     refined_flight: RefinedFlight | None,
 ) -> _Found:
-    violations = check(instance, plan)
-    # Of a refined plan its own flight is what counts; the plan is flown only if that is asked for.
-    flown = _flown(instance, plan) if flight is None and refined is None else flight
-    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
-
-
-def _refuse_other(plan: Plan, refined: RefinedPlan | None) -> None:
     if refined is not None and refined.plan.sha256 != reference(plan).sha256:
         raise InputError(
             f"the refined plan was made of another plan (sha256 {refined.plan.sha256[:12]}…); "
             "refine the one that is reported"
         )
+    violations = check(instance, plan)
+    # Of a refined plan its own flight is what counts; the plan is flown only if that is asked for.
+    flown = _flown(instance, plan) if flight is None and refined is None else flight
+    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
 
 
 def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
@@ -241,10 +236,7 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
 
 
 def _data(
-    instance: Instance,
-    plan: Plan,
-    known: _Found,
-    burned: tuple[burns.ReportedBurn, ...],
+    instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """What the script of the page draws from."""
     drawn = known.drawn

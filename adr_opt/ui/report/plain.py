@@ -9,6 +9,7 @@ from importlib import resources
 from ...common.errors import InputError
 from ...common.files import check_writable, write_text
 from ...common.version import __version__
+from . import tables
 from .text import escape
 
 MORE = """
@@ -38,8 +39,7 @@ def section(title: str, note: str, content: str) -> str:
 
 def row(cells: Iterable[tuple[str, str]], kind: str = "") -> str:
     """A row of a table: cells as (class, text), class "n" for numbers."""
-    inside = "".join(f"<td{' class=n' if c == 'n' else ''}>{escape(t)}</td>" for c, t in cells)
-    return f"<tr{f' class={kind}' if kind else ''}>{inside}</tr>"
+    return tables.row(((c, escape(text)) for c, text in cells), kind and f"class={kind}")
 
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:

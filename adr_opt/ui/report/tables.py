@@ -18,6 +18,9 @@ from .text import LONG_S, NOTHING, clock, escape, fixed, number, span
 
 LONG_ROUTE = 30
 
+Cell = tuple[str, str]
+"""A class, "n" for numbers, and HTML."""
+
 REASON_TITLES = {
     "no-transfer": "no transfer",
     "duration": "duration",
@@ -50,7 +53,13 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
     )
 
 
-def route_cell(origin: str, destination: str) -> tuple[str, str]:
+def row(cells: Iterable[Cell], about: str = "") -> str:
+    """A row of cells; ``about`` are attributes of the row."""
+    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
+    return f"<tr{about and f' {about}'}>{inside}</tr>"
+
+
+def route_cell(origin: str, destination: str) -> Cell:
     """Where a leg leads, as a cell: names that are long together may go over several lines."""
     kind = "name" if len(origin) + len(destination) > LONG_ROUTE else ""
     return kind, f"{escape(origin)} → <b>{escape(destination)}</b>"
@@ -97,8 +106,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("n", _kg(leg.mass_kg))] if weighed else []),
             ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
         )
-        inside = "".join(f"<td{f' class={c}' if c else ''}>{text}</td>" for c, text in cells)
-        rows.append(f'<tr data-leg="{at}"{" class=refuels" if refuels else ""}>{inside}</tr>')
+        rows.append(row(cells, f'data-leg="{at}"{" class=refuels" if refuels else ""}'))
     unit = "d" if in_days else "h"
     headings = (
         ("leg", "n"), *([("chaser", "")] if whose else []), ("from → to", ""), ("ready", "n"),
@@ -147,7 +155,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
             ("n", clock(flown.legs[0][1].departure_s) if flown.legs else NOTHING),
             ("n", clock(flown.end_s) if flown.legs else NOTHING),
         )
-        rows.append(_row(cells))
+        rows.append(row(cells))
     headings = (
         ("chaser", ""), ("starts", ""), ("targets", "n"), ("refuellings", "n"), ("ΔV m/s", "n"),
         *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
@@ -175,7 +183,7 @@ def loads(instance: Instance, plan: Plan) -> str:
             expense = number(expense_of(instance, flown.chaser, flown.spent), 3)
             numbers = (*numbers, least, expense)
         name = f"<b>{escape(flown.chaser.name)}</b>"
-        rows.append(_row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
+        rows.append(row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
     headings = (
         ("chaser", ""), ("mass at the start kg", "n"), ("kits", "n"), ("propellant kg", "n"),
         ("used kg", "n"), ("left kg", "n"), ("mass at the end kg", "n"),
@@ -192,7 +200,7 @@ def traffic(instance: Instance, plan: Plan) -> str:
     """One row per stay of a chaser at a station, by station and time."""
     every = stays(instance, plan)
     rows = [
-        _row(
+        row(
             (
                 ("", f"<b>{escape(stay.station)}</b>"),
                 ("", escape(stay.chaser)),
@@ -210,11 +218,6 @@ def traffic(instance: Instance, plan: Plan) -> str:
         ("also there", ""),
     )  # fmt: skip
     return table("Station traffic", headings, rows) if rows else "<p>No chaser is at a station.</p>"
-
-
-def _row(cells: Iterable[tuple[str, str]]) -> str:
-    inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
-    return f"<tr>{inside}</tr>"
 
 
 def _where(chaser: Chaser, since: float) -> str:
@@ -239,12 +242,8 @@ def unvisited(instance: Instance, plan: Plan) -> str:
                 fixed(target.orbit.inclination_deg, 2),
                 fixed(target.orbit.raan_deg, 2),
             )
-        rows.append(
-            f"<tr><td><b>{escape(entry.target)}</b></td>"
-            f"<td>{REASON_TITLES[entry.reason]}</td>"
-            + "".join(f"<td class=n>{text}</td>" for text in (*orbit, prize))
-            + "</tr>"
-        )
+        words = ("", f"<b>{escape(entry.target)}</b>"), ("", REASON_TITLES[entry.reason])
+        rows.append(row((*words, *(("n", text) for text in (*orbit, prize)))))
     headings = (
         ("target", ""), ("reason", ""), ("altitude km", "n"), ("inclination °", "n"),
         ("RAAN °", "n"), ("prize", "n"),

@@ -11,12 +11,12 @@ from ...analysis.trade.points import Point, Tradeoff
 from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
-from .charts import Line, chart
+from ..plot.chart import Chart, ChartAxis, Line
+from ..plot.tradeoff import named, tradeoff_chart
+from .charts import drawn
 from .plain import page, row, section
 from .tables import table
 from .text import NOTHING, fixed, number
-
-TITLES = {kind.name: kind.title for kind in KINDS.values()}
 
 FRONTIER = "Least ΔV against the last day"
 
@@ -43,18 +43,11 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
         Its frontier, where there is one.
     """
     instance = tradeoff.instance
-    parts, most = [], math.fsum(target.prize for target in instance.targets)
+    parts = []
     for axis in tradeoff.axes:
-        other = "delta-v" if axis.kind == "duration" else "duration"
-        rows = tradeoff.along(axis.kind)
-        lines = [
-            _line(
-                points, axis.kind, _named(other, value, len(rows)), CHASERS[at % len(CHASERS)], most
-            )
-            for at, (value, points) in enumerate(rows.items())
-        ]
-        said = f"Prize and bound against {TITLES[axis.kind]}"
-        parts.append(section(said, NOTE, chart(lines, TITLES[axis.kind], "prize", said)))
+        made = tradeoff_chart(tradeoff, axis.kind)
+        said = f"Prize and bound against {made.x.title}"
+        parts.append(section(said, NOTE, drawn(made, said)))
     if endings:
         parts.append(section(FRONTIER, FRONTIER_NOTE, _frontier_chart(endings)))
     parts.append(section("Points", "", _table(tradeoff)))
@@ -65,29 +58,6 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
         f"{tradeoff.runtime_s:.1f} s, {tradeoff.cpu_s:.1f} s of processors"
     )
     return page("Trade-off", instance.name, under, parts)
-
-
-def _named(kind: str, value: float, rows: int) -> str:
-    if rows == 1:
-        return "plans, and up to the bound"
-    return f"{KINDS[kind].name} {number(value / KINDS[kind].scale, 3)} {KINDS[kind].unit}"
-
-
-def value_of(point: Point, kind: str) -> float:
-    """The limit of a point that is varied, in the unit that people give it in."""
-    return point.value(kind) / KINDS[kind].scale
-
-
-def _line(points: tuple[Point, ...], kind: str, name: str, colour: str, most: float) -> Line:
-    there = [point for point in points if math.isfinite(point.prize)]
-    return Line(
-        name,
-        [value_of(point, kind) for point in there],
-        [point.prize for point in there],
-        colour,
-        dots=True,
-        below=[point.upper_bound if math.isfinite(point.upper_bound) else most for point in there],
-    )
 
 
 HEADINGS = ("ΔV m/s", "days", "prize", "bound", "gap", "status", "visits", "cost", "by", "s")
@@ -135,11 +105,15 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
     lines = []
     for at, tank_m_s in enumerate(tanks):
         own = [ending for ending in endings if ending.tank_m_s == tank_m_s]
-        name = "plans" if len(tanks) == 1 else _named("delta-v", tank_m_s, len(tanks))
-        days = [ending.last_s / DAY_S for ending in own]
-        spent = [ending.delta_v_m_s for ending in own]
-        lines.append(Line(name, days, spent, CHASERS[at % len(CHASERS)], step=True, dots=True))
-    return chart(lines, "last day", "ΔV [m/s]", FRONTIER)
+        name = "plans" if len(tanks) == 1 else named(KINDS["delta-v"], tank_m_s)
+        lines.append(
+            Line(
+                name=name, colour=CHASERS[at % len(CHASERS)], step=True, dots=True,
+                x=[ending.last_s / DAY_S for ending in own],
+                y=[ending.delta_v_m_s for ending in own],
+            )
+        )  # fmt: skip
+    return drawn(Chart(tuple(lines), ChartAxis("last day"), ChartAxis("ΔV [m/s]")), FRONTIER)
 
 
 def _frontier_table(endings: Sequence[Ending]) -> str:

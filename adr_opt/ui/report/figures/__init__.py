@@ -8,13 +8,10 @@ Colours of text and grids are left to
 the page, which knows whether it is light or dark.
 """
 
-from .altitude import altitude
-from .budget import budget
 from .costs import costs
-from .gantt import gantt
 from .lanes import lanes
-from .nodes import nodes
 from .orbits import orbits
+from .over_time import altitude, budget, gantt, nodes
 from .planes import planes
 
 __all__ = ["altitude", "budget", "costs", "gantt", "lanes", "nodes", "orbits", "planes"]

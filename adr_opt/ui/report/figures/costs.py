@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 from ....plan.leg_kinds import GIVEN
 from ....plan.plan import Leg, Plan
 from ....plan.refined_plan import RefinedPlan
-from ...plot.costs import BURNED, PLANNED, REFINED
+from ...plot.chart import Series
+from ...plot.costs import costs_chart
 from ..text import number
-from .parts import Figure, column, leg_title
+from .parts import Figure, figure, leg_title, said
 
 MOST_TICKS = 20
 """Where there are more legs, not each has its number below the chart."""
@@ -21,41 +22,20 @@ def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
     With the plan refined, a third one is what the leg takes then.
     """
     is_given = any(leg.kind == GIVEN.name for leg in plan.legs)
-    numbers = list(range(1, len(plan.legs) + 1))
-    said = [f"{leg_title(plan, at)}<br>{_words(leg)}" for at, leg in enumerate(plan.legs, start=1)]
-    traces = [
-        {
-            "type": "bar", "name": name, "x": numbers, "y": column(values, 2),
-            "customdata": numbers, "text": said, "textposition": "none",
-            "hovertemplate": "%{text}<extra></extra>",
-            "marker": {"color": colour, "line": {"width": 0}},
-        }
-        for name, values, colour in (
-            ("planned", [leg.delta_v_m_s for leg in plan.legs], PLANNED),
-            ("burns", None if is_given else [leg.burns_delta_v_m_s for leg in plan.legs], BURNED),
-            ("refined", _refined(plan, refined), REFINED),
-        )
-        if values is not None
-    ]  # fmt: skip
-    layout = {
-        "barmode": "group",
-        "showlegend": not is_given,
-        "xaxis": {
-            "title": {"text": "leg"},
-            "range": [0.4, max(numbers, default=1) + 0.6],
-            **({"dtick": 1} if len(numbers) <= MOST_TICKS else {}),
-        },
-        "yaxis": {"title": {"text": "ΔV [m/s]"}, "rangemode": "tozero"},
-    }
-    return {"data": traces, "layout": layout}
+    count = len(plan.legs)
 
+    def more(one: Series) -> dict[str, Any]:
+        texts = [
+            f"{leg_title(plan, number)}<br>{_words(leg)}"
+            for number, leg in enumerate(one.of, start=1)
+        ]
+        return said("%{text}", texts)
 
-def _refined(plan: Plan, refined: RefinedPlan | None) -> list[float] | None:
-    """What the legs take in true dynamics; NaN for those that are missing [m/s]."""
-    if refined is None:
-        return None
-    flown = {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
-    return [flown.get(at, math.nan) for at in range(1, len(plan.legs) + 1)]
+    ticks = {"dtick": 1} if count <= MOST_TICKS else {}
+    return figure(
+        costs_chart(plan, refined), more, barmode="group", showlegend=not is_given,
+        xaxis={"range": [0.4, max(count, 1) + 0.6], **ticks}, yaxis={"rangemode": "tozero"},
+    )  # fmt: skip
 
 
 def _words(leg: Leg) -> str:

@@ -8,20 +8,23 @@ import numpy as np
 
 from ....common.constants import EARTH_RADIUS_M
 from ....fly.trajectory.sampling import SHORTEST_ARC_S
-from ....plan.palette import COLOURS, LABELS, STATION, UNVISITED, VISITED, chaser_colours
+from ....plan.palette import COLOURS, STATION, UNVISITED, VISITED, chaser_colours
 from ....plan.plan import Plan
 from ....plan.routes import owners
 from ....problem.instance import Instance
-from ...plot.axes import KM_M
-from ...plot.tracks import POINTS_OF_A_RING, Track, joined, ring
+from ...plot.chart import KM_M, Chart, ChartAxis, Line, Marks
+from ...plot.space import in_km, on_earth, path_lines, rings_of
+from ...plot.tracks import POINTS_OF_A_RING, Track, joined
 from ..text import clock, in_chart
-from .parts import Figure, column, leg_title, legend, named, repeated, strands
+from .parts import SILENT, Figure, column, leg_title, named, of_arcs, said, trace
 
 MOST_RINGS = 200
 """More orbits than this are one another's shade; the first of those that are not visited go."""
 
 WINDOW_FILL = 1.6
 """How large the farthest orbit is drawn; beyond this it would be cut off by the window."""
+
+SPACE = Chart((), ChartAxis("x [km]", 1), ChartAxis("y [km]", 1))
 
 
 def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
@@ -30,84 +33,59 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     The frame is the inertial one of the elements. Orbits are the circles that are planned with;
     of every arc of the chaser at most one revolution is drawn.
     """
-    known = set(instance.names)
-    visited = set(plan.destinations) & known
-    names = [target.name for target in instance.targets]
-    missed = [name for name in names if name not in visited][:MOST_RINGS]
+    (_, homes), (_, seen), (_, missed) = kinds_shown(instance, plan)
+    lines = path_lines(instance, plan, tracks, 3.0, by_chaser=True)
     traces: list[dict[str, Any]] = [
         _earth(),
         _graticule(),
-        _rings(instance, "orbits not visited", missed, UNVISITED, 1.0, 0.45),
-        _rings(instance, "orbits visited", [n for n in names if n in visited], VISITED, 1.0, 0.55),
-        _rings(instance, "station's orbit", [*instance.station_names], STATION, 4.0, 1.0),
+        _rings(rings_of(instance, "orbits not visited", missed, UNVISITED, 1.0), 0.45),
+        _rings(rings_of(instance, "orbits visited", seen, VISITED, 1.0), 0.55),
+        _rings(rings_of(instance, "station's orbit", homes, STATION, 4.0), 1.0),
+        *(trace(line, SPACE) | of_arcs(line, "") for line in lines),
     ]
-    traces += legend(instance, "scatter3d")
-    for phase, found, colour, about in strands(instance, plan, tracks):
-        lengths = [len(track.around_m) for track in found]
-        traces.append(
-            {
-                **_line(joined([track.around_m for track in found]), colour, 3.0),
-                **about,
-                "customdata": repeated([track.leg for track in found], lengths),
-                "hovertemplate": f"{LABELS[phase]}, %{{text}}<extra></extra>",
-            }
-        )
-    whose, colours = owners(instance, plan), chaser_colours(instance)
-    stays: dict[int, Track] = {}
-    for track in tracks:
-        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
-            stays.setdefault(track.leg, track)
-    refuels = {
-        at for at, leg in enumerate(plan.legs, start=1) if leg.destination in instance.station_names
-    }
-    traces.append(
-        {
-            "type": "scatter3d", "mode": "markers", "name": "arrivals", **named(instance, False),
-            **_columns(np.array([track.around_m[0] for track in stays.values()])),
-            "customdata": list(stays),
-            "text": [
-                f"{leg_title(plan, leg)}<br>arrives {clock(track.times_s[0])}"
-                for leg, track in stays.items()
-            ],
-            "marker": {
-                "size": 4,
-                "color": [
-                    colours[whose[leg]]
-                    if leg in whose
-                    else COLOURS["refuelling" if leg in refuels else "service"]
-                    for leg in stays
-                ],
-            },
-            "hovertemplate": "%{text}<extra></extra>",
-        }
-    )  # fmt: skip
+    arrivals = _arrivals(instance, plan, tracks)
+    texts = [f"{leg_title(plan, leg)}<br>arrives {clock(time_s)}" for leg, time_s in arrivals.of]
+    traces.append(trace(arrivals, SPACE) | named(instance, False) | said("%{text}", texts))
     layout = {"scene": _scene(instance, tracks), **named(instance, True)}
     return {"data": traces, "layout": layout}
 
 
-def _columns(points_m: np.ndarray[Any, Any]) -> dict[str, Any]:
-    points = points_m.reshape(-1, 3) / KM_M
-    return {axis: column(points[:, number], 1) for number, axis in enumerate("xyz")}
+def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], ...]:
+    """The bodies whose orbits are drawn, by what they are."""
+    names, visited = [target.name for target in instance.targets], set(plan.destinations)
+    return (
+        ("station", list(instance.station_names)),
+        ("visited", [name for name in names if name in visited]),
+        ("not visited", [name for name in names if name not in visited][:MOST_RINGS]),
+    )
 
 
-def _line(points_m: np.ndarray[Any, Any], colour: str, width: float) -> dict[str, Any]:
-    return {
-        "type": "scatter3d", "mode": "lines", **_columns(points_m),
-        "line": {"color": colour, "width": width},
-    }  # fmt: skip
+def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Marks:
+    """Where the chaser has docked after each leg."""
+    whose, colours = owners(instance, plan), chaser_colours(instance)
+    docked: dict[int, Track] = {}
+    for track in tracks:
+        if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
+            docked.setdefault(track.leg, track)
+
+    def colour(leg: int) -> str:
+        if leg in whose:
+            return colours[whose[leg]]
+        refuels = plan.legs[leg - 1].destination in instance.station_names
+        return COLOURS["refuelling" if refuels else "service"]
+
+    x, y, z = in_km(np.array([track.around_m[0] for track in docked.values()]))
+    return Marks(
+        name="arrivals", colour=COLOURS["service"], size=4.0, x=x, y=y, z=z, legs=list(docked),
+        of=[(leg, track.times_s[0]) for leg, track in docked.items()],
+        colours=[colour(leg) for leg in docked],
+    )  # fmt: skip
 
 
-def _rings(
-    instance: Instance, title: str, names: list[str], colour: str, width: float, opacity: float
-) -> dict[str, Any]:
-    rings = [ring(instance, name) for name in names]
-    return {
-        **_line(joined(rings), colour, width),
-        "name": title,
-        "opacity": opacity,
-        "meta": {"names": [in_chart(name) for name in names], "each": POINTS_OF_A_RING + 1},
-        "hovertemplate": "orbit of %{text}<extra></extra>",
-    }
+def _rings(line: Line, opacity: float) -> dict[str, Any]:
+    """Orbits of bodies, whose names the page gives to points."""
+    names = {"names": [in_chart(name) for name in line.of], "each": POINTS_OF_A_RING + 1}
+    return trace(line, SPACE) | {"opacity": opacity, "meta": names} | said("orbit of %{text}")
 
 
 def _earth() -> dict[str, Any]:
@@ -118,12 +96,7 @@ def _earth() -> dict[str, Any]:
         np.linspace(0.0, 2.0 * np.pi, columns, endpoint=False),
         indexing="ij",
     )
-    radius = EARTH_RADIUS_M / KM_M
-    sphere = {
-        "x": radius * np.cos(latitude) * np.cos(longitude),
-        "y": radius * np.cos(latitude) * np.sin(longitude),
-        "z": radius * np.sin(latitude),
-    }
+    sphere = dict(zip("xyz", on_earth(latitude, longitude), strict=True))
     number = np.arange(rows * columns).reshape(rows, columns)
     south, north = number[:-1], number[1:]
     south_east, north_east = np.roll(south, -1, axis=1), np.roll(north, -1, axis=1)
@@ -148,25 +121,14 @@ def _earth() -> dict[str, Any]:
 
 def _graticule() -> dict[str, Any]:
     """Meridians and parallels every 30°, a little above the ground."""
-    radius, around = 1.01 * EARTH_RADIUS_M, np.linspace(0.0, 2.0 * np.pi, 61)
-    lines = []
-    for latitude in np.radians(np.arange(-60.0, 61.0, 30.0)):
-        level = np.full(around.size, np.sin(latitude))
-        flat = np.cos(latitude)
-        lines.append(
-            radius * np.column_stack([flat * np.cos(around), flat * np.sin(around), level])
-        )
-    for longitude in np.radians(np.arange(0.0, 180.0, 30.0)):
-        flat = np.cos(around)
-        lines.append(
-            radius
-            * np.column_stack([flat * np.cos(longitude), flat * np.sin(longitude), np.sin(around)])
-        )
-    return {
-        **_line(joined(lines), "#b4c7d6", 1.5),
-        "name": "graticule", "hoverinfo": "skip", "meta": {"role": "earth"},
-        "showlegend": False,
-    }  # fmt: skip
+    around = np.linspace(0.0, 2.0 * np.pi, 61)
+    lines = [
+        *(on_earth(np.full(61, at), around) for at in np.radians(np.arange(-60.0, 61.0, 30.0))),
+        *(on_earth(around, np.full(61, at)) for at in np.radians(np.arange(0.0, 180.0, 30.0))),
+    ]
+    x, y, z = 1.01 * joined([line.T for line in lines]).T
+    line = Line(name="graticule", colour="#b4c7d6", width=1.5, x=x, y=y, z=z, in_legend=False)
+    return trace(line, SPACE) | SILENT | {"meta": {"role": "earth"}}
 
 
 def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:

@@ -1,27 +1,127 @@
-"""What the charts share."""
+"""Charts in plotly's form, and what their hover texts share."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from datetime import UTC
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ....common.constants import DAY_S
-from ....plan.palette import COLOURS, LABELS, PHASES, chaser_colours
+from ....common.wording import shortened
+from ....plan.palette import LABELS
 from ....plan.plan import Plan
-from ....plan.routes import owners, several
+from ....plan.routes import several
 from ....problem.instance import Instance
-from ...plot.axes import since
-from ...plot.tracks import Track
-from ..text import clock, in_chart
+from ...plot.chart import Bars, Box, Chart, ChartAxis, Line, Marks, Series
+from ..text import clock, in_chart, lasting
 
 Figure = dict[str, Any]
 
 FRAME_PX = 70
 LONGEST_TICK = 16
 """Longer names are cut beside the chart; the whole name is in the hover text and in the tables."""
+
+NO_LINE = {"width": 0}
+SILENT = {"hoverinfo": "skip"}
+
+
+def figure(chart: Chart, more: Callable[[Series], dict[str, Any]], **layout: Any) -> Figure:
+    """A chart as plotly's data and layout.
+
+    Parameters
+    ----------
+    chart : Chart
+    more : callable
+        What a trace has beyond its series: what is said where the mouse is, mostly.
+    **layout
+        Of the figure; what is said of an axis is added to that of the chart.
+    """
+    boxes = [one for one in chart.series if isinstance(one, Box)]
+    if boxes:
+        layout["shapes"] = [_shape(box) for box in boxes]
+    for name, axis in (("xaxis", chart.x), ("yaxis", chart.y)):
+        layout[name] = _axis(axis) | layout.get(name, {})
+    return {"data": [trace(one, chart) | more(one) for one in chart.series], "layout": layout}
+
+
+def trace(one: Series, chart: Chart) -> dict[str, Any]:
+    """A series as a trace, without a word on what is said where the mouse is."""
+    x, y = (column(values, axis.digits) for values, axis in ((one.x, chart.x), (one.y, chart.y)))
+    made: dict[str, Any] = {"name": in_chart(one.name), "x": x, "y": y}
+    if one.phase is not None:
+        made["meta"] = {"phase": one.phase}
+    if one.in_legend is not None:
+        made["showlegend"] = one.in_legend
+    if one.legs is not None:
+        made["customdata"] = list(one.legs)
+    if isinstance(one, Line):
+        line = {"color": one.colour, "width": one.width, **({"shape": "hv"} if one.step else {})}
+        made |= {"type": "scatter", "mode": "lines", "line": line}
+    elif isinstance(one, Marks):
+        colour = list(one.colours) or one.colour
+        made |= {"type": "scatter", "mode": "markers"}
+        made["marker"] = {"color": colour, "size": one.size, "symbol": one.symbol}
+    elif isinstance(one, Box):
+        line = {"width": 1.5, "color": one.colour}
+        made |= {"type": "scatter", "mode": "markers"}
+        made["marker"] = {"color": one.colour, "size": 7, "symbol": "x-thin", "line": line}
+        made |= {"x": [sum(one.x) / 2.0], "y": [sum(one.y) / 2.0]}
+    else:
+        made |= {"type": "bar", "textposition": "none"}
+        made["marker"] = {"color": one.colour, "line": NO_LINE}
+    if one.z is not None:
+        made |= {"type": "scatter3d", "z": column(one.z, chart.y.digits)}
+    if isinstance(one, Bars):
+        made |= {"orientation": "h", "base": x, "x": column(one.lengths, chart.x.digits)}
+        made["width"] = one.share
+    return made
+
+
+def _shape(box: Box) -> dict[str, Any]:
+    (left, right), (low, high) = box.x, box.y
+    return {
+        "type": "rect", "layer": "below", "x0": left, "x1": right, "y0": low, "y1": high,
+        "fillcolor": box.colour, "opacity": 0.28, "line": {"width": 1, "color": box.colour},
+    }  # fmt: skip
+
+
+def _axis(axis: ChartAxis) -> dict[str, Any]:
+    if axis.rows is None:
+        return {"title": {"text": axis.title}}
+    short, count = shortened(axis.rows, LONGEST_TICK), len(axis.rows)
+    ticks = [in_chart(short[name]) for name in axis.rows]
+    for row in axis.headings:
+        ticks[row - 1] = f"<b>{ticks[row - 1]}</b>"
+    return {
+        "range": [count + 0.6, 0.4], "fixedrange": True, "showgrid": False,
+        "tickvals": list(range(1, count + 1)), "ticktext": ticks,
+    }  # fmt: skip
+
+
+def said(text: str, texts: Sequence[str] | None = None) -> dict[str, Any]:
+    """What is said where the mouse is, in plotly's form, with a text for each point."""
+    return {"hovertemplate": f"{text}<extra></extra>"} | ({} if texts is None else {"text": texts})
+
+
+def of_arcs(line: Series, text: str) -> dict[str, Any]:
+    """The same of flown arcs, to which the page adds the titles of their legs."""
+    if line.phase is None:
+        return SILENT
+    meta = {"phase": line.phase, "titled": True}
+    return {"meta": meta} | said(f"{LABELS[line.phase]}, %{{text}}{text}")
+
+
+def of_bars(plan: Plan, bars: Series) -> dict[str, Any]:
+    """The same of the segments of a phase."""
+    texts = [
+        f"{bars.name}, {lasting(bar.duration_s)}<br>{leg_title(plan, bar.leg)}<br>"
+        f"{period(bar.start_s, bar.end_s)}"
+        for bar in bars.of
+    ]
+    return said("%{text}", texts)
 
 
 def column(values: npt.ArrayLike, digits: int) -> list[float | None]:
@@ -32,21 +132,12 @@ def column(values: npt.ArrayLike, digits: int) -> list[float | None]:
     ]
 
 
-def days(times_s: npt.ArrayLike) -> list[float | None]:
-    """Times in days, to less than a tenth of a second."""
-    return column(np.asarray(times_s, dtype=float) / DAY_S, 6)
-
-
-def repeated(legs: Iterable[int], lengths: Iterable[int]) -> list[int]:
-    """The leg of each point of lines that :func:`adr_opt.ui.plot.tracks.joined` put together."""
-    return [leg for leg, length in zip(legs, lengths, strict=True) for _ in range(length + 1)]
-
-
 def time_axis(instance: Instance, plan: Plan) -> dict[str, Any]:
     """The common time axis of the charts, from the epoch to the end of the mission."""
     last = [route.legs[-1].end_s for route in plan.routes if route.legs]
     end = max([instance.mission.duration_s, *last])
-    return {"title": {"text": since(instance)}, "range": [0.0, end / DAY_S or 1.0]}
+    title = f"days since {instance.epoch.astimezone(UTC):%Y-%m-%d %H:%M} UTC"
+    return {"title": {"text": title}, "range": [0.0, end / DAY_S or 1.0]}
 
 
 def leg_title(plan: Plan, number: int) -> str:
@@ -66,50 +157,6 @@ def leg_title(plan: Plan, number: int) -> str:
 def named(instance: Instance, are_shown: bool) -> dict[str, Any]:
     """For a layout or a trace: whether there is a legend, or it is in it, for several chasers."""
     return {"showlegend": are_shown} if several(instance) else {}
-
-
-def legend(instance: Instance, kind: str = "scatter") -> list[dict[str, Any]]:
-    """An entry for each of several chasers, which stays when phases are switched off."""
-    if not several(instance):
-        return []
-    nowhere = {axis: [None] for axis in ("xyz" if kind == "scatter3d" else "xy")}
-    return [
-        {
-            "type": kind, "mode": "lines", "name": in_chart(name), **nowhere,
-            "line": {"color": colour, "width": 3}, "showlegend": True, "hoverinfo": "skip",
-        }
-        for name, colour in chaser_colours(instance).items()
-    ]  # fmt: skip
-
-
-class Strand(NamedTuple):
-    """What is drawn as one trace: of one phase, and of one chaser where there are several."""
-
-    phase: str
-    tracks: list[Track]
-    colour: str
-    about: dict[str, Any]
-
-
-def strands(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Iterator[Strand]:
-    """The flown arcs as traces: coloured by phase, or by chaser where there are several."""
-    whose, colours = owners(instance, plan), chaser_colours(instance)
-    for chaser in [each.name for each in instance.chasers]:
-        for phase in PHASES:
-            found = [
-                track
-                for track in tracks
-                if track.phase == phase and whose.get(track.leg, chaser) == chaser
-            ]
-            if not found:
-                continue
-            about: dict[str, Any] = {
-                "name": LABELS[phase], "meta": {"phase": phase, "titled": True}
-            }  # fmt: skip
-            if several(instance):
-                about |= {"name": in_chart(chaser), "showlegend": False}
-            colour = colours[chaser] if several(instance) else COLOURS[phase]
-            yield Strand(phase, found, colour, about)
 
 
 def period(start_s: float, end_s: float) -> str:

@@ -1,0 +1,151 @@
+"""What a chart shows, as plain data: the model that matplotlib, plotly and SVG are drawn from.
+
+Each chart is made once, in the module of its name, and drawn by :func:`.draw.draw` on an axis of
+matplotlib, by :func:`adr_opt.ui.report.figures.parts.figure` for plotly, and by
+:func:`adr_opt.ui.report.charts.drawn` on pages without scripts. Names are as people gave them: who
+draws escapes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import DAY_S
+
+KM_M = 1000.0
+
+Values = Sequence[float] | npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Series:
+    """What is drawn as one and has one entry in the legend.
+
+    Attributes
+    ----------
+    name, colour : str
+    x, y : sequence of float
+        NaN for a gap in a line.
+    z : sequence of float, optional
+        In space.
+    legs : sequence of int, optional
+        The leg of each point, 0 where none has begun; None where points belong to none.
+    of : sequence
+        What points stand for, for who says more about them.
+    phase : str, optional
+        One of :data:`.PHASES`, or "zone".
+    in_legend : bool, optional
+        Where not every series is.
+    """
+
+    name: str
+    colour: str
+    x: Values
+    y: Values
+    z: Values | None = None
+    legs: Sequence[int] | None = None
+    of: Sequence[Any] = ()
+    phase: str | None = None
+    in_legend: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Line(Series):
+    """A line, or several with gaps between them.
+
+    Attributes
+    ----------
+    width : float
+        [px].
+    step, dots : bool
+        Whether it keeps its value until the next point, and whether points are marked.
+    below : sequence of float
+        Where given, the band between the line and this is filled.
+    """
+
+    width: float = 1.8
+    step: bool = False
+    dots: bool = False
+    below: Sequence[float] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Marks(Series):
+    """Points, each with a mark.
+
+    Attributes
+    ----------
+    symbol : str
+        As plotly calls it.
+    size : float
+        [px].
+    colours : sequence of str
+        Of each mark, where they differ and can be drawn so.
+    """
+
+    symbol: str = "circle"
+    size: float = 9.0
+    colours: Sequence[str] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bars(Series):
+    """Bars along rows: from ``x``, of a length, in the rows ``y``, of which they fill a share."""
+
+    lengths: Values
+    share: float = 0.72
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Columns(Series):
+    """Columns from 0 up to ``y``, those of several series side by side."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Box(Series):
+    """A rectangle behind the others, from the first to the second ``x`` and ``y``."""
+
+
+@dataclass(frozen=True)
+class ChartAxis:
+    """An axis.
+
+    Attributes
+    ----------
+    title : str
+        With the unit.
+    digits : int
+        Decimals that can be told apart in a picture; files do without the others.
+    rows : tuple of str, optional
+        What stands beside the rows 1, 2, …, from the top, where there are rows.
+    headings : tuple of int
+        Of the rows those that head the ones below.
+    """
+
+    title: str
+    digits: int = 2
+    rows: tuple[str, ...] | None = None
+    headings: tuple[int, ...] = ()
+
+
+DAYS = ChartAxis("days since the epoch", 6)
+"""Times in days, to less than a tenth of a second."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Series on two axes, in the order in which they are drawn."""
+
+    series: tuple[Series, ...]
+    x: ChartAxis
+    y: ChartAxis
+
+
+def days(times_s: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Times in days."""
+    return np.asarray(times_s, dtype=float) / DAY_S
