@@ -13,7 +13,7 @@ from functools import partial
 from typing import NamedTuple
 
 from ..kernels.rules.rules import Rules
-from ..legs.connections import ConnectionFinder
+from ..legs.connection_finder import ConnectionFinder
 from ..mission.mission import Mission
 from ..mission.problem import Problem
 from ..mission.schedule import Scheduler

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from ..common.constants import SLACK_M_S
 from ..kernels.rules.rules import Rules
-from ..legs.connections import ConnectionFinder
+from ..legs.connection_finder import ConnectionFinder
 from ..legs.service_limits import limits_of
 from ..mission.mission import Mission
 from ..mission.schedule import Front, Scheduler

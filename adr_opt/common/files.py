@@ -8,17 +8,16 @@ import re
 import stat
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, Self, TypeVar
 
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic import ValidationError
 
 from .errors import InputError
-from .misspelt import meant
+from .sentences import sentence
 
 
 class Readable(Protocol):
@@ -34,31 +33,6 @@ Model = TypeVar("Model", bound=Readable)
 
 LEFT_OVER_S = 86400.0
 """A temporary file that is older was left by a writer that was killed [s]."""
-
-KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)"}
-"""Which of several kinds a value was taken for: part of where an error is, but no key of a file."""
-
-LONGEST_VALUE = 60
-"""Longer values are cut in error messages."""
-
-PLAINER = (
-    (r"^Input should be an object$", "must be a JSON object {…}"),
-    (r"^Input should be a valid array$", "must be a JSON list […]"),
-    (r"^Input should be a valid datetime.*", "must be a time like 2026-01-01T00:00:00Z"),
-    (r"^Input should have timezone info$", "must say its time zone, like 2026-01-01T00:00:00Z"),
-    (r"^Input should be a valid ", "must be a "),
-    (r"^must be a integer", "must be an integer"),
-    (r"^Input should ", "must "),
-    (r"^String should have at least 1 character$", "must not be empty"),
-    (r"^Tuple should have at least 1 item .*", "must not be empty"),
-    (
-        r"^String should match pattern .*parquet.*",
-        "must be the name of a file beside this one, without folders, as costs.parquet or costs.nc",
-    ),
-    (r"^String should match pattern .*x00.*", "must not contain a NUL"),
-    (r"^String should match pattern ", "must match "),
-)
-"""Messages of pydantic as a user of the files would say them."""
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -97,68 +71,6 @@ def parse_model(text: str, model: type[Model], source: str) -> Model:
         return model.from_json(text)
     except ValidationError as error:
         raise InputError(f"{source}: {sentence(error)}") from None
-
-
-def sentence(error: ValidationError) -> str:
-    """The first validation error as a sentence: field, value, what to do."""
-    details = error.errors(include_url=False)
-    first = details[0]
-    if first["type"] == "json_invalid":
-        return f"not JSON: {first['ctx']['error']}; give a JSON file"
-    first, instead, explained = _misspelt(error.title, details)
-    field = ""
-    for part in first["loc"]:
-        if part in KINDS:
-            continue
-        field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
-    said = first["msg"].removeprefix("Value error, ")
-    for pattern, plain in PLAINER:
-        said = re.sub(pattern, plain, said)
-    said = said[0].lower() + said[1:] if said else "invalid"
-    others = len(details) - 1 - explained
-    more = f" (and {others} more)" if others else ""
-    if not field:
-        # a rule between fields, which names them itself
-        return f"{said if said.startswith('field ') else 'the file ' + said}{more}"
-    if first["type"] == "missing":
-        return f"field {field}: missing; add it{more}"
-    if instead is not None:
-        return f"field {field}: unknown; did you mean {instead}?{more}"
-    if first["type"] == "extra_forbidden":
-        return f"field {field}: unknown; remove it or correct its name{more}"
-    value: Any = first["input"]
-    shown = ""
-    if not isinstance(value, (dict, list, tuple, BaseModel)):
-        shown = _as_in_json(value)
-        if len(shown) > LONGEST_VALUE:
-            shown = shown[: LONGEST_VALUE - 1] + "…"
-        shown = f" = {shown}"
-    return f"field {field}{shown}: {said}{more}"
-
-
-def _misspelt(title: str, details: Sequence[ErrorDetails]) -> tuple[ErrorDetails, str | None, int]:
-    """The first error, or the unknown key that explains it; what that was meant for, if anything.
-
-    And how many of the other errors are explained by it: a key that is missing but for a typo.
-    """
-    first = details[0]
-    if first["type"] not in ("missing", "extra_forbidden"):
-        return first, None, 0
-    beside = [each for each in details if each["loc"][:-1] == first["loc"][:-1]]
-    lacking = [str(each["loc"][-1]) for each in beside if each["type"] == "missing"]
-    for each in beside:
-        if each["type"] == "extra_forbidden":
-            instead = meant(title, each["loc"], lacking)
-            if each is first or instead == first["loc"][-1]:
-                return each, instead, int(instead in lacking)
-    return first, None, 0
-
-
-def _as_in_json(value: Any) -> str:
-    try:
-        return json.dumps(value, ensure_ascii=False)
-    except (TypeError, ValueError):  # not from a file: a value given in Python
-        return repr(value)
 
 
 def to_text(content: dict[str, Any]) -> str:

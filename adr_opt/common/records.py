@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .constants import DAY_S
 from .errors import InputError
-from .files import sentence
+from .sentences import sentence
 
 # A name ends up in formats of other programs, which end texts at a NUL.
 Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]

@@ -24,20 +24,13 @@ from ..kernels.tables.on_demand import Source
 from ..kernels.tables.timetable_making import Pairs
 from ..problem.given import Costs, of_function, of_matrices, of_rows
 from ..problem.instance import AnyInstance, Instance, instance_of
-from .connections import (
-    CHOICES,
-    AllConnections,
-    Choice,
-    ConnectionFinder,
-    Connections,
-    Pairwise,
-    weights_of,
-)
+from .connection_finder import ConnectionFinder, estimate
+from .connections import CHOICES, AllConnections, Choice, Connections, Pairwise, weights_of
 from .corrections import NO_CORRECTIONS
 from .matrices import FloatArray, Matrices
 from .nearest_pairs import Neighbours, all_pairs, begun
 from .service_limits import limits_of
-from .timetable_size import estimate, too_large
+from .timetable_size import too_large
 
 SLICE_ENTRIES = 20_000
 """Entries computed in one go: some 20 ms, after which a build can be broken off."""
@@ -73,7 +66,7 @@ class Timetable(Shown):
     asked : Neighbours, optional
         Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
         these are the pairs that searches look at. Only where
-        :attr:`~.connections.ConnectionFinder.may_be_asked` says so.
+        :attr:`~.connection_finder.ConnectionFinder.may_be_asked` says so.
 
     Attributes
     ----------

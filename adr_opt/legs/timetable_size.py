@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from ..common.constants import DAY_S, MU_M3_S2
+from ..common.constants import DAY_S
 from ..common.memory import available_bytes
 from ..kernels.tables import timetable as kernels
-from ..plan.leg_kinds import leg_kinds
 from ..problem.instance import Instance
-from .connections import ConnectionFinder, are_listed
 
 MEMORY_SHARE = 0.7
 """Part of the free memory that building a timetable may take; planners need some too."""
@@ -25,12 +21,6 @@ BYTES_PER_CONNECTION = 30
 
 PAIRS_AT_ONCE = 32
 """Where connections do not fit, those of at least so many pairs are kept."""
-
-SAMPLED_PAIRS = 8
-"""Of so many pairs the connections are counted to estimate those of all."""
-
-SAMPLED_STEPS, SAMPLED_EVENTS = 1000, 5000
-"""A sample is no finer than so many steps of the grid and departure events in a mission."""
 
 TABLE_BYTES = 2**31
 """Who can plan on the nearest pairs takes no more for a table."""
@@ -111,56 +101,6 @@ class Size:
         """Whether there is memory for it now, with connections of some pairs kept at a time."""
         pairs = min(PAIRS_AT_ONCE, self.bodies * (self.bodies - 1))
         return BYTES_PER_CONNECTION * pairs * self.listed <= self.room_bytes
-
-
-def estimate(instance: Instance) -> Size:
-    """How large the timetable of an instance is going to be."""
-    duration, bodies = instance.mission.duration_s, len(instance.names)
-    if instance.given is not None:
-        most, rows = instance.given.sizes(instance.names)
-        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)))
-    shortest = _shortest_spacing_s(instance)
-    if not are_listed(instance):
-        return Size(bodies, int(duration / shortest) + 2)
-    settings = instance.transfer
-    events = duration / max(shortest, settings.departure_spacing_s) + 2
-    if settings.max_drift_s > 0.0:
-        events += duration / settings.drift_step_s
-    return Size(bodies, int(events), _listed(instance))
-
-
-def _shortest_spacing_s(instance: Instance) -> float:
-    """Half a revolution of the lowest body: there is no more than one departure event in it [s]."""
-    lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
-    return math.pi * math.sqrt(lowest**3 / MU_M3_S2)
-
-
-def _listed(instance: Instance) -> float:
-    """Connections of a pair in the mean, by a sample of pairs.
-
-    Where a single pair would take minutes, the sample has a coarser grid: there are as many short
-    transfers as events, and as many long ones as pairs of times.
-    """
-    settings, bodies = instance.transfer, len(instance.names)
-    duration = instance.mission.duration_s
-    spacing = max(_shortest_spacing_s(instance), settings.departure_spacing_s)
-    events = max(1.0, duration / SAMPLED_EVENTS / spacing)
-    times = max(1.0, duration / SAMPLED_STEPS / settings.drift_step_s)
-    if events > 1.0:
-        settings = settings.replace(departure_spacing_s=events * spacing)
-    coarser = settings.replace(drift_step_s=times * settings.drift_step_s)
-    sample = ConnectionFinder(instance.replace(transfer=coarser))
-    # Pairs all over the field, since how far planes are apart decides what is worth flying.
-    rng = np.random.default_rng(0)
-    listed = [0.0]
-    gridded = [number for number, kind in enumerate(leg_kinds()) if kind.on_time_grid]
-    for number in range(SAMPLED_PAIRS if bodies > 1 else 0):
-        i, j = rng.choice(bodies, 2, replace=False)
-        found = sample.find(i, j, sample.planning_resolution_m_s)
-        long = np.isin(found.family, gridded).sum()
-        short = found.departure.size - long
-        listed[number:] = [events * short + times**2 * long]
-    return float(np.mean(listed))
 
 
 def too_large(instance: Instance, size: Size) -> str:

@@ -13,7 +13,7 @@ from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg
 from ..plan.leg_kinds import leg_kinds
-from ..plan.plan import Burn, Leg, Reason, Unvisited
+from ..plan.plan import Leg, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
@@ -82,10 +82,7 @@ def tow_flown(orbit: FloatArray, tow: RemovalFlight, start_s: float) -> TowFlown
     """
     end_s = start_s + tow.time_s
     vectors = burn_vectors(orbit, tow, start_s)
-    burns = tuple(
-        Burn(time_s=time, delta_v_m_s=tuple(vector.tolist()), phase="tow")
-        for time, vector in zip((start_s, end_s), vectors, strict=True)
-    )
+    burns = burns_of((start_s, end_s), vectors, ("tow", "tow"))
     return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
 
 
@@ -126,7 +123,7 @@ def transfer_leg(
         delta_v_left_m_s=0.0,
         phasing_revolutions=max(revolutions, 0),
         eccentricity_delta_v_m_s=flown.eccentricity_m_s,
-        burns=flown.manoeuvres.burns,
+        burns=burns_of(*flown.manoeuvres),
     )
 
 

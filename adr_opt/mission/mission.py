@@ -17,7 +17,7 @@ from ..kernels.rules import rules as kernels
 from ..kernels.tables import on_demand
 from ..kernels.tables.timetable import Table, source_of, transfer_exists
 from ..kernels.tables.timetable_making import Pairs
-from ..legs.connections import ConnectionFinder
+from ..legs.connection_finder import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
@@ -347,7 +347,7 @@ class Mission(Shown, Prizes):
     ) -> tuple[
         npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule
     ]:
-        """What transfers follow from, see :class:`adr_opt.legs.connections.ConnectionFinder`."""
+        """What transfers follow from, as of :attr:`.ConnectionFinder.inputs`."""
         return self.connecting.inputs
 
     @cached_property

@@ -13,7 +13,7 @@ from typing import Any
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..kernels.tables.timetable_making import Pairs
-from ..legs.connections import ConnectionFinder
+from ..legs.connection_finder import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable

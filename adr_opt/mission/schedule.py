@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from ..kernels.rules import schedule as kernels
 from ..kernels.rules.rules import Rules
-from ..legs.connections import ConnectionFinder, Connections
+from ..legs.connection_finder import ConnectionFinder
+from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
 
 FloatArray = npt.NDArray[np.float64]

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from ..problem.instance import Instance
-from .phases import COLOURS, LABELS, PHASES
+from .phases import COLOURS
 from .routes import several
-
-__all__ = [
-    "CHASERS", "COLOURS", "LABELS", "PHASES", "REASONS", "STATION", "UNVISITED", "VISITED", "ZONE",
-    "chaser_colours",
-]  # fmt: skip
 
 CHASERS = ("#6d5fe0", "#d9681d", "#1791b5", "#8a8f1e", "#c542c0", "#2f9a5d", "#d4486a", "#5f7d95")
 """Where there are several chasers, each has one of these, in the order of the instance; none is

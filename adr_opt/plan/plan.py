@@ -9,6 +9,8 @@ import os
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..common.card import Shown
@@ -58,6 +60,20 @@ class Burn(Record):
     def size_m_s(self) -> float:
         """Its ΔV [m/s]."""
         return math.hypot(*self.delta_v_m_s)
+
+
+def burns_of(
+    times_s: Iterable[float], vectors_m_s: Iterable[npt.NDArray[np.float64]], phases: Iterable[str]
+) -> tuple[Burn, ...]:
+    """Impulses as plans state them, of times, vectors of three and names of phases."""
+    return tuple(
+        Burn(
+            time_s=float(time),
+            delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
+            phase=phase,
+        )
+        for time, vector, phase in zip(times_s, vectors_m_s, phases, strict=True)
+    )
 
 
 class Tow(Record):

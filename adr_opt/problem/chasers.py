@@ -18,7 +18,6 @@ from pydantic import (
 
 from ..common.constants import STANDARD_GRAVITY_M_S2
 from ..common.errors import InputError
-from ..common.files import sentence
 from ..common.records import (
     LARGEST_DELTA_V_M_S,
     LARGEST_EXPENSE,
@@ -29,6 +28,7 @@ from ..common.records import (
     check_window,
     without,
 )
+from ..common.sentences import sentence
 from .orbit import Orbit
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}

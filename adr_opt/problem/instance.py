@@ -19,8 +19,9 @@ from pydantic import PrivateAttr, ValidationError
 from ..common.card import Shown
 from ..common.constants import OBLATENESS_M2
 from ..common.errors import InputError
-from ..common.files import check_writable, parse_model, read_model, sentence, write_text
+from ..common.files import check_writable, parse_model, read_model, write_text
 from ..common.records import Window
+from ..common.sentences import sentence
 from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.ephemeris import EPOCH_S
 from ..kernels.orbits.matchings import matchings

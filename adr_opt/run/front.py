@@ -12,8 +12,9 @@ from typing import Any
 from ..common.errors import InputError
 from ..common.progress import Progress, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
+from ..legs.connection_finder import estimate
 from ..legs.families.registry import registered_of
-from ..legs.timetable_size import TABLE_BYTES, Size, estimate, too_large
+from ..legs.timetable_size import TABLE_BYTES, Size, too_large
 from ..mission.problem import AnyProblem, Problem, problem_of
 from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..common.records import Record
-from ..legs.connections import ConnectionFinder
+from ..legs.connection_finder import ConnectionFinder
 from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
 from ..problem.instance import Instance

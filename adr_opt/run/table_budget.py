@@ -10,9 +10,10 @@ from functools import cached_property
 
 from ..kernels.tables.timetable import source_of
 from ..kernels.tables.timetable_making import WAVE
+from ..legs.connection_finder import estimate
 from ..legs.nearest_pairs import nearest_pairs, neighbours
 from ..legs.timetable import Timetable
-from ..legs.timetable_size import TABLE_BYTES, estimate
+from ..legs.timetable_size import TABLE_BYTES
 from ..mission.problem import Problem
 from ..mission.result import Result, proven_of
 

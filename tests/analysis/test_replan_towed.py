@@ -25,7 +25,7 @@ from adr_opt.analysis.state import states_at
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import columns, ephemeris
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Leg, Plan
 from adr_opt.plan.tows import leaving_orbits

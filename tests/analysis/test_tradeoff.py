@@ -25,7 +25,7 @@ from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.ui.report.charts import BOTTOM, HEIGHT, TOP
 from adr_opt.ui.report.traded import traded_page

@@ -21,7 +21,7 @@ from adr_opt.common.constants import SLACK_M_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules.schedule import Visit, follow
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.certified import certify, certify_routes
 from adr_opt.mission.mission import Mission

@@ -24,7 +24,8 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.judge.verify.legs import Legs, legs_of
 from adr_opt.judge.verify.rules import kept_apart
-from adr_opt.legs.connections import ConnectionFinder, Connections
+from adr_opt.legs.connection_finder import ConnectionFinder
+from adr_opt.legs.connections import Connections
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.problem import problem_of
 from adr_opt.plan.certificate import Certificate

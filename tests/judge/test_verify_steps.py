@@ -27,7 +27,7 @@ from adr_opt.judge.verify import steps, verify
 from adr_opt.judge.verify.rules import kept_apart
 from adr_opt.judge.verify.steps import most_in_steps
 from adr_opt.judge.verify.terms import terms_of
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.certificate import Certificate

@@ -25,7 +25,7 @@ from adr_opt.kernels.legs import (
 from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings
 
 WEEK_S = 7.0 * DAY_S

@@ -12,7 +12,7 @@ from conftest import Cli, refused
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.legs import timetable_size
+from adr_opt.legs import connection_finder, timetable_size
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.transfer_sizes import transfers_for
@@ -45,7 +45,7 @@ def mission_file(cli: Cli) -> str:
 )
 def test_connections_are_estimated_by_a_sample(instance: Instance) -> None:
     """Number and memory of all connections are those of the estimate, to a third."""
-    size = timetable_size.estimate(instance)
+    size = connection_finder.estimate(instance)
     built = adr_opt.Timetable(instance)
     count = sum(built.connecting.counts.values())
     held = built.connecting.kept.bytes
@@ -108,7 +108,7 @@ def test_what_is_large_is_told_beforehand(
     monkeypatch.setattr(timetable_size, "LARGE_BYTES", 1000.0)
     outcome = cli(call[0], mission_file, *call[1:])
     assert outcome.status == 0
-    assert f"building {timetable_size.estimate(rocket_bodies())}" in outcome.err
+    assert f"building {connection_finder.estimate(rocket_bodies())}" in outcome.err
     assert "building" not in cli(call[0], mission_file, *call[1:], "--quiet").err
 
 
@@ -118,7 +118,7 @@ def test_without_long_transfers_the_nearest_are_planned_with(
     """A mission of hours under J2 is planned and bounded as far as memory goes."""
     instance = adr_opt.generate("nominal", 0, targets=12).replace(dynamics="j2")
     instance = instance.with_limits(duration_s=0.5 * DAY_S)
-    size = timetable_size.estimate(instance)
+    size = connection_finder.estimate(instance)
     table = size.bytes - timetable_size.BYTES_PER_CONNECTION * size.connections
     half = table / timetable_size.MEMORY_SHARE / 2.0
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: half)
@@ -139,10 +139,10 @@ def test_grids_of_seconds_are_estimated_in_no_time() -> None:
         transfer=coarse.transfer.replace(drift_step_s=10.0, departure_spacing_s=0.0)
     )
     began = time.perf_counter()
-    size = timetable_size.estimate(fine)
+    size = connection_finder.estimate(fine)
     assert time.perf_counter() - began < 5.0
     steps = (coarse.transfer.drift_step_s / 10.0) ** 2
-    assert size.connections > 0.1 * steps * timetable_size.estimate(coarse).connections
+    assert size.connections > 0.1 * steps * connection_finder.estimate(coarse).connections
     with pytest.raises(InputError, match="raise drift_step_s"):
         adr_opt.solve(fine, "greedy-guarded")
 
@@ -150,10 +150,10 @@ def test_grids_of_seconds_are_estimated_in_no_time() -> None:
 def test_a_coarser_sample_says_what_a_full_one_says(monkeypatch: pytest.MonkeyPatch) -> None:
     """The number of connections scaled up from a coarser grid is that of the grid, to a half."""
     field = adr_opt.generate("rocket-bodies", 1, targets=6)
-    whole = timetable_size.estimate(field).connections
-    monkeypatch.setattr(timetable_size, "SAMPLED_STEPS", 60)
-    monkeypatch.setattr(timetable_size, "SAMPLED_EVENTS", 120)
-    assert timetable_size.estimate(field).connections == pytest.approx(whole, rel=0.5)
+    whole = connection_finder.estimate(field).connections
+    monkeypatch.setattr(connection_finder, "SAMPLED_STEPS", 60)
+    monkeypatch.setattr(connection_finder, "SAMPLED_EVENTS", 120)
+    assert connection_finder.estimate(field).connections == pytest.approx(whole, rel=0.5)
 
 
 def test_connections_that_do_not_fit_are_worked_out_when_asked(
@@ -162,14 +162,14 @@ def test_connections_that_do_not_fit_are_worked_out_when_asked(
     """With room for some pairs only, tables, plans and bounds are those of a large memory."""
     instance = adr_opt.generate("rocket-bodies", 1, targets=8)
     whole = adr_opt.Timetable(instance)
-    size = timetable_size.estimate(instance)
+    size = connection_finder.estimate(instance)
     room = (size.bytes - 0.5 * whole.connecting.kept.bytes) / timetable_size.MEMORY_SHARE
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: room)
     monkeypatch.setattr(timetable_size, "PAIRS_AT_ONCE", 4)
     small = adr_opt.Timetable(instance)
     kept = small.connecting.kept
     assert 4 <= len(kept) < len(whole.connecting.kept)
-    assert kept.bytes <= timetable_size.estimate(instance).room_bytes
+    assert kept.bytes <= connection_finder.estimate(instance).room_bytes
     for one, other in zip(small.table, whole.table, strict=True):
         np.testing.assert_array_equal(one, other)
     missions = [Mission(instance, made) for made in (small, whole)]

@@ -194,7 +194,7 @@ def test_names_of_families_and_phases_are_taken_once(longer: LongerPhasing) -> N
     with pytest.raises(ValueError, match="longer"):
         registry.register(LongerPhasing(MOST))
     with pytest.raises(ValueError, match="registered last"):
-        registry.unregister(registry.OWN[0])
+        registry.unregister(registry.families()[0])
 
 
 def test_plans_of_a_kind_that_nobody_registered_are_refused(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ import adr_opt
 from adr_opt.common.errors import MissingExtra
 from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs.burns import PHASES
-from adr_opt.legs.connections import ConnectionFinder
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import InstanceReference, Leg
 from adr_opt.problem.instance import Instance

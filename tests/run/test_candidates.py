@@ -19,7 +19,7 @@ from adr_opt.common.stop import Interrupted
 from adr_opt.kernels.tables import timetable as tables
 from adr_opt.kernels.tables import timetable_making as making
 from adr_opt.kernels.tables.timetable_making import Pairs
-from adr_opt.legs import timetable, timetable_size
+from adr_opt.legs import connection_finder, timetable, timetable_size
 from adr_opt.legs.nearest_pairs import all_pairs, nearest_pairs
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
@@ -290,7 +290,7 @@ def test_a_usual_field_is_never_cut():
 def test_the_size_of_a_timetable_is_known_before():
     """The estimate is the table's: as many bytes, and at least as many entries."""
     instance = adr_opt.generate("tiny", 2)
-    size, table = timetable_size.estimate(instance), timetable.Timetable(instance)
+    size, table = connection_finder.estimate(instance), timetable.Timetable(instance)
     held = sum(array.nbytes for array in table.table[:-1])
     assert held <= size.bytes <= 1.01 * held + 100 * len(table.names) ** 2
     assert table.entries <= size.entries <= 1.1 * table.entries + 60
@@ -312,7 +312,7 @@ def test_too_large_a_timetable_is_refused(monkeypatch):
 def test_memory_limits_the_pairs(monkeypatch):
     """Where memory is short, the nearest destinations that fit are planned with, and no more."""
     instance = adr_opt.generate("nominal", 0, targets=20)
-    half = timetable_size.estimate(instance).bytes / timetable_size.MEMORY_SHARE / 2.0
+    half = connection_finder.estimate(instance).bytes / timetable_size.MEMORY_SHARE / 2.0
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: half)
     mission = Mission(instance)
     result = adr_opt.solve(mission, "beam")
@@ -328,7 +328,7 @@ def test_memory_limits_the_pairs(monkeypatch):
 def test_memory_is_a_setting():
     """A plan within so many GiB is made on a table that takes no more; nonsense is refused."""
     instance = adr_opt.generate("nominal", 0, targets=20)
-    held = timetable_size.estimate(instance).bytes
+    held = connection_finder.estimate(instance).bytes
     mission = Mission(instance)
     result = adr_opt.solve(mission, "beam", memory_gib=held / 2.0**31)
     assert adr_opt.check(instance, result.plan) == ()

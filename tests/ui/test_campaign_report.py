@@ -13,7 +13,8 @@ from conftest import Cli
 from two_chasers import HOME, OWN, campaign, planned
 
 import adr_opt
-from adr_opt.plan.palette import CHASERS, COLOURS, chaser_colours
+from adr_opt.plan.palette import CHASERS, chaser_colours
+from adr_opt.plan.phases import COLOURS
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import AtStation
 from adr_opt.problem.instance import Instance

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from ...legs.connections import ConnectionFinder
+from ...legs.connection_finder import ConnectionFinder
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
 from .axes import Limits, Tanks, counts_masses

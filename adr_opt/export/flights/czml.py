@@ -266,12 +266,12 @@ def _arc(
 
 
 def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:
-    from ...plan import palette
+    from ...plan.phases import COLOURS
 
     phase = arc.phase
     if phase == "service" and path.leg.destination in trajectory.instance.station_names:
         phase = "refuelling"
-    return palette.COLOURS[phase]
+    return COLOURS[phase]
 
 
 def _position(

@@ -6,7 +6,7 @@ from collections.abc import Generator
 
 from ...common.constants import SLACK_S
 from ...common.errors import InputError
-from ...legs.connections import ConnectionFinder
+from ...legs.families.ends import AllEnds
 from ...legs.families.family import StatedLeg
 from ...legs.families.registry import family_of
 from ...plan.plan import Leg
@@ -33,7 +33,7 @@ def check_registered(
         return as_stated
     stated = StatedLeg(leg.departure_s, leg.arrival_s, leg.phasing_revolutions)
     try:
-        found = family.recomputed(ConnectionFinder(instance).ends(*ends), stated)
+        found = family.recomputed(AllEnds(instance).of(*ends), stated)
     except InputError as error:
         yield Violation(number, "kind", str(error))
         return as_stated

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...legs.connections import ConnectionFinder
+from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .terms import Terms, flown_from, terms_of

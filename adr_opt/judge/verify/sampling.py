@@ -14,11 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ...kernels.legs import burns as burn_kernels
-from ...legs.connections import ConnectionFinder, Connections
-from ...legs.families.family import Manoeuvres, StatedLeg, Way
-from ...legs.families.registry import OWN, families, registered_of
+from ...legs.connection_finder import ConnectionFinder
+from ...legs.connections import Connections
+from ...legs.families.family import StatedLeg, Way
+from ...legs.families.registry import families, registered_of
 from ...plan.leg_kinds import SHORT
-from ...plan.plan import Burn, Leg
+from ...plan.plan import Burn, Leg, burns_of
 from ...problem.instance import Instance
 from ..check.leg import Physics, check_transfer
 from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
@@ -94,7 +95,7 @@ def sample_connections(
             time = float(rng.uniform(0.0, instance.mission.duration_s))
             ways = list(ways_after(instance, physics, i, j, time))
             for family in registered_of(instance):
-                ways += family.ways(connecting.ends(i, j), time)
+                ways += family.ways(connecting.ends.of(i, j), time)
             departures += bool(ways)
             missing += [
                 f"no connection from {names[i]!r} to {names[j]!r} is as good as the one that "
@@ -129,10 +130,10 @@ def _faults(
             yield f"{said}: no crossing of the line of nodes leads to its arrival"
             return
         names_of = tuple(burn_kernels.PHASES[phase] for phase in phases)
-        burns = Manoeuvres(times, vectors, names_of).burns
-    elif family not in OWN:
-        flown = family.flown(connecting.ends(i, j), stated)
-        leaves, burns = flown.departure, flown.manoeuvres.burns
+        burns = burns_of(times, vectors, names_of)
+    elif family in registered_of(instance):
+        flown = family.flown(connecting.ends.of(i, j), stated)
+        leaves, burns = flown.departure, burns_of(*flown.manoeuvres)
     leg = Leg(
         kind=family.kind.name,
         origin=names[i],

@@ -27,7 +27,7 @@ from ...common.constants import SLACK_S
 from ...common.errors import InputError
 from ...common.memory import available_bytes
 from ...kernels.core.compile import kernel
-from ...legs.connections import ConnectionFinder
+from ...legs.connection_finder import ConnectionFinder
 from .ahead import SLOT_SLACK, Onward, Packing, put, slots_in
 from .terms import Terms, flown_from
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_S
 from ...kernels.orbits.ephemeris import EPOCH_S, latitude_rate_at
-from ...legs.connections import ConnectionFinder
+from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
 from ..check.tow import towed_bodies

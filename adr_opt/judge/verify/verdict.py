@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 
 from ...common.errors import InputError
-from ...legs.connections import ConnectionFinder
+from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of

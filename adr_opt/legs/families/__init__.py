@@ -1,1 +1,10 @@
-"""The families of legs."""
+"""Families of legs: how bodies are reached, a module for each, and the registry of all."""
+
+from . import registry
+from .drift import DriftLegs
+from .given import GivenLegs
+from .launch import Launches
+from .short import ShortLegs
+
+# In the order of their numbers, which is that in which they find connections.
+registry.bring_along(ShortLegs(), DriftLegs(), Launches(), GivenLegs())

@@ -14,7 +14,6 @@ from ...kernels.legs.found import ConnectionArrays
 from ...kernels.legs.times import Times
 from ...plan.leg_kinds import LegKind, leg_kinds
 from ...plan.phases import Phase
-from ...plan.plan import Burn
 from ...problem.instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
@@ -60,18 +59,6 @@ class Manoeuvres(NamedTuple):
     times: FloatArray
     vectors: FloatArray
     phases: tuple[str, ...]
-
-    @property
-    def burns(self) -> tuple[Burn, ...]:
-        """The same as plans state it."""
-        return tuple(
-            Burn(
-                time_s=float(time),
-                delta_v_m_s=(float(vector[0]), float(vector[1]), float(vector[2])),
-                phase=phase,
-            )
-            for time, vector, phase in zip(*self, strict=True)
-        )
 
 
 NO_MANOEUVRES = Manoeuvres(np.empty(0), np.empty((0, 3)), ())

@@ -5,16 +5,15 @@ from __future__ import annotations
 from ...plan.leg_kinds import add_leg_kind, drop_leg_kind, leg_kinds
 from ...plan.phases import add_phase, drop_phase
 from ...problem.instance import Instance
-from .drift import DriftLegs
 from .family import LegFamily
-from .given import GivenLegs
-from .launch import Launches
-from .short import ShortLegs
 
-OWN: tuple[LegFamily, ...] = (ShortLegs(), DriftLegs(), Launches(), GivenLegs())
-"""Those that come with the package, in the order of their numbers."""
+_own: list[LegFamily] = []
+_registered: list[LegFamily] = []
 
-_families = list(OWN)
+
+def bring_along(*found: LegFamily) -> None:
+    """Make the families known that come with the package, whose kinds are known already."""
+    _own.extend(found)
 
 
 def register(family: LegFamily) -> None:
@@ -31,7 +30,7 @@ def register(family: LegFamily) -> None:
     add_leg_kind(family.kind)
     for phase in family.phases:
         add_phase(phase)
-    _families.append(family)
+    _registered.append(family)
 
 
 def unregister(family: LegFamily) -> None:
@@ -42,9 +41,9 @@ def unregister(family: LegFamily) -> None:
     ValueError
         Another one was, or none: the numbers of those after it would change.
     """
-    if family in OWN or _families[-1] is not family:
+    if not _registered or _registered[-1] is not family:
         raise ValueError("only the family that was registered last can be forgotten")
-    _families.pop()
+    _registered.pop()
     drop_leg_kind(family.kind)
     for phase in family.phases:
         drop_phase(phase)
@@ -53,7 +52,7 @@ def unregister(family: LegFamily) -> None:
 def families() -> tuple[LegFamily, ...]:
     """All families; the place of each is its number."""
     leg_kinds()  # those that installed packages register are known from here
-    return tuple(_families)
+    return (*_own, *_registered)
 
 
 def family_of(kind: str) -> LegFamily:
@@ -63,7 +62,7 @@ def family_of(kind: str) -> LegFamily:
 
 def registered_of(instance: Instance) -> tuple[LegFamily, ...]:
     """Those of an instance that do not come with the package."""
-    return tuple(family for family in families_of(instance) if family not in OWN)
+    return tuple(family for family in families_of(instance) if family in _registered)
 
 
 def families_of(instance: Instance) -> tuple[LegFamily, ...]:

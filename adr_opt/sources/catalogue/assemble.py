@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
-from ...common.files import sentence
+from ...common.sentences import sentence
 from ...common.wording import counted
 from ...plan.plane_drift import drift_warning
 from ...problem.bodies import Station

@@ -19,7 +19,8 @@ from pydantic import ValidationError
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
-from ...common.files import read_text, sentence
+from ...common.files import read_text
+from ...common.sentences import sentence
 from ...problem.bodies import Target
 from .filters import parse_range
 from .records import shown

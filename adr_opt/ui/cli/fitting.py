@@ -93,7 +93,7 @@ class Fitting(NamedTuple):
         """
         from pydantic import ValidationError
 
-        from ...common.files import sentence
+        from ...common.sentences import sentence
         from ...problem.chasers import Tank, TankByMass
 
         masses = (self.dry_mass, self.propellant, self.isp)

@@ -127,7 +127,7 @@ class CrewOptions(NamedTuple):
     def _expense(self, tank: AnyTank) -> Expense | None:
         from pydantic import ValidationError
 
-        from ...common.files import sentence
+        from ...common.sentences import sentence
         from ...problem.chasers import Expense, TankByMass
 
         if self.expense is None:

@@ -109,7 +109,7 @@ def command(
 
 def _announce(instance: Instance) -> None:
     """Say how large the timetable is going to be, if that is much."""
-    from ...legs.timetable_size import estimate
+    from ...legs.connection_finder import estimate
 
     size = estimate(instance)
     if size.is_large:

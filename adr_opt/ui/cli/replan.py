@@ -219,7 +219,8 @@ def read_zones(path: str) -> tuple[KeepOutZone, ...]:
 
     from pydantic import ValidationError
 
-    from ...common.files import read_text, sentence
+    from ...common.files import read_text
+    from ...common.sentences import sentence
     from ...problem.settings import KeepOutZone
 
     try:

@@ -18,7 +18,7 @@ axis that has its methods (extra ``[viz]`` installs it).
 
 from __future__ import annotations
 
-from ...plan.palette import COLOURS, LABELS, PHASES
+from ...plan.phases import COLOURS, LABELS, PHASES
 from .budget import delta_v_left
 from .costs import leg_delta_v
 from .fields import matrix, planes

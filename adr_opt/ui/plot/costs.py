@@ -7,7 +7,7 @@ from typing import Any
 
 from ...fly.flight.flyable import refuse_foreign
 from ...plan.leg_kinds import GIVEN
-from ...plan.palette import COLOURS
+from ...plan.phases import COLOURS
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance

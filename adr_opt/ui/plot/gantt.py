@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ...plan.palette import COLOURS, LABELS, PHASES
+from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance

@@ -12,7 +12,8 @@ from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.kepler import Array, drift, revolution
 from ...fly.trajectory.sampling import LONG_STEP_S, Arc, LegPath, sample
 from ...kernels.orbits.ephemeris import period
-from ...plan.palette import COLOURS, LABELS, PHASES, chaser_colours
+from ...plan.palette import chaser_colours
+from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
 from ...plan.routes import owners, several
 from ...problem.instance import Instance

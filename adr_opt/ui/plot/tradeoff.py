@@ -11,7 +11,7 @@ from .chart import Chart, ChartAxis, Line
 from .draw import draw
 
 if TYPE_CHECKING:
-    from ...analysis.trade import Tradeoff
+    from ...analysis.trade.points import Tradeoff
 
 
 def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:

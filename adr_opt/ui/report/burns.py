@@ -13,7 +13,7 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import SHORTEST_ARC_S
-from ...plan.palette import LABELS
+from ...plan.phases import LABELS
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import owners

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...common.wording import shortened
-from ...plan.palette import COLOURS, LABELS
+from ...plan.phases import COLOURS, LABELS
 from ...plan.plan import Plan
 from .text import escape
 

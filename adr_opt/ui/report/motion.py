@@ -14,7 +14,8 @@ import numpy.typing as npt
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.ephemeris import EPOCH_S
-from ...plan.palette import COLOURS, LABELS, PHASES, STATION, UNVISITED, VISITED, chaser_colours
+from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
+from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance

@@ -19,7 +19,7 @@ from ...fly.flight.result import Flight, TankFlight
 from ...fly.flight.tanks import tanks_of
 from ...judge.check.verdict import check
 from ...judge.check.violation import Violation
-from ...plan.palette import PHASES
+from ...plan.phases import PHASES
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan, reference
 from ...plan.routes import several

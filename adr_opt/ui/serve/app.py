@@ -18,8 +18,8 @@ from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Route
 
 from ...common.errors import InputError
-from ...common.files import sentence
 from ...common.records import Record
+from ...common.sentences import sentence
 from ..report import plain
 from .desk import EditingSession, choices
 from .drafts import read_edit

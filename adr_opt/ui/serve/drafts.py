@@ -11,8 +11,8 @@ from pydantic import Field, ValidationError
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
-from ...common.files import sentence
 from ...common.records import Record
+from ...common.sentences import sentence
 from ...common.wording import counted
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.given import among

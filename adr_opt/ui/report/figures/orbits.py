@@ -8,7 +8,8 @@ import numpy as np
 
 from ....common.constants import EARTH_RADIUS_M
 from ....fly.trajectory.sampling import SHORTEST_ARC_S
-from ....plan.palette import COLOURS, STATION, UNVISITED, VISITED, chaser_colours
+from ....plan.palette import STATION, UNVISITED, VISITED, chaser_colours
+from ....plan.phases import COLOURS
 from ....plan.plan import Plan
 from ....plan.routes import owners
 from ....problem.instance import Instance

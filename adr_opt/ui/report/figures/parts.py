@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from ....common.constants import DAY_S
 from ....common.wording import shortened
-from ....plan.palette import LABELS
+from ....plan.phases import LABELS
 from ....plan.plan import Plan
 from ....plan.routes import several
 from ....problem.instance import Instance

@@ -1,0 +1,363 @@
+"""What connections there are: found pair by pair, of all families that an instance has legs of."""
+
+from __future__ import annotations
+
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import numpy.typing as npt
+
+from ..common.constants import HOUR_S, MU_M3_S2, SLACK_S
+from ..common.errors import InputError
+from ..kernels.legs import connections as kernels
+from ..kernels.legs.found import ConnectionArrays
+from ..kernels.tables import timetable as tables
+from ..kernels.tables import timetable_making as making
+from ..plan.leg_kinds import SHORT, leg_kinds
+from ..problem.instance import Instance
+from .connection_cache import ConnectionCache, Pair
+from .connections import Connections
+from .corrections import NO_CORRECTIONS, Corrections
+from .families import registry
+from .families.ends import AllEnds, is_regular
+from .families.family import FlownLeg, StatedLeg
+from .timetable_size import Size
+
+FloatArray = npt.NDArray[np.float64]
+
+SAMPLED_PAIRS = 8
+"""Of so many pairs the connections are counted to estimate those of all."""
+
+SAMPLED_STEPS, SAMPLED_EVENTS = 1000, 5000
+"""A sample is no finer than so many steps of the grid and departure events in a mission."""
+
+
+class ConnectionFinder:
+    """Works out the connections of an instance, pair by pair.
+
+    Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
+    out on every call. Where nodes drift it takes half a millisecond to many, and what planning
+    needs is kept, as far as there is room (:mod:`.connection_cache`). So it is where connections
+    are given, or of a family that was registered.
+
+    Parameters
+    ----------
+    instance : Instance
+    corrections : Corrections, optional
+        What connections cost beyond the model. Then they are listed also where events are regular.
+
+    Attributes
+    ----------
+    ends : AllEnds
+    families : tuple of LegFamily
+        Those that legs may be of.
+    inputs : tuple
+        Bodies as they are left and as they are arrived at, shape (bodies, columns); what matching
+        eccentricity vectors alone costs, shape (origin, destination) [m/s]; the transfer rule.
+    kept : ConnectionCache
+        The connections of pairs that are kept, as the model has them, where they are listed.
+    counts : dict of (origin, destination) to int
+        How many connections the pairs have that a table was made of, where they are listed.
+    """
+
+    def __init__(self, instance: Instance, corrections: Corrections = NO_CORRECTIONS) -> None:
+        self.instance = instance
+        self.corrections = corrections
+        self._names = instance.names
+        self.ends = ends = AllEnds(instance)
+        self.inputs = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
+        self.given = instance.given
+        self.times = ends.times
+        self.families = registry.families_of(instance)
+        self._is_listed = are_listed(instance)
+        self._has_registered = bool(registry.registered_of(instance))
+        asked_anew = self.times is None and self.given is None and not self._has_registered
+        self._is_kept = not asked_anew
+        self._spent = instance.spent_m_s
+        self.kept = ConnectionCache()
+        self.counts: dict[Pair, int] = {}
+        self._chosen: dict[Pair, ConnectionArrays] = {}
+        self._chosen_for = math.nan
+        self._resolution = instance.transfer.delta_v_resolution_m_s
+        self._end = ends.latest_s
+        self._longer: ConnectionFinder | None = None
+        self._numbers: list[int] = []
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether connections are listed: not all leave at regular events, or costs are corrected.
+
+        A launch is a connection, too, and so is what is given.
+        """
+        return self._is_listed or bool(self.corrections)
+
+    @property
+    def may_be_asked(self) -> bool:
+        """Whether single connections can be worked out on demand.
+
+        Only short ones, which are not waited for and cost what the model says.
+        """
+        told = self._spent or self.corrections
+        return not told and [family.kind for family in self.families] == [SHORT]
+
+    @property
+    def planning_resolution_m_s(self) -> float:
+        """Connections that save no more are left out of planning [m/s].
+
+        None is, where that is affordable: where events are regular, or connections given.
+        """
+        return self._resolution if self.times is not None else 0.0
+
+    def find(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
+        """Work out all connections of two bodies."""
+        return self._charged(i, j, self._of_model(i, j, resolution_m_s))
+
+    def _charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
+        """What connections take out of a tank: corrected, and with what was spent before.
+
+        A chaser whose tank is not full at the start pays for what is lacking with its first leg:
+        then the same is left after it, and for all that plans the tank was full. No other leg
+        leaves the place where it starts.
+        """
+        found = self.corrections.applied(self._names[i], self._names[j], found)
+        spent = self._spent.get(i, 0.0)
+        return found._replace(delta_v=found.delta_v + spent) if spent else found
+
+    def spent_m_s(self, i: int) -> float:
+        """What connections from a body cost besides, because it was spent before the start."""
+        return self._spent.get(i, 0.0)
+
+    def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
+        ends = self.ends.of(i, j)
+        claiming = next((family for family in self.families if family.claims(ends)), None)
+        if claiming is not None and claiming.kind.from_nowhere:
+            return claiming.connections(ends, None, resolution_m_s)
+        if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
+            known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
+            in_time = known.arrival <= self._end
+            return known if in_time.all() else ConnectionArrays(*(part[in_time] for part in known))
+        if claiming is not None:
+            return claiming.connections(ends, None, resolution_m_s)
+        found: ConnectionArrays | None = None
+        for family in self.families:
+            found = family.connections(ends, found, resolution_m_s)
+        assert found is not None  # there are short legs
+        return found
+
+    def flown(self, i: int, j: int, family: int, stated: StatedLeg) -> FlownLeg:
+        """How a connection of a pair is flown that a family has, by its number.
+
+        Raises
+        ------
+        InputError
+            It cannot be flown.
+        """
+        return registry.families()[family].flown(self.ends.of(i, j), stated)
+
+    def found(self, i: int, j: int) -> ConnectionArrays:
+        """What planning needs of a pair: kept, or worked out."""
+        if not self._is_kept:
+            return self.find(i, j, self.planning_resolution_m_s)
+        return self._charged(i, j, self.kept_of_model(i, j))
+
+    def kept_of_model(self, i: int, j: int) -> ConnectionArrays:
+        """The connections of a pair as the model has them, kept."""
+        return self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
+
+    def corrected(self, corrections: Corrections) -> ConnectionFinder:
+        """The same of other corrections; what is kept of the model is shared."""
+        made = ConnectionFinder(self.instance, corrections)
+        made.kept = self.kept
+        return made
+
+    @property
+    def depends_on_tank(self) -> bool:
+        """Whether other tanks have other connections: those that they can pay, where listed."""
+        return self.times is not None or self._has_registered
+
+    def shortened(self, instance: Instance) -> ConnectionFinder:
+        """That of a mission that differs in limits alone, and is no longer; what is known is used.
+
+        A connection is dominated by none that arrives later, so those of the shorter mission are
+        those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
+        Prizes may, and targets may be left out: no pair knows of other bodies.
+        """
+        made = ConnectionFinder(instance, self.corrections)
+        if self.is_listed:
+            made._longer, made._numbers = self, self.numbers_of(instance)
+        return made
+
+    def numbers_of(self, part: Instance) -> list[int]:
+        """The numbers here of the bodies of a part of the same field, in its order."""
+        number = {name: at for at, name in enumerate(self._names)}
+        return [number[name] for name in part.names]
+
+    def counted_as(self, longer: ConnectionFinder) -> None:
+        """Take over how many connections pairs have, for a table that is not made of them anew."""
+        back = {number: body for body, number in enumerate(longer.numbers_of(self.instance))}
+        self.counts |= {
+            (back[i], back[j]): count
+            for (i, j), count in longer.counts.items()
+            if i in back and j in back
+        }
+
+    def limited(self, instance: Instance) -> ConnectionFinder:
+        """That of a mission that differs in limits alone: :meth:`shortened`, or anew for its tank.
+
+        Raises
+        ------
+        InputError
+            It is longer.
+        """
+        longest_s, duration_s = self.instance.mission.duration_s, instance.mission.duration_s
+        if duration_s > longest_s:
+            raise InputError(
+                f"duration_s = {duration_s!r}: connections are known up to {longest_s!r} s; begin "
+                "with the longest mission"
+            )
+        if self.depends_on_tank and instance.largest_tank_m_s != self.instance.largest_tank_m_s:
+            return ConnectionFinder(instance, self.corrections)
+        return self.shortened(instance)
+
+    def modelled(self, i: int, j: int, family: int, delta_v_m_s: float) -> float:
+        """What a connection costs without the corrections, and what was spent before [m/s]."""
+        delta_v_m_s -= self._spent.get(i, 0.0)
+        if not self.corrections:
+            return delta_v_m_s
+        kind = leg_kinds()[family].name
+        return self.corrections.modelled(self._names[i], self._names[j], kind, delta_v_m_s)
+
+    def choose_pairs(
+        self,
+        pairs: making.Pairs,
+        first: int,
+        last: int,
+        limits: making.ServiceLimits,
+        time_value_m_s_per_h: float,
+    ) -> None:
+        """Make the choice of pairs number ``first`` to before ``last``, for a table."""
+        if self._chosen_for != time_value_m_s_per_h:
+            self._chosen, self._chosen_for = {}, time_value_m_s_per_h
+        for number in range(first, last):
+            i, rank = making.pair_at(number, pairs)
+            i, j = int(i), int(pairs.near[i, rank])
+            found = self.found(i, j)
+            taken = np.empty(found.departure.size, dtype=np.int64)
+            count = making.choose(found, limits, j, time_value_m_s_per_h / HOUR_S, taken)
+            chosen = taken[taken.size - count :]
+            self._chosen[i, j] = ConnectionArrays(*(column[chosen] for column in found))
+            self.counts[i, j] = found.departure.size
+
+    def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:
+        """The timetable of the choices made; ``slot`` as in :class:`tables.Table`."""
+        chosen, self._chosen = self._chosen, {}
+        return making.pack(len(self.instance.names), chosen, duration, slot)
+
+    def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
+        """All connections of a pair; none from a body to itself."""
+        if i == j:
+            none, nothing = np.empty(0), np.empty(0, dtype=np.int8)
+            return Connections(none, none, none, nothing, nothing)
+        planning = self.is_listed and resolution_m_s == self.planning_resolution_m_s
+        found = self.found(i, j) if planning else self.find(i, j, resolution_m_s)
+        return Connections(
+            found.departure, found.arrival, found.delta_v, found.revolutions, found.family
+        )
+
+    def choose(
+        self,
+        times: FloatArray,
+        worth: float,
+        time_value: float,
+        delta_v: FloatArray,
+        duration: FloatArray,
+    ) -> None:
+        """The best connections at ready times, into arrays (departure, origin, destination).
+
+        Parameters
+        ----------
+        times : (departures,) float64
+            [s].
+        worth, time_value : float
+            The best has the least worth·ΔV + time_value·arrival.
+        delta_v, duration : (departures, bodies, bodies) float64
+            Written: [m/s], and from ready to arrival [s].
+        """
+
+        def fill(i: int) -> None:
+            for j in range(len(self.instance.names)):
+                if i == j:
+                    delta_v[:, i, j] = duration[:, i, j] = 0.0
+                    continue
+                found = self.of_pair(i, j, self._resolution)
+                best = kernels.best_from(
+                    found.departure, found.arrival, found.delta_v, worth, time_value
+                )
+                first = np.searchsorted(found.departure, times - SLACK_S)
+                there = first < best.size
+                chosen = best[first[there]]
+                delta_v[:, i, j] = duration[:, i, j] = np.inf
+                delta_v[there, i, j] = found.delta_v[chosen]
+                duration[there, i, j] = found.arrival[chosen] - times[there]
+
+        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+            list(pool.map(fill, range(len(self.instance.names))))
+
+
+def are_listed(instance: Instance) -> bool:
+    """Whether connections are listed: not all of them leave at the events of two-body motion."""
+    found = registry.families_of(instance)
+    only_short = [family.kind for family in found] == [SHORT]
+    return not (is_regular(instance) and only_short) or bool(instance.spent_m_s)
+
+
+def estimate(instance: Instance) -> Size:
+    """How large the timetable of an instance is going to be."""
+    duration, bodies = instance.mission.duration_s, len(instance.names)
+    if instance.given is not None:
+        most, rows = instance.given.sizes(instance.names)
+        return Size(bodies, most + 1, rows / max(1, bodies * (bodies - 1)))
+    shortest = _shortest_spacing_s(instance)
+    if not are_listed(instance):
+        return Size(bodies, int(duration / shortest) + 2)
+    settings = instance.transfer
+    events = duration / max(shortest, settings.departure_spacing_s) + 2
+    if settings.max_drift_s > 0.0:
+        events += duration / settings.drift_step_s
+    return Size(bodies, int(events), _listed(instance))
+
+
+def _shortest_spacing_s(instance: Instance) -> float:
+    """Half a revolution of the lowest body: there is no more than one departure event in it [s]."""
+    lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
+    return math.pi * math.sqrt(lowest**3 / MU_M3_S2)
+
+
+def _listed(instance: Instance) -> float:
+    """Connections of a pair in the mean, by a sample of pairs.
+
+    Where a single pair would take minutes, the sample has a coarser grid: there are as many short
+    transfers as events, and as many long ones as pairs of times.
+    """
+    settings, bodies = instance.transfer, len(instance.names)
+    duration = instance.mission.duration_s
+    spacing = max(_shortest_spacing_s(instance), settings.departure_spacing_s)
+    events = max(1.0, duration / SAMPLED_EVENTS / spacing)
+    times = max(1.0, duration / SAMPLED_STEPS / settings.drift_step_s)
+    if events > 1.0:
+        settings = settings.replace(departure_spacing_s=events * spacing)
+    coarser = settings.replace(drift_step_s=times * settings.drift_step_s)
+    sample = ConnectionFinder(instance.replace(transfer=coarser))
+    # Pairs all over the field, since how far planes are apart decides what is worth flying.
+    rng = np.random.default_rng(0)
+    listed = [0.0]
+    gridded = [number for number, kind in enumerate(leg_kinds()) if kind.on_time_grid]
+    for number in range(SAMPLED_PAIRS if bodies > 1 else 0):
+        i, j = rng.choice(bodies, 2, replace=False)
+        found = sample.find(i, j, sample.planning_resolution_m_s)
+        long = np.isin(found.family, gridded).sum()
+        short = found.departure.size - long
+        listed[number:] = [events * short + times**2 * long]
+    return float(np.mean(listed))

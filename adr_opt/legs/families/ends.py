@@ -1,0 +1,66 @@
+"""The ends of legs: all that the legs of the pairs of an instance follow from."""
+
+from __future__ import annotations
+
+from ...common.constants import SLACK_M_S, SLACK_S
+from ...kernels.legs.times import Times
+from ...plan.tows import leaving_eccentricity_delta_v, leaving_orbits
+from ...problem.instance import Instance
+from .family import PairEnds
+
+
+class AllEnds:
+    """Those of all pairs of an instance.
+
+    Attributes
+    ----------
+    instance : Instance
+    leaving, arriving : (bodies, columns) float64
+        Bodies as they are left and as they are arrived at.
+    eccentricity_m_s : (bodies, bodies) float64
+        What matching eccentricity vectors alone costs, by origin and destination [m/s].
+    rule : TransferRule
+    times : Times or None
+    latest_s : float
+        [s].
+    """
+
+    def __init__(self, instance: Instance) -> None:
+        self.instance = instance
+        self.leaving, self.arriving = leaving_orbits(instance), instance.orbits()
+        self.eccentricity_m_s = leaving_eccentricity_delta_v(instance, self.leaving)
+        self.rule = instance.transfer_rule()
+        self.times = _times(instance)
+        self.latest_s = instance.mission.duration_s + SLACK_S
+
+    def of(self, i: int, j: int) -> PairEnds:
+        """Those of a pair."""
+        return PairEnds(
+            self.instance,
+            i,
+            j,
+            self.leaving[i],
+            self.arriving[j],
+            self.eccentricity_m_s[i, j],
+            self.rule,
+            self.times,
+            self.latest_s,
+        )
+
+
+def is_regular(instance: Instance) -> bool:
+    """Whether departure events are those of two-body motion, where connections are the model's."""
+    return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
+
+
+def _times(instance: Instance) -> Times | None:
+    """When transfers may leave; None where events are regular or given: no such thing is needed."""
+    settings = instance.transfer
+    if is_regular(instance) or settings.given is not None:
+        return None
+    return Times(
+        settings.departure_spacing_s,
+        settings.drift_step_s,
+        settings.max_drift_s,
+        instance.largest_tank_m_s + SLACK_M_S,
+    )
