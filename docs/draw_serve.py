@@ -19,9 +19,9 @@ from pathlib import Path
 from PIL import Image
 
 import adr_opt
-from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.server import Server, listening
+from adr_opt.ui.serve.session import EditingSession
 
 ROOT = Path(__file__).parents[1]
 WIDTH, HEIGHT = 1280, 900

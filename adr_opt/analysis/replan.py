@@ -21,11 +21,11 @@ from ..problem.settings import KeepOutZone
 from ..run.front import solve
 from ..run.method_call import prepare, spec_of, warm_up
 from ..run.methods import PLANNERS
-from .beginnings import beginnings, former_orders, orders_left
 from .deviations import Deviations
-from .putting import in_order, is_usurped, kept_waiting
+from .launch_windows import in_order, is_usurped, kept_waiting
+from .remaining_instance import crossings, remaining_instance
 from .replanned import PlannedRest, Replanned, compared
-from .rest import crossings, rest_of
+from .restart_states import former_orders, orders_left, restart_states
 from .state import ChaserState, states_at
 
 QUICK, SEVERAL = "beam", "auto"
@@ -123,7 +123,7 @@ def replan(  # noqa: PLR0913
     states = in_order(zoned, states)
 
     def left(now: tuple[ChaserState, ...]) -> Instance | None:
-        return rest_of(zoned, now, gone, at_s, went.given_up)
+        return remaining_instance(zoned, now, gone, at_s, went.given_up)
 
     def planned(beginning: Instance, orders: list[list[str]]) -> Result:
         return _planned(beginning, orders, method, time_limit, seed, stop)
@@ -137,7 +137,7 @@ def replan(  # noqa: PLR0913
         now = states
         while True:
             best: PlannedRest | None = None
-            for beginning, begun in beginnings(left, now, former):
+            for beginning, begun in restart_states(left, now, former):
                 made = found(beginning, orders_left(beginning, former, begun, now))
                 if best is None or _is_better(made, best.result):
                     best = PlannedRest(beginning, begun, made)

@@ -94,7 +94,7 @@ class ConnectionFinder:
         return self._is_listed or bool(self.corrections)
 
     @property
-    def may_be_asked(self) -> bool:
+    def may_be_on_demand(self) -> bool:
         """Whether single connections can be worked out on demand.
 
         Only short ones, which are not waited for and cost what the model says.

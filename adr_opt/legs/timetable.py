@@ -64,9 +64,9 @@ class Timetable(Shown):
         Number of the one that the choice of transfers is for: when it is there. By default for the
         times in which some chaser is.
     asked : Neighbours, optional
-        Nothing is built: what is chosen is worked out when somebody asks (:attr:`is_asked`), and
-        these are the pairs that searches look at. Only where
-        :attr:`~.connection_finder.ConnectionFinder.may_be_asked` says so.
+        Nothing is built: what is chosen is worked out on demand (:attr:`is_on_demand`), and these
+        are the pairs that searches look at. Only where
+        :attr:`~.connection_finder.ConnectionFinder.may_be_on_demand` says so.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ class Timetable(Shown):
         if connecting is None or connecting.instance is not instance:
             connecting = ConnectionFinder(instance, corrections)
         if asked is not None:
-            assert connecting.may_be_asked
+            assert connecting.may_be_on_demand
             built = 0
             rule = instance.transfer_rule(time_value_m_s_per_h)
             interval = instance.transfer.departure_spacing_s
@@ -299,7 +299,7 @@ class Timetable(Shown):
         return self.built == len(self.names) * (len(self.names) - 1)
 
     @property
-    def is_asked(self) -> bool:
+    def is_on_demand(self) -> bool:
         """Whether nothing is held, and what is chosen is worked out when somebody asks."""
         return kernels.source_of(self.table) is not None
 

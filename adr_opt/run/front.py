@@ -25,7 +25,7 @@ from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates, may_ask
+from .table_budget import candidates, may_work_on_demand
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -238,7 +238,7 @@ def run(
     ready = partial(warm_up, starts=start is not None, drifts=drifts, several=whole.alone is None)
     ready(group, method, *others, options=wanted.options, jobs=its_jobs)
     on_demand = prepared.on_demand
-    if on_demand and may_ask(whole):
+    if on_demand and may_work_on_demand(whole):
         ready(group, method, *others, options=wanted.options, jobs=its_jobs, asks=True)
     if bound is not None:
         ready(BOUNDS, bound, *others, jobs=both_jobs)

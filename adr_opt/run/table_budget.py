@@ -61,7 +61,7 @@ class TableBudget:
     def none(self) -> bool:
         """Whether there are not even the nearest destinations of one body."""
         timetable = self.mission.missions[0].timetable
-        if timetable.is_asked:
+        if timetable.is_on_demand:
             return False
         return not self.all and timetable.built < min(WAVE, timetable.pairs.near.shape[1])
 
@@ -70,7 +70,7 @@ class TableBudget:
         """What the timetable of everything takes."""
         size, timetable = estimate(self.mission.instance), self.mission.missions[0].timetable
         takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
-        if timetable.is_asked or timetable.pairs.near.shape[1] < size.bodies - 1:
+        if timetable.is_on_demand or timetable.pairs.near.shape[1] < size.bodies - 1:
             takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
         return f"that of all pairs takes about {' and '.join(takes)}"
 
@@ -78,7 +78,7 @@ class TableBudget:
         """What was left out, and why; ``bounded`` is whether there is a bound all the same."""
         timetable = self.mission.missions[0].timetable
         bodies = len(timetable.names)
-        if timetable.is_asked:
+        if timetable.is_on_demand:
             near = looked_at(timetable)
             proven = "" if bounded else "; nothing is proven"
             return (
@@ -147,9 +147,9 @@ MOST_EVENTS = 2000
 would take longer than finding them."""
 
 
-def may_ask(whole: Problem) -> bool:
+def may_work_on_demand(whole: Problem) -> bool:
     """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
-    if whole.has_timetable or not whole.connecting.may_be_asked:
+    if whole.has_timetable or not whole.connecting.may_be_on_demand:
         return False
     size = estimate(whole.instance)
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
@@ -190,10 +190,10 @@ def candidates(
         Whether rows that are worked out when somebody asks will do where not all pairs can be
         built: then there are no others.
     """
-    if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_asked):
+    if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_on_demand):
         return TableBudget(whole, 0.0, 0.0)
     began = time.perf_counter()
-    on_demand = on_demand and may_ask(whole)
+    on_demand = on_demand and may_work_on_demand(whole)
     allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
     patience = 1.0 if first is None else PATIENCE
     patient_s = MOMENT_S if hasty or on_demand else allowed_s

@@ -26,12 +26,12 @@ PUNCTUAL = 0.9
 
 def pilots(mission: Mission) -> tuple[int, ...]:
     """Widths of searches that come before wide ones, and tell how wide these may be."""
-    return (*(ASKING_WIDTHS if mission.timetable.is_asked else ()), PILOT_WIDTH)
+    return (*(ASKING_WIDTHS if mission.timetable.is_on_demand else ()), PILOT_WIDTH)
 
 
 def first_width(mission: Mission, usual: int) -> int:
     """The usual width of a search, or the narrowest where rows are worked out on demand."""
-    return pilots(mission)[0] if mission.timetable.is_asked else usual
+    return pilots(mission)[0] if mission.timetable.is_on_demand else usual
 
 
 class Beams:

@@ -108,7 +108,7 @@ def _one_route(
     if not certificate.proven and not enough():
         layer = hurried(mission)
         first = pilots(mission)
-        for width in first if mission.timetable.is_asked else (*first, WIDTH):
+        for width in first if mission.timetable.is_on_demand else (*first, WIDTH):
             certificate.offer(beams.search(usual_settings(layer, width), mission=layer))
 
     number = FIRST_BEAMS

@@ -91,7 +91,7 @@ class RouteSearches:
         if self.drifts:
             self.counters["annealings"] = 0
         targets = max(1, len(mission.instance.targets))
-        self._asks = mission.timetable.is_asked
+        self._asks = mission.timetable.is_on_demand
         # Large fields get narrower beams, so that a round takes about as long on all of them. Where
         # rows are worked out on demand all beams look at as many destinations, but dearer ones.
         self._scale = ASKING if self._asks else min(1.0, (USUAL_TARGETS / targets) ** 2)

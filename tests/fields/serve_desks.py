@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from adr_opt.ui.serve import work
-from adr_opt.ui.serve.desk import EditingSession
+from adr_opt.ui.serve.session import EditingSession
 
 
 def of(*names: str, **changes: Any) -> dict[str, Any]:

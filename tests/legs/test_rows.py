@@ -153,7 +153,7 @@ def test_who_needs_a_table_gets_one():
     assert "rows on demand" in repr(mission.timetable)
     with_it = [adr_opt.solve(each, "mcts", iterations=3) for each in (mission, Mission(instance))]
     assert with_it[0].sequence == with_it[1].sequence
-    assert not mission.timetable.is_asked
+    assert not mission.timetable.is_on_demand
 
 
 def test_a_required_target_is_looked_at_from_everywhere():
@@ -170,13 +170,13 @@ def test_long_missions_have_tables(monkeypatch):
     """With thousands of departure events nothing is asked for, nor where one waits for planes."""
     monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
     field = adr_opt.generate("nominal", 0, targets=5)
-    assert table_budget.may_ask(Problem(field))
+    assert table_budget.may_work_on_demand(Problem(field))
     year = field.with_limits(duration_s=86400.0 * 365.0)
-    assert not table_budget.may_ask(Problem(year))
+    assert not table_budget.may_work_on_demand(Problem(year))
     drifting = field.replace(dynamics="j2")
-    assert table_budget.may_ask(Problem(drifting))
+    assert table_budget.may_work_on_demand(Problem(drifting))
     waiting = drifting.replace(transfer=drifting.transfer.replace(max_drift_s=86400.0))
-    assert not table_budget.may_ask(Problem(waiting))
+    assert not table_budget.may_work_on_demand(Problem(waiting))
 
 
 @pytest.mark.parametrize("method", ["greedy-guarded", "auto", "exact"])

@@ -23,9 +23,9 @@ from adr_opt.common.errors import InputError
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import PlanningOrder, Work
 
 pytest.importorskip("starlette")

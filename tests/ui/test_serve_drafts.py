@@ -14,9 +14,9 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
 from adr_opt.ui.serve import drafts
-from adr_opt.ui.serve.desk import EditingSession
 from adr_opt.ui.serve.drafts import Draft, History, read_edit
 from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import PlanningOrder
 
 pytest.importorskip("starlette")

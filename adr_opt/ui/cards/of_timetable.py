@@ -19,7 +19,7 @@ def of_timetable(timetable: Timetable) -> Card:
     bodies = len(timetable.names)
     pairs = "all pairs" if timetable.is_whole else f"the nearest {timetable.built} pairs"
     holds = [pairs, f"{timetable.entries:,} entries"]
-    if timetable.is_asked:
+    if timetable.is_on_demand:
         holds = ["rows on demand"]
     facts = (f"{bodies} bodies", *holds, f"{timetable.time_value_m_s_per_h:g} m/s per hour")
     return Card("Timetable", f"of {timetable.instance.name!r}", facts)

@@ -50,15 +50,15 @@ def command(
         raise MissingExtra("serving a page", package, "serve") from None
     from ...plan.plan import load_plan
     from ...problem.instance import load
-    from ..serve.desk import EditingSession
     from ..serve.folder import Folder
+    from ..serve.session import EditingSession
 
     instance = load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
     place = Folder(folder or f"{Path(instance_path).stem}-served", instance_path)
     with closing(listening(port)) as listener:
-        desk = EditingSession(instance, plan, place)
-        server, ended = Server(desk, listener), threading.Event()
+        session = EditingSession(instance, plan, place)
+        server, ended = Server(session, listener), threading.Event()
         with signals_to(ended.set):
             server.start()
             if as_json:
@@ -71,6 +71,6 @@ def command(
                 click.launch(server.url)
             server.wait(ended)
             server.close()
-            if not desk.close(PATIENCE_S):
+            if not session.close(PATIENCE_S):
                 raise Aborted(signal.SIGINT)
     return 0

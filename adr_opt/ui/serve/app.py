@@ -1,4 +1,4 @@
-"""The pages and requests of the desk, as a Starlette application."""
+"""The pages and requests of the session, as a Starlette application."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
 from ..report import plain
-from .desk import EditingSession, choices
 from .drafts import read_edit
 from .guard import Guard
+from .session import EditingSession, choices
 from .work import PlanningOrder
 
 POLICY = (
@@ -37,7 +37,7 @@ FRAMED = "frame-ancestors 'self'"
 """Of the report, which has a law of its own: it is shown within the page, and nowhere else."""
 
 PAUSE_S, BREATH_S = 0.2, 15.0
-"""Between two looks at the desk, and between two signs of life to whoever listens [s]."""
+"""Between two looks at the session, and between two signs of life to whoever listens [s]."""
 
 
 class OrderRequest(Record):
@@ -50,12 +50,12 @@ class OrderRequest(Record):
     goes_on: bool = True
 
 
-async def told(desk: EditingSession, closing: threading.Event) -> AsyncIterator[str]:
+async def told(session: EditingSession, closing: threading.Event) -> AsyncIterator[str]:
     """Server-sent events: the state whenever it changes, and how far the planner is.
 
     Parameters
     ----------
-    desk : EditingSession
+    session : EditingSession
     closing : Event
         Ends it.
     """
@@ -63,10 +63,10 @@ async def told(desk: EditingSession, closing: threading.Event) -> AsyncIterator[
     while not closing.is_set():
         silent_s += PAUSE_S
         # Looked at before the state: what the planner is done with is in the state that follows.
-        look = json.dumps(desk.look().to_dict())
-        if desk.revision != revision:
-            revision = desk.revision
-            state = await run_in_threadpool(desk.state)
+        look = json.dumps(session.look().to_dict())
+        if session.revision != revision:
+            revision = session.revision
+            state = await run_in_threadpool(session.state)
             yield f"event: state\ndata: {json.dumps(state)}\n\n"
             silent_s = 0.0
         if look != last:
@@ -79,12 +79,14 @@ async def told(desk: EditingSession, closing: threading.Event) -> AsyncIterator[
         await asyncio.sleep(PAUSE_S)
 
 
-def application(desk: EditingSession, token: str, port: int, closing: threading.Event) -> Starlette:
+def application(
+    session: EditingSession, token: str, port: int, closing: threading.Event
+) -> Starlette:
     """The application.
 
     Parameters
     ----------
-    desk : EditingSession
+    session : EditingSession
     token : str
         Whoever has it may do everything, and nobody else anything.
     port : int
@@ -109,13 +111,13 @@ def application(desk: EditingSession, token: str, port: int, closing: threading.
         return JSONResponse(choices())
 
     async def state(request: Request) -> Response:
-        return JSONResponse(await run_in_threadpool(desk.state))
+        return JSONResponse(await run_in_threadpool(session.state))
 
     async def events(request: Request) -> Response:
-        return StreamingResponse(told(desk, closing), media_type="text/event-stream")
+        return StreamingResponse(told(session, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
-        text = await run_in_threadpool(_report, desk)
+        text = await run_in_threadpool(_report, session)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
     return Starlette(
@@ -127,11 +129,11 @@ def application(desk: EditingSession, token: str, port: int, closing: threading.
             Route("/state", state),
             Route("/events", events),
             Route("/report", report),
-            _action("/edit", lambda text: desk.edit(read_edit(text))),
-            _action("/undo", lambda text: desk.undo()),
-            _action("/redo", lambda text: desk.redo()),
-            _action("/plan", lambda text: desk.plan(read_order(text))),
-            _action("/stop", lambda text: desk.stop()),
+            _action("/edit", lambda text: session.edit(read_edit(text))),
+            _action("/undo", lambda text: session.undo()),
+            _action("/redo", lambda text: session.redo()),
+            _action("/plan", lambda text: session.plan(read_order(text))),
+            _action("/stop", lambda text: session.stop()),
         ],
         middleware=[Middleware(Guard, token=token, port=port)],
     )
@@ -167,9 +169,9 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
     return Route(path, answer, methods=["POST"])
 
 
-def _report(desk: EditingSession) -> str:
+def _report(session: EditingSession) -> str:
     try:
-        text = desk.report()
+        text = session.report()
     except InputError as error:
         return _note("No report", str(error))
     return _note("No plan yet", "Press Plan, and the report comes here.") if text is None else text

@@ -1,4 +1,4 @@
-"""The desk: what is edited, what was planned of it, where it is kept, and who plans."""
+"""A session of editing: what is edited, what was planned of it, where it is kept, and who plans."""
 
 from __future__ import annotations
 

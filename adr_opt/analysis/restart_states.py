@@ -37,7 +37,7 @@ def former_orders(plan: Plan, states: Sequence[ChaserState]) -> Former:
     }
 
 
-def beginnings(
+def restart_states(
     left: Callable[[tuple[ChaserState, ...]], Instance | None],
     states: tuple[ChaserState, ...],
     former: Former,

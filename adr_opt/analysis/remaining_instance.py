@@ -51,7 +51,7 @@ def crossings(
             yield f"the leg under way {said}, and is finished all the same"
 
 
-def rest_of(
+def remaining_instance(
     zoned: Instance,
     states: Sequence[ChaserState],
     lost: Sequence[str],
