@@ -61,7 +61,7 @@ def insert(state: State, rng: np.random.Generator) -> State:
     rules = state.mission.rules
     targets = len(state.mission.instance.targets)
     order = [j for j in state.sequence if j != STATION]
-    labels = make_labels(targets, rules.budget)
+    labels = make_labels(state.mission)
     reference = np.empty(targets + 1)
     while True:
         best, best_order = np.inf, None

@@ -82,7 +82,7 @@ def _follow(mission: Mission, order: Iterable[int], guard: int) -> tuple[int, ..
 
     def by_station(state: State) -> tuple[int, State] | None:
         ways = [(s, after(state, s)) for s in range(rules.stations)]
-        reached = [(onward.time, s, onward) for s, onward in ways if onward is not None]
+        reached = [(onward.resources.time, s, onward) for s, onward in ways if onward is not None]
         return min(reached)[1:] if reached else None
 
     def open_way(state: State | None) -> bool:

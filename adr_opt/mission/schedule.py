@@ -230,13 +230,14 @@ class Scheduler:
         refuelled : bool
             Whether it has refuelled before.
         """
-        rules, found, refill = self._rules(), self.connections(i, j), -1.0
+        rules, found = self._rules(), self.connections(i, j)
         loads = rules.loads
-        if rules.is_station[j]:
-            refill = rules.budget if loads is None else float(loads.full[aboard])
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
-        visit = kernels.Visit(j, aboard, rules.service[j], rules.opens[j], rules.closes[j], refill)
+        visit = kernels.Visit(
+            j, aboard, rules.service[j], rules.opens[j], rules.closes[j], rules.is_station[j],
+            rules.budget,
+        )  # fmt: skip
         front = Front(
             *kernels.follow(
                 here.ready, here.left, here.cost, weight,

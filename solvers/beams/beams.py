@@ -138,7 +138,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         serviced += done[j]
     remaining = min(bodies - rules.first_target, rules.most_targets) - serviced
     search = BeamContext(rules, guide, guided, weights, keys)
-    size = levels.begin(search, done, first, level)
+    size = levels.begin(search, done, first, serviced, level)
 
     parent_of = np.empty((remaining, width), np.int32)
     move_of = np.empty((remaining, width), np.int32)
@@ -164,10 +164,10 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         share = most
         if weights.crowding < remaining:
             share = max(1, math.ceil(weights.crowding * most / remaining))
-        count, looked_at = levels.succeed(search, level, size, serviced + depth, wanted, cand)
+        count, looked_at = levels.succeed(search, level, size, wanted, cand)
         priced += looked_at
         room = levels.LevelRoom(most, share)
-        size = levels.keep(search, level, serviced + depth, cand, count, room, scratch, after)
+        size = levels.keep(search, level, cand, count, room, scratch, after)
         for s in range(size):
             parent_of[depth, s] = cand.parent[which[s]]
             move_of[depth, s], via_of[depth, s] = cand.move[which[s]], cand.via[which[s]]

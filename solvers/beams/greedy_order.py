@@ -114,7 +114,7 @@ def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
     best, best_cost = -1, math.inf
     safe, safe_cost = -1, math.inf
     for place in range(rule_kernels.looked_at(rules)):
-        j = rule_kernels.destination(rules, state.body, state.time, place)
+        j = rule_kernels.destination(rules, state.body, state.resources.time, place)
         if j < rules.first_target or (required and not is_required[j]):
             continue
         if not rule_kernels.may_go(rules, state, visited, j):
@@ -122,7 +122,7 @@ def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
         legal, delta_v, after = rule_kernels.step(rules, state, j)
         if not legal:
             continue
-        taken_s = after.time - rules.service[j] - state.time
+        taken_s = after.resources.time - rules.service[j] - state.resources.time
         cost = costs.alpha * delta_v + costs.beta * taken_s
         if urgent:
             cost = rules.closes[j]
@@ -190,7 +190,8 @@ def _cheapest_station(rules, state, costs):
         if s == state.body:
             continue
         legal, delta_v, after = rule_kernels.step(rules, state, s)
-        cost = costs.alpha * delta_v + costs.beta * (after.time - state.time)
+        taken_s = after.resources.time - state.resources.time
+        cost = costs.alpha * delta_v + costs.beta * taken_s
         if legal and cost < least:
             cheapest, least = s, cost
     return cheapest

@@ -9,8 +9,9 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.lists import rising
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.kernels.rules.loads import full_tank, kits_after, may_stand_for
+from adr_opt.kernels.rules.resources import Resources
 from adr_opt.kernels.rules.rules import Rules, State
 from adr_opt.kernels.tables.timetable import asks
 
@@ -58,9 +59,9 @@ class Level(NamedTuple):
 
     Attributes
     ----------
-    body, since, kits : (width,) int64
-    time, left : (width,) float64
-        As in :class:`adr_opt.kernels.rules.rules.State`.
+    body : (width,) int64
+    resources : Resources
+        Of each state, (width,) each.
     spent, prize : (width,) float64
         ΔV spent [m/s] and prizes collected.
     ahead : (width,) float64
@@ -71,10 +72,7 @@ class Level(NamedTuple):
     """
 
     body: np.ndarray
-    since: np.ndarray
-    kits: np.ndarray
-    time: np.ndarray
-    left: np.ndarray
+    resources: Resources
     spent: np.ndarray
     prize: np.ndarray
     ahead: np.ndarray
@@ -92,6 +90,8 @@ class Successors(NamedTuple):
     parent, move, via : (room,) int32
         State of the level, target, and station on the way or STRAIGHT.
     end, left, spent : (room,) float64
+        End of the service [s], ΔV left then, and ΔV spent [m/s]. What else there is of resources is
+        worked out of those that are kept only: see :func:`_resources_of`.
     """
 
     score: np.ndarray
@@ -205,9 +205,9 @@ def _compact(cand, limit, count, wanted):
 def new_level(width, words):
     """Room for a level."""
     return Level(
-        np.empty(width, np.int64), np.empty(width, np.int64), np.empty(width, np.int64),
-        np.empty(width), np.empty(width), np.empty(width), np.empty(width), np.empty(width),
-        np.empty(width, np.uint64), np.empty((width, words), np.uint64),
+        np.empty(width, np.int64), resource_kernels.columns(width), np.empty(width),
+        np.empty(width), np.empty(width), np.empty(width, np.uint64),
+        np.empty((width, words), np.uint64),
     )  # fmt: skip
 
 
@@ -234,15 +234,15 @@ def _shade(weights, key, word):
 
 
 @kernel
-def succeed(search, level, size, serviced, wanted, cand):
+def succeed(search, level, size, wanted, cand):
     """The best successors of the states of a level.
 
     Parameters
     ----------
     search : BeamContext
     level : Level
-    size, serviced : int
-        States in it, and targets that each has serviced.
+    size : int
+        States in it.
     wanted : int
     cand : Successors
         Written.
@@ -264,19 +264,19 @@ def succeed(search, level, size, serviced, wanted, cand):
     count, limit, priced = 0, np.inf, 0
     asking = asks(rules.table)
     for s in range(size):
-        here = State(
-            level.body[s], level.time[s], level.left[s], level.since[s], serviced, level.kits[s]
-        )  # fmt: skip
-        ways[0], back[0], full[0] = STRAIGHT, 0.0, here.time
+        has = resource_kernels.at(level.resources, s)
+        here = State(level.body[s], has)
+        ways[0], back[0], full[0] = STRAIGHT, 0.0, has.time
         choices = 1
         for station in range(rules.stations):
             if station != here.body:
                 legal, delta_v, after = rule_kernels.step(rules, here, station)
                 if legal:
-                    ways[choices], back[choices], full[choices] = station, delta_v, after.time
+                    ways[choices], back[choices] = station, delta_v
+                    full[choices] = after.resources.time
                     choices += 1
         for place in range(rule_kernels.looked_at(rules)):
-            j = rule_kernels.destination(rules, here.body, here.time, place)
+            j = rule_kernels.destination(rules, here.body, has.time, place)
             if not asking and _is_in(level, s, j):
                 continue
             shade = 0.0
@@ -285,12 +285,12 @@ def succeed(search, level, size, serviced, wanted, cand):
             for way in range(choices):
                 begin = here
                 if way > 0:
-                    begin = State(
-                        ways[way], full[way], full_tank(rules.loads, rules.budget, here.kits),
-                        np.int64(0), np.int64(serviced), here.kits,
-                    )  # fmt: skip
+                    refuelled = resource_kernels.extend(
+                        has, ways[way], True, back[way], full[way], rules.loads, rules.budget
+                    )
+                    begin = State(ways[way], refuelled)
                 if asking:  # other bodies are near to a station
-                    j = rule_kernels.destination(rules, begin.body, begin.time, place)
+                    j = rule_kernels.destination(rules, begin.body, begin.resources.time, place)
                     if j < rules.first_target or j == here.body or _is_in(level, s, j):
                         continue
                     if weights.noise > 0.0:
@@ -300,14 +300,12 @@ def succeed(search, level, size, serviced, wanted, cand):
                     continue
                 priced += 1
                 collected = level.prize[s] + rules.prize[j]
-                score = (
-                    weights.time_weight * after.time
-                    - weights.delta_v_weight * after.left
-                    - collected
-                )
+                then = after.resources
+                score = weights.time_weight * then.time - weights.delta_v_weight * then.left
+                score -= collected
                 if guided:
                     rest = guide.goal - collected - (level.ahead[s] - guide.multipliers[j])
-                    late = after.time - latest_time(guide, j, after.left, rest)
+                    late = then.time - latest_time(guide, j, then.left, rest)
                     score = 0.5 * (score + weights.time_weight * late)
                 score += shade
                 if score > limit:
@@ -319,7 +317,7 @@ def succeed(search, level, size, serviced, wanted, cand):
                         continue
                 cand.score[count], cand.parent[count] = score, s
                 cand.move[count], cand.via[count] = j, ways[way]
-                cand.end[count], cand.left[count] = after.time, after.left
+                cand.end[count], cand.left[count] = then.time, then.left
                 cand.spent[count] = level.spent[s] + delta_v + back[way]
                 count += 1
     if count > wanted:
@@ -327,16 +325,24 @@ def succeed(search, level, size, serviced, wanted, cand):
     return count, priced
 
 
+@inlined
+def _resources_of(rules, level, cand, c):
+    """The resources of a candidate; what is left of its tank is known."""
+    has, end = resource_kernels.at(level.resources, cand.parent[c]), cand.end[c]
+    if cand.via[c] != STRAIGHT:
+        has = resource_kernels.extend(has, cand.via[c], True, 0.0, end, rules.loads, rules.budget)
+    has = resource_kernels.extend(has, cand.move[c], False, 0.0, end, rules.loads, rules.budget)
+    return Resources(end, cand.left[c], has.since, has.serviced, has.kits)
+
+
 @kernel
-def keep(search, level, serviced, cand, count, room, scratch, after):
+def keep(search, level, cand, count, room, scratch, after):
     """Keep the best candidates that are not dominated, into the level ``after``; returns how many.
 
     Parameters
     ----------
     search : BeamContext
     level : Level
-    serviced : int
-        Targets that each of its states has serviced.
     cand : Successors
     count : int
         Successors of the level among them.
@@ -362,12 +368,10 @@ def keep(search, level, serviced, cand, count, room, scratch, after):
         s, j = cand.parent[c], np.int64(cand.move[c])
         if held[j] == room.at_body:
             continue
-        since = level.since[s] + 1 if cand.via[c] == STRAIGHT else np.int64(1)
-        kits = kits_after(rules.loads, j, level.kits[s])
+        has = _resources_of(rules, level, cand, c)
         if turn < count and weights.guarded:
             # Asked only here: of all candidates it would take most of the time.
-            there = State(j, cand.end[c], cand.left[c], since, np.int64(serviced + 1), kits)
-            if not rule_kernels.has_way_back(rules, there):
+            if not rule_kernels.has_way_back(rules, State(j, has)):
                 waiting[stranded] = c
                 stranded += 1
                 continue
@@ -377,17 +381,16 @@ def keep(search, level, serviced, cand, count, room, scratch, after):
         while other >= 0 and not (
             after.key[other] == set_key
             and after.body[other] == j
-            and after.time[other] <= cand.end[c]
-            and after.left[other] >= cand.left[c]
-            and may_stand_for(rules.loads, after.kits[other], kits)
+            and resource_kernels.dominates(
+                resource_kernels.at(after.resources, other), has, rules.loads
+            )
         ):
             other = chain[other]
         if other >= 0:
             continue
         held[j] += 1
-        after.body[size], after.since[size], after.kits[size] = j, since, kits
-        after.time[size], after.left[size] = cand.end[c], cand.left[c]
-        after.spent[size], after.key[size] = cand.spent[c], set_key
+        after.body[size], after.spent[size], after.key[size] = j, cand.spent[c], set_key
+        resource_kernels.put(after.resources, size, has)
         after.prize[size] = level.prize[s] + rules.prize[j]
         if search.guided:
             after.ahead[size] = level.ahead[s] - guide.multipliers[j]
@@ -401,7 +404,7 @@ def keep(search, level, serviced, cand, count, room, scratch, after):
 
 
 @kernel
-def begin(search, done, first, level):
+def begin(search, done, first, serviced, level):
     """Put the states that a search begins with into a level; returns how many.
 
     Parameters
@@ -409,6 +412,8 @@ def begin(search, done, first, level):
     search : BeamContext
     done, first
         As :func:`.beams.beam_kernel` takes them.
+    serviced : int
+        Targets that are done.
     level : Level
         Written.
     """
@@ -416,8 +421,9 @@ def begin(search, done, first, level):
     body, since, kits, ready, left, spent = first
     size = min(ready.size, level.body.size)
     for s in range(size):
-        level.body[s], level.since[s], level.kits[s] = body, since, kits[s]
-        level.time[s], level.left[s], level.spent[s] = ready[s], left[s], spent[s]
+        has = Resources(ready[s], left[s], since, serviced, kits[s])
+        resource_kernels.put(level.resources, s, has)
+        level.body[s], level.spent[s] = body, spent[s]
         level.prize[s], level.ahead[s], level.key[s] = 0.0, 0.0, np.uint64(0)
         for word in range(level.visited.shape[1]):
             level.visited[s, word] = np.uint64(0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Hashable, Iterable
 from typing import NamedTuple, TypeVar
 
@@ -18,7 +17,6 @@ from adr_opt.kernels.core.windows import service_end, service_ends
 from adr_opt.kernels.legs import co_elliptic
 from adr_opt.kernels.orbits.ephemeris import EPOCH_S
 from adr_opt.kernels.rules.rules import Rules
-from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
@@ -259,7 +257,6 @@ def routing_bound(
     start : sequence of int, optional
         A plan: bodies in order. The bound may prove it optimal.
     """
-    began = time.perf_counter()
     certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)
@@ -278,13 +275,6 @@ def routing_bound(
         solver, _, bound = run(model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s))
         certificate.lower(bound)
         counters["branches"] = int(solver.num_branches)
-    return certify(
-        mission,
-        "routing-bound",
-        certificate.sequence,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        counters=counters,
-        notes=bound_notes(mission),
+    return certificate.result(
+        "routing-bound", seed=seed, counters=counters, notes=bound_notes(mission)
     )

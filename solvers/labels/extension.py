@@ -25,20 +25,13 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
-from adr_opt.kernels.rules.loads import (
-    Loads,
-    after_service,
-    full_tank,
-    is_possible,
-    kits_in,
-    services_in,
-    with_kits,
-)
+from adr_opt.kernels.rules import resources as resource_kernels
+from adr_opt.kernels.rules.loads import Loads, is_possible, with_kits
 from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
-from .waiting import FINE, Candidate, arrive, is_dominated, keep
+from .waiting import FINE, Candidate, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
 """Walks pay no more than this for time: enough to be of no use [fine units]."""
@@ -177,17 +170,17 @@ def _completion(values, kind, at, came_from):
 
 
 @inlined
-def _promises(search, row, left, kits, value, worth, came_from):
+def _promises(search, row, has, value, worth, came_from):
     """Whether a walk that is ready by a row can still become one that is asked for."""
     values = search.values
-    at = _place(search.loads, values, row, left, kits)
+    at = _place(search.loads, values, row, has.left, has.kits)
     for kind in range(search.need.size):
         most = value + (_completion(values, kind, at, came_from) << FINE)
         if most + np.int64(search.shift[kind] * worth) < search.need[kind]:
             return False
     if not search.pays:
         return True
-    at = _place(search.loads, search.reach, row, left, kits)
+    at = _place(search.loads, search.reach, row, has.left, has.kits)
     most_worth = _completion(search.reach, 0, at, came_from) * search.reach_unit
     return worth + most_worth >= search.least_worth
 
@@ -198,8 +191,7 @@ def _stay(search, labels, waiting, row, i, kept):
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
-            search, row, labels.left[label], kits_in(search.loads, labels.visits[label]),
-            labels.value[label],
+            search, row, resources_of(labels, label, search.loads), labels.value[label],
             labels.worth[label], labels.came_from[label],
         )  # fmt: skip
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
@@ -207,11 +199,12 @@ def _stay(search, labels, waiting, row, i, kept):
 
 
 @inlined
-def _rest(search, to_station, j, left, kits, cost):
-    """What is left after a leg and the service there, and how many kits; less than 0 for no way."""
-    if to_station:
-        return full_tank(search.loads, search.budget, kits), kits
-    return after_service(search.loads, j, kits, left - cost)
+def _after(network, search, row, here, cost):
+    """The resources after a leg of a row; of their times labels keep the rows."""
+    j = network.destination[row]
+    return resource_kernels.extend(
+        here, j, network.is_station[j], cost, 0.0, search.loads, search.budget
+    )
 
 
 @inlined
@@ -221,7 +214,7 @@ def _time_paid(search, end):
 
 
 @inlined
-def _useful(network, search, row, value, left, kits, worth, i):
+def _useful(network, search, row, value, here, worth, i):
     """The legs of a row that may lead on: from the one number to before the other one.
 
     The later they land, the less they cost. So none is of use that lands too late even for the
@@ -229,18 +222,18 @@ def _useful(network, search, row, value, left, kits, worth, i):
     """
     j, first, last = network.destination[row], network.first[row], network.first[row + 1] - 1
     least = network.delta_v[last]
-    if least > left:
+    if least > here.left:
         return first, first
-    rest, aboard = _rest(search, network.is_station[j], j, left, kits, least)
-    if not is_possible(search.loads, rest):
+    then = _after(network, search, row, here, least)
+    if not is_possible(search.loads, then.left):
         return first, first
-    most = value + search.gain[j] - np.int64(search.price[kits] * least)
-    if not _promises(search, network.landing[first], rest, aboard, most, worth, i):
+    most = value + search.gain[j] - np.int64(search.price[here.kits] * least)
+    if not _promises(search, network.landing[first], then, most, worth, i):
         return first, first
     begin, end = first + 1, last + 1
     while begin < end:
         middle = (begin + end) // 2
-        if _promises(search, network.landing[middle], rest, aboard, most, worth, i):
+        if _promises(search, network.landing[middle], then, most, worth, i):
             begin = middle + 1
         else:
             end = middle
@@ -249,10 +242,10 @@ def _useful(network, search, row, value, left, kits, worth, i):
     while begin < end:
         middle = (begin + end) // 2
         cost = network.delta_v[middle]
-        most = value + search.gain[j] - np.int64(search.price[kits] * cost)
-        rest, aboard = _rest(search, network.is_station[j], j, left, kits, cost)
-        possible = cost <= left and is_possible(search.loads, rest)
-        if possible and _promises(search, network.landing[first], rest, aboard, most, worth, i):
+        most = value + search.gain[j] - np.int64(search.price[here.kits] * cost)
+        then = _after(network, search, row, here, cost)
+        possible = cost <= here.left and is_possible(search.loads, then.left)
+        if possible and _promises(search, network.landing[first], then, most, worth, i):
             end = middle
         else:
             begin = middle + 1
@@ -313,19 +306,15 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
             here = waiting.label[i, k]
             if here < 0 or labels.row[here] <= network.fresh[row]:
                 continue
-            if not to_station:
-                if labels.memory[here, j // WORD] >> (j % WORD) & 1:
-                    continue
-                if services_in(search.loads, labels.visits[here]) == search.most_visits:
-                    continue
-            left, value, worth = labels.left[here], labels.value[here], labels.worth[here]
-            collected = worth + search.worths[j]
-            kits = kits_in(search.loads, labels.visits[here])
-            begin, end = _useful(network, search, row, value, left, kits, collected, behind)
+            if not to_station and labels.memory[here, j // WORD] >> (j % WORD) & 1:
+                continue
+            has = resources_of(labels, here, search.loads)
+            if not to_station and has.serviced == search.most_visits:
+                continue
+            value, collected = labels.value[here], labels.worth[here] + search.worths[j]
+            begin, end = _useful(network, search, row, value, has, collected, behind)
             if begin >= end:
                 continue
-            # What does not limit a walk is not counted, so that it tells no labels apart.
-            services = services_in(search.loads, labels.visits[here]) + (counts and not to_station)
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
             if behind >= 0:
@@ -334,14 +323,13 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 if labels.row[here] <= network.since[leg]:
                     continue
                 landing = network.landing[leg]
-                rest, aboard = _rest(search, to_station, j, left, kits, network.delta_v[leg])
-                paid = np.int64(search.price[kits] * network.delta_v[leg])
-                then = value + search.gain[j] - paid
-                if not _promises(search, landing, rest, aboard, then, collected, behind):
+                then = _after(network, search, row, has, network.delta_v[leg])
+                paid = np.int64(search.price[has.kits] * network.delta_v[leg])
+                most = value + search.gain[j] - paid
+                if not _promises(search, landing, then, most, collected, behind):
                     continue
                 cursor[2] += 1
-                visits = with_kits(search.loads, services, aboard)
-                candidate = Candidate(then, rest, np.int64(visits), collected)
+                candidate = Candidate(most, then, collected)
                 if is_dominated(
                     waiting, labels, j, candidate, remembered, compared, search.loads
                 ):  # fmt: skip
@@ -353,18 +341,21 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 # it may pay for less time than the one that dominates it.
                 if preceded and not (
                     timed and network.may_end[j] and collected >= search.least_worth
-                    and then - _time_paid(search, network.end[leg]) >= search.asked
+                    and most - _time_paid(search, network.end[leg]) >= search.asked
                 ):  # fmt: skip
                     continue
                 count = cursor[1]
                 if count == labels.row.size:
                     return FULL
                 labels.row[count], labels.parent[count] = landing, here
-                labels.value[count], labels.left[count] = then, rest
-                labels.visits[count], labels.worth[count] = visits, collected
+                labels.value[count], labels.left[count] = most, then.left
+                # What does not limit a walk is not counted, so that it tells no labels apart.
+                services = then.serviced if counts else 0
+                labels.visits[count] = with_kits(search.loads, services, then.kits)
+                labels.worth[count] = collected
                 labels.came_from[count] = behind
                 if timed:
-                    labels.final[count] = then - _time_paid(search, network.end[leg])
+                    labels.final[count] = most - _time_paid(search, network.end[leg])
                 for w in range(words):
                     labels.memory[count, w] = remembered[w]
                 if not preceded and not send(pending, landing, labels, count):

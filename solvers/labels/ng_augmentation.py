@@ -71,11 +71,19 @@ def _missing(path, begin, end, neighbourhood):
 
 
 @inlined
-def _fewest(network, path, length, neighbourhood, seen):
-    """Fewest memories that forbid a walk: 0 if it is forbidden already, −1 if it is a plan."""
+def _forbid(network, path, length, neighbourhood, seen, most):
+    """Forbid the cycles of a walk that at most so many more memories forbid; −1 forbids none.
+
+    Returns
+    -------
+    fewest : int
+        Fewest memories that forbid the walk: 0 if it is forbidden already, −1 if it is a plan.
+    grown : int
+        Memories added.
+    """
     for j in range(seen.size):
         seen[j] = -1
-    fewest = -1
+    fewest, grown = -1, 0
     for a in range(length):
         j = path[a]
         if network.is_station[j]:
@@ -84,28 +92,12 @@ def _fewest(network, path, length, neighbourhood, seen):
             missing = _missing(path, seen[j], a, neighbourhood)
             if fewest < 0 or missing < fewest:
                 fewest = missing
-        seen[j] = a
-    return fewest
-
-
-@inlined
-def _forbid(network, path, length, neighbourhood, seen, most):
-    """Forbid the cycles of a walk that at most so many more memories forbid; returns how many."""
-    for j in range(seen.size):
-        seen[j] = -1
-    grown = 0
-    for a in range(length):
-        j = path[a]
-        if network.is_station[j]:
-            continue
-        if seen[j] >= 0:
-            missing = _missing(path, seen[j], a, neighbourhood)
             if missing <= most:
                 grown += missing
                 for b in range(seen[j] + 1, a):
                     neighbourhood[path[b], j // WORD] |= 1 << (j % WORD)
         seen[j] = a
-    return grown
+    return fewest, grown
 
 
 @kernel
@@ -149,12 +141,12 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
             continue
         number += 1
         length = path_of(labels, body, label, path)
-        fewest = _fewest(network, path, length, neighbourhood, seen)
+        fewest, _ = _forbid(network, path, length, neighbourhood, seen, -1)
         if fewest < 0:
             if value > most:
                 plan, most = label, value
         elif fewest > 0 and number % stride == 0:
-            grown += _forbid(network, path, length, neighbourhood, seen, max(fewest, SHORT))
+            grown += _forbid(network, path, length, neighbourhood, seen, max(fewest, SHORT))[1]
     return plan, grown
 
 
@@ -178,7 +170,7 @@ def plans_of(network, labels, body, count, least, bodies, path, found):
         if _value(network, labels, body, label, least.worth) < least.value:
             continue
         length = path_of(labels, body, label, path)
-        if _fewest(network, path, length, remembers_nothing, seen) < 0:
+        if _forbid(network, path, length, remembers_nothing, seen, -1)[0] < 0:
             found[plans] = label
             plans += 1
     return plans

@@ -69,7 +69,7 @@ def more_room(pending: Pending, words: int) -> Pending:
 @kernel
 def is_preceded(pending, row, labels, candidate, memory, compared, loads):
     """Whether a label on its way to a row dominates what could come there."""
-    left, value = candidate.left, candidate.value
+    left, value = candidate.resources.left, candidate.value
     block = pending.first[row]
     while block >= 0:
         base = block * (2 + 2 * memory.size) * LANES

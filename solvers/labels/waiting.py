@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
-from adr_opt.kernels.rules.loads import may_serve_for
+from adr_opt.kernels.rules import resources as resource_kernels
+from adr_opt.kernels.rules.loads import kits_in, services_in
+from adr_opt.kernels.rules.resources import Resources
 
 from ..networks import simd
 
@@ -75,11 +77,13 @@ def bytes_each() -> int:
 
 
 class Candidate(NamedTuple):
-    """A partial walk before it has a label, but for its memory; as in :class:`Labels`."""
+    """A partial walk before it has a label, but for its memory; as in :class:`Labels`.
+
+    Its time is no matter: see :func:`resources_of`.
+    """
 
     value: np.int64
-    left: float
-    visits: np.int64
+    resources: Resources
     worth: float
 
 
@@ -135,27 +139,30 @@ def _part(memory, part):
 
 
 @inlined
-def candidate_of(labels, label):
-    """A label as a candidate."""
-    return Candidate(
-        labels.value[label], labels.left[label], np.int64(labels.visits[label]),
-        labels.worth[label],
+def resources_of(labels, label, loads):
+    """The resources of a label, as of all that wait with it: they may leave at the same time."""
+    visits = labels.visits[label]
+    return Resources(
+        0.0, labels.left[label], np.int64(0), np.int64(services_in(loads, visits)),
+        np.int64(kits_in(loads, visits)),
     )  # fmt: skip
 
 
 @inlined
-def dominates(labels, one, other, memory, compared, loads):
-    """Whether label ``one`` is worth as much as a candidate, has as much left, remembers no more.
+def candidate_of(labels, label, loads):
+    """A label as a candidate."""
+    return Candidate(labels.value[label], resources_of(labels, label, loads), labels.worth[label])
 
-    And may stand for one with so many kits.
+
+@inlined
+def dominates(labels, one, other, memory, compared, loads):
+    """Whether label ``one`` is worth as much as a candidate, lacks nothing, remembers no more.
 
     Of the memory only the targets in ``compared`` count.
     """
-    if labels.value[one] < other.value or labels.left[one] < other.left:
+    if labels.value[one] < other.value or labels.worth[one] < other.worth:
         return False
-    if labels.worth[one] < other.worth:
-        return False
-    if not may_serve_for(loads, labels.visits[one], other.visits):
+    if not resource_kernels.dominates(resources_of(labels, one, loads), other.resources, loads):
         return False
     beyond = 0
     for w in range(memory.size):
@@ -196,7 +203,7 @@ def fill_lane(keys, at, stride, labels, label):
 @kernel
 def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
     """Whether a label that waits at body j dominates what could come there."""
-    left, value = candidate.left, candidate.value
+    left, value = candidate.resources.left, candidate.value
     capacity = waiting.label.shape[1]
     base = j * (2 + 2 * memory.size) * capacity
     for k in range(0, waiting.size[j], simd.LANES):
@@ -232,8 +239,8 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
             if hits >> lane & 1 and k + lane < waiting.size[j]:
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
-                    labels, label, candidate_of(labels, other), labels.memory[other], compared,
-                    loads,
+                    labels, label, candidate_of(labels, other, loads), labels.memory[other],
+                    compared, loads,
                 ):  # fmt: skip
                     waiting.label[j, k + lane] = -1
                     waiting.keys[base + k + lane] = NOBODY
@@ -256,7 +263,8 @@ def arrive(waiting, labels, j, label, compared, loads):
         False if there is no room for it.
     """
     memory = labels.memory[label]
-    if is_dominated(waiting, labels, j, candidate_of(labels, label), memory, compared, loads):
+    candidate = candidate_of(labels, label, loads)
+    if is_dominated(waiting, labels, j, candidate, memory, compared, loads):
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
     if at == capacity:

@@ -16,7 +16,6 @@ from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.rules.rules import Rules
-from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
@@ -106,7 +105,6 @@ def prove(
     mission, seed, stop, progress, start, options
         As for any planner. Without a start, the guarded greedy planner gives one.
     """
-    began = time.perf_counter()
     certificate = GapTracker(mission, progress)
     course = _Course(mission, make_model, certificate, stop, seed)
     if start is None:
@@ -120,16 +118,8 @@ def prove(
                 f"the solver cannot tell the bound of {certificate.bound:g} from the plan within "
                 "its tolerances: other proving methods may"
             )
-    return certify(
-        mission,
-        method,
-        certificate.sequence,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        counters=course.counters,
-        notes=[*course.notes, *bound_notes(mission)],
-    )
+    notes = [*course.notes, *bound_notes(mission)]
+    return certificate.result(method, seed=seed, counters=course.counters, notes=notes)
 
 
 class _Course:

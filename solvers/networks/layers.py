@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.common.constants import SLACK_M_S
-from adr_opt.kernels.core.compile import inlined
+from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.rules import loads as load_kernels
 from adr_opt.kernels.rules.loads import Loads
 
 SLACK = 1e-9
@@ -37,6 +37,20 @@ class Layers(NamedTuple):
     tops: np.ndarray
 
 
+@kernel
+def _change(loads, slot, top, image):
+    """Write the slots after services that change what is left, of each slot before."""
+    bodies, layers, width = image.shape
+    for body in range(bodies):
+        for kits in range(layers):
+            if loads.loss[body, kits] > 0.0:
+                for before in range(width):
+                    most = slot * (before + 1.0)
+                    left, _ = load_kernels.after_service(loads, body, kits, most)
+                    after = -1 if left < 0.0 else int(left / slot + SLACK)
+                    image[body, kits, before] = min(after, top)
+
+
 def layers_of(loads: Loads | None, slot: float, top: int, width: int) -> Layers | None:
     """How walks go from one number of kits to another; None where loads do not count.
 
@@ -45,13 +59,8 @@ def layers_of(loads: Loads | None, slot: float, top: int, width: int) -> Layers 
     if loads is None:
         return None
     bodies, layers = loads.scale.shape
-    most_left = slot * (np.arange(width) + 1.0) - SLACK_M_S
     image = np.tile(np.arange(width, dtype=np.int32), (bodies, layers, 1))
-    for body, kits in np.argwhere(loads.loss > 0.0):
-        ratio = loads.scale[body, kits] * np.exp(most_left / loads.exhaust) - loads.loss[body, kits]
-        left = loads.exhaust * np.log(np.maximum(ratio, 1e-300)) + SLACK_M_S
-        slots = np.clip(np.floor(left / slot + SLACK), -1, top)
-        image[body, kits] = slots
+    _change(loads, slot, top, image)
     tops = np.floor(loads.full / slot + SLACK).astype(np.int64)
     return Layers(loads.takes, image, tops)
 

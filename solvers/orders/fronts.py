@@ -6,7 +6,9 @@ rest: points of (latest time ready, least ΔV needed). Between any two targets t
 at a station. An order can be flown if at one of its targets a way to have come there suffices for
 the rest; so whether a target fits in between two others is answered without looking at the others.
 
-Points that are hardly better than the one before are left out: they cost plans, not legality.
+Points that are hardly better than the one before are left out: they cost plans, not legality. As
+all connections of a pair are flown at once, and services leave ΔV as it is, fronts are staircases
+of two numbers and not :class:`adr_opt.kernels.rules.resources.Resources`.
 """
 
 from __future__ import annotations

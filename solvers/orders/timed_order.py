@@ -2,7 +2,7 @@
 
 Local search works on orders of targets alone. Where to refuel is not searched but solved: on the
 way from one target to the next the chaser may pass by a station, and all ways to do so are kept
-as *labels* (end of service, ΔV left), less those that are not earlier and not richer than another.
+as *labels* (their resources), less those that another one dominates.
 So moving, adding and dropping refuelling stops are part of every evaluation. The order is timed on
 the timetable of the mission's choice; when to fly it best is for the schedule to say.
 """
@@ -13,9 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
+from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.resources import Resources, dominates
 from adr_opt.kernels.rules.rules import State
 from adr_opt.mission.mission import Mission
 
@@ -32,8 +34,8 @@ class OrderLabels(NamedTuple):
     ----------
     size : (positions,) int64
         Number of labels.
-    end, left : (positions, MOST_LABELS) float64
-        End of service [s], ascending, and ΔV left then [m/s], ascending too.
+    resources : Resources
+        After the service, (positions, MOST_LABELS) each; time and ΔV left ascend.
     parent : (positions, MOST_LABELS) int8
         Label of the position before.
     via : (positions, MOST_LABELS) int16
@@ -41,8 +43,7 @@ class OrderLabels(NamedTuple):
     """
 
     size: np.ndarray
-    end: np.ndarray
-    left: np.ndarray
+    resources: Resources
     parent: np.ndarray
     via: np.ndarray
 
@@ -53,45 +54,58 @@ def make_labels(mission: Mission) -> OrderLabels:
     shape = (targets + 1, MOST_LABELS)
     labels = OrderLabels(
         np.zeros(targets + 1, dtype=np.int64),
-        np.zeros(shape),
-        np.zeros(shape),
+        resource_kernels.columns(shape),
         np.zeros(shape, dtype=np.int8),
         np.zeros(shape, dtype=np.int16),
     )
     labels.size[0] = 1
-    labels.end[0, 0], labels.left[0, 0] = rules.ready, rules.budget
+    for column, first in zip(labels.resources, (rules.ready, rules.budget, 0, 0, 0), strict=True):
+        column[0, 0] = first
     return labels
 
 
+@inlined
+def _has(labels, position, place):
+    """The resources of a label."""
+    return resource_kernels.at(labels.resources, (position, place))
+
+
+@inlined
+def _write(labels, position, place, has, parent, via):
+    """Write a label to a place."""
+    resource_kernels.put(labels.resources, (position, place), has)
+    labels.parent[position, place], labels.via[position, place] = parent, via
+
+
+@inlined
+def _move(labels, position, place, to):
+    """Move a label to another place."""
+    parent, via = labels.parent[position, place], labels.via[position, place]
+    _write(labels, position, to, _has(labels, position, place), parent, via)
+
+
 @kernel
-def _add(labels, position, count, end, left, parent, via):
-    """Add a label unless one there is as good; drop those that it makes useless."""
+def _add(labels, position, count, has, parent, via, loads):
+    """Add a label unless another one dominates it; drop those that it dominates."""
     labels = borrowed(labels)
     for a in range(count):
-        if labels.end[position, a] <= end and labels.left[position, a] >= left:
+        if dominates(_has(labels, position, a), has, loads):
             return count
     kept = 0
     for a in range(count):
-        if labels.end[position, a] < end or labels.left[position, a] > left:
+        if not dominates(has, _has(labels, position, a), loads):
             if kept < a:
-                labels.end[position, kept] = labels.end[position, a]
-                labels.left[position, kept] = labels.left[position, a]
-                labels.parent[position, kept] = labels.parent[position, a]
-                labels.via[position, kept] = labels.via[position, a]
+                _move(labels, position, a, kept)
             kept += 1
     if kept == MOST_LABELS:
-        if end >= labels.end[position, kept - 1]:
+        if has.time >= labels.resources.time[position, kept - 1]:
             return kept
         kept -= 1
     at = kept
-    while at > 0 and labels.end[position, at - 1] > end:
-        labels.end[position, at] = labels.end[position, at - 1]
-        labels.left[position, at] = labels.left[position, at - 1]
-        labels.parent[position, at] = labels.parent[position, at - 1]
-        labels.via[position, at] = labels.via[position, at - 1]
+    while at > 0 and labels.resources.time[position, at - 1] > has.time:
+        _move(labels, position, at - 1, at)
         at -= 1
-    labels.end[position, at], labels.left[position, at] = end, left
-    labels.parent[position, at], labels.via[position, at] = parent, via
+    _write(labels, position, at, has, parent, via)
     return kept + 1
 
 
@@ -109,13 +123,10 @@ def extend(rules, order, labels, position):
     i = np.int64(rules.start if position == 0 else order[position - 1])
     count = 0
     for a in range(labels.size[position]):
-        here = State(
-            i, labels.end[position, a], labels.left[position, a], np.int64(position),
-            np.int64(position), np.int64(0),
-        )  # fmt: skip
+        here = State(i, _has(labels, position, a))
         legal, _, then = rule_kernels.step(rules, here, j)
         if legal:
-            count = _add(labels, position + 1, count, then.time, then.left, a, STRAIGHT)
+            count = _add(labels, position + 1, count, then.resources, a, STRAIGHT, rules.loads)
         for s in range(rules.stations):
             if s == i:
                 continue
@@ -123,7 +134,7 @@ def extend(rules, order, labels, position):
             if legal:
                 legal, _, then = rule_kernels.step(rules, full, j)
                 if legal:
-                    count = _add(labels, position + 1, count, then.time, then.left, a, s)
+                    count = _add(labels, position + 1, count, then.resources, a, s, rules.loads)
     labels.size[position + 1] = count
     return count
 
@@ -151,12 +162,13 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
         Earliest end of the last service [s]; +inf if not legal or given up.
     """
     labels, reference = borrowed(labels), borrowed(reference)
+    ends = labels.resources.time
     for position in range(start, length):
         if extend(rules, order, labels, position) == 0:
             return np.inf
-        if position >= changed and labels.end[position + 1, 0] > reference[position + 1] + patience:
+        if position >= changed and ends[position + 1, 0] > reference[position + 1] + patience:
             return np.inf
-    return labels.end[length, 0]
+    return ends[length, 0]
 
 
 @kernel

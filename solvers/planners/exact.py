@@ -10,7 +10,6 @@ plan.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -19,7 +18,6 @@ import numpy as np
 from adr_opt.common.options import option
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
-from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
@@ -94,7 +92,6 @@ def _one_route(
     options: ExactOptions,
 ) -> Result:
     """The optimal plan of one chaser, and its proof."""
-    began = time.perf_counter()
     certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(*start)
@@ -141,15 +138,7 @@ def _one_route(
                 mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
             )
         counters |= counted
-    return certify(
-        mission,
-        "exact",
-        certificate.sequence or (),
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        cost_bound=cost_bound,
-        evidence=certificate.evidence,
-        counters=counters,
-        notes=proof_notes(mission),
-    )
+    return certificate.result(
+        "exact", seed=seed, counters=counters, cost_bound=cost_bound, notes=proof_notes(mission),
+        otherwise=((),),
+    )  # fmt: skip

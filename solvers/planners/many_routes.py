@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -11,7 +10,6 @@ import numpy as np
 
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Stop
-from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 
@@ -205,7 +203,6 @@ def plan(
     options : ProofOptions
     goals : Goals
     """
-    began = time.perf_counter()
     certificate, pool = GapTracker(problem, progress), RoutePool(problem)
     asks_for_cost = problem.instance.objective.asks_for_more and not goals.prizes_alone
     within: Stop = ShareOfTime(stop, 1.0 - LAST_FOR_COST) if asks_for_cost else stop
@@ -247,15 +244,8 @@ def plan(
         else:
             cost_bound, counted = prove_cost_by_columns(problem, certificate, pool, stop, options)
         counters |= counted
-    return certify_routes(
-        problem,
-        method,
-        certificate.routes,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.stated,
-        cost_bound=cost_bound,
-        evidence=certificate.evidence,
-        counters=counters,
-        notes=proof_notes(problem) if math.isfinite(certificate.stated) else (),
-    )
+    stated = certificate.stated
+    return certificate.result(
+        method, seed=seed, counters=counters, upper_bound=stated, cost_bound=cost_bound,
+        notes=proof_notes(problem) if math.isfinite(stated) else (),
+    )  # fmt: skip

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable
 from functools import partial
 
@@ -11,9 +10,7 @@ import numpy as np
 
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
-from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.mission import Mission
-from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..beams.beams import USUAL, hurried, usual_settings
@@ -324,7 +321,6 @@ def plan(
     time_value_m_s_per_h : float
         As for ``beam``.
     """
-    began = time.perf_counter()
     given, mission = mission, hurried(mission, time_value_m_s_per_h)
     certificate = GapTracker(mission, progress)
     search = RouteSearches(mission, seed, stop, certificate)
@@ -337,15 +333,8 @@ def plan(
     counters: dict[str, float] = {"rounds": rounds, **search.counters}
     if prover is not None:
         counters |= prover.counters
-    problem = Problem.of(mission)
-    return certify_routes(
-        problem,
-        "auto",
-        certificate.routes,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.stated,
-        evidence=certificate.evidence,
-        counters=counters,
-        notes=proof_notes(problem) if math.isfinite(certificate.stated) else (),
-    )
+    stated = certificate.stated
+    return certificate.result(
+        "auto", seed=seed, counters=counters, upper_bound=stated,
+        notes=proof_notes(mission) if math.isfinite(stated) else (),
+    )  # fmt: skip

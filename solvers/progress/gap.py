@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Mapping
 
 from adr_opt.common.progress import Progress
 from adr_opt.common.tolerance import rounded_up
+from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.evidence import Evidence
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes, problem_of
+from adr_opt.mission.result import Result
 
 from .incumbent import Incumbent
 
@@ -19,7 +22,7 @@ STRIDE = 0.01
 
 
 class GapTracker:
-    """Incumbent and bound of a problem, and the progress that is told of both.
+    """Incumbent and bound of a problem, the progress that is told of both, and their result.
 
     Parameters
     ----------
@@ -28,6 +31,7 @@ class GapTracker:
     """
 
     def __init__(self, problem: Problem | Mission, progress: Progress) -> None:
+        self._began = time.perf_counter()
         self._problem = problem_of(problem)
         self._progress = progress
         self._telling = threading.RLock()
@@ -90,6 +94,45 @@ class GapTracker:
             self.bound = bound
             self.evidence = evidence or self.evidence
             self.tell(self.incumbent, self.bound)
+
+    def result(
+        self,
+        method: str,
+        *,
+        seed: int,
+        counters: Mapping[str, float],
+        upper_bound: float | None = None,
+        cost_bound: float | None = None,
+        notes: Iterable[str] = (),
+        otherwise: Routes | None = None,
+    ) -> Result:
+        """The best plan and the bound as the result of a method, and what the bound rests on.
+
+        Parameters
+        ----------
+        method : str
+        seed : int
+        counters, notes
+            As in :class:`adr_opt.mission.result.Result`.
+        upper_bound : float, optional
+            What to state; :attr:`bound` by default.
+        cost_bound : float, optional
+            As :func:`adr_opt.mission.certified.certify` takes it.
+        otherwise : tuple of tuple of int, optional
+            The routes where there is no plan; none by default.
+        """
+        return certify_routes(
+            self._problem,
+            method,
+            otherwise if self.routes is None else self.routes,
+            seed=seed,
+            runtime_s=time.perf_counter() - self._began,
+            upper_bound=self.bound if upper_bound is None else upper_bound,
+            cost_bound=cost_bound,
+            evidence=self.evidence,
+            counters=counters,
+            notes=notes,
+        )
 
     @property
     def proven(self) -> bool:

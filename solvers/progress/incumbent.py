@@ -104,6 +104,6 @@ def _cost_by_choice(mission: Mission, moves: tuple[int, ...]) -> float:
     if made < len(moves):
         return math.inf
     if mission.instance.objective.cost == "duration":
-        return float(state.time)
-    paid = mission.instance.time_m_s_per_s * (state.time - rules.ready)
+        return float(state.resources.time)
+    paid = mission.instance.time_m_s_per_s * (state.resources.time - rules.ready)
     return float(delta_v + paid) if made else 0.0

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from dataclasses import dataclass
@@ -22,7 +21,6 @@ import numpy as np
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
-from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
@@ -355,7 +353,6 @@ def bounded(
     options: ProofOptions,
 ) -> Result:
     """The result of a bound that is only rounds of proof, from a start plan if there is one."""
-    began = time.perf_counter()
     certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)
@@ -364,14 +361,4 @@ def bounded(
         return stop(certificate.incumbent, certificate.bound)
 
     counters = prove(mission, certificate, stop, enough, options)
-    return certify(
-        mission,
-        method,
-        certificate.sequence,
-        seed=seed,
-        runtime_s=time.perf_counter() - began,
-        upper_bound=certificate.bound,
-        evidence=certificate.evidence,
-        counters=counters,
-        notes=proof_notes(mission),
-    )
+    return certificate.result(method, seed=seed, counters=counters, notes=proof_notes(mission))

@@ -1,4 +1,9 @@
-"""The values of walks, worked out backwards in time: the kernels of :mod:`.walks`."""
+"""The values of walks, worked out backwards in time: the kernels of :mod:`.walks`.
+
+What is left is whole slots here, and all of them are gone through at once: what
+:func:`adr_opt.kernels.rules.resources.extend` does to one amount becomes a shift of all, a look at
+the slot of a full tank, and the images of :mod:`solvers.networks.layers`.
+"""
 
 from __future__ import annotations
 

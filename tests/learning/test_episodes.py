@@ -13,7 +13,6 @@ from adr_opt.kernels.episodes import episodes as kernels
 from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, CHAIN_PRIZE_FIELDS
 from adr_opt.kernels.episodes.observation import MOVE_FIELDS, PRIZE
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.kernels.rules.rules import State
 from adr_opt.learning.environment import MissionEnv
 from adr_opt.learning.episodes import Board, FieldPool, in_mean_prizes, new_episodes, start
 from adr_opt.mission.certified import certify
@@ -52,7 +51,7 @@ def test_rules_steps_masks_and_check_agree() -> None:
         for _ in range(30):
             episodes = new_episodes(1, size)
             start(pool, episodes, 0, 0, budget, duration)
-            state = State(rules.start, rules.ready, rules.budget, 0, 0, 0)
+            state = rule_kernels.beginning(rules)
             visited = np.zeros(size, dtype=np.bool_)
             sequence: list[int] = []
             while True:
@@ -77,12 +76,14 @@ def test_rules_steps_masks_and_check_agree() -> None:
                 action = np.array([kernels.action_of(j, size - 1)])
                 kernels.act(pool.arrays, episodes, 0, 1, action, rewards)
                 assert rewards[0] == np.float32(in_mean_prizes(mission)[j])
-                assert (episodes.body[0], episodes.time[0], episodes.left[0]) == state[:3]
-                assert (episodes.since[0], episodes.serviced[0]) == state[3:5]
+                has = state.resources
+                assert episodes.body[0] == state.body
+                assert (episodes.time[0], episodes.left[0]) == (has.time, has.left)
+                assert (episodes.since[0], episodes.serviced[0]) == (has.since, has.serviced)
                 visited[j] = not rules.is_station[j]
                 refuelled += bool(rules.is_station[j])
                 ends_in_windows += bool(rules.closes[j] < rules.duration)
-                assert rules.opens[j] + rules.service[j] <= state.time <= rules.closes[j]
+                assert rules.opens[j] + rules.service[j] <= has.time <= rules.closes[j]
                 sequence.append(j)
             timing = mission.time(sequence)
             assert timing.made == len(sequence)

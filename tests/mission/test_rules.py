@@ -9,6 +9,7 @@ from random_rules import random_mission
 
 import adr_opt
 from adr_opt.kernels.rules import rules as kernels
+from adr_opt.kernels.rules.resources import Resources
 from adr_opt.problem.chasers import AtStation, InOrbit
 
 
@@ -23,7 +24,7 @@ def legal(mission, body, time, left, since_refuel, visited=()) -> set[int]:
     done = np.zeros(len(mission.names), dtype=bool)
     done[list(visited)] = True
     mask = np.empty_like(done)
-    state = kernels.State(body, time, left, since_refuel, len(visited), 0)
+    state = kernels.State(body, Resources(time, left, since_refuel, len(visited), 0))
     count = kernels.legal_moves(rules, state, done, mask)
     assert count == mask.sum()
     return set(np.flatnonzero(mask))
@@ -129,7 +130,8 @@ def random_walks(walks=8):
             sequence, state = [], kernels.beginning(rules)
             while True:
                 done = {j for j in sequence if not rules.is_station[j]}
-                moves = legal(mission, state.body, state.time, state.left, state.since, done)
+                has = state.resources
+                moves = legal(mission, state.body, has.time, has.left, has.since, done)
                 yield mission, sequence, state, moves
                 if not moves:
                     break
@@ -145,8 +147,8 @@ def test_steps_agree_with_legal_moves():
         for j in set(range(len(mission.names))) - moves:
             assert replayed(mission, [*sequence, j])[0] == len(sequence)
         targets = [j for j in sequence if not mission.rules.is_station[j]]
-        assert len(set(targets)) == len(targets) == state.serviced
-        assert state.time <= mission.rules.duration
+        assert len(set(targets)) == len(targets) == state.resources.serviced
+        assert state.resources.time <= mission.rules.duration
         longest = max(longest, len(sequence))
     assert longest > 4
 
@@ -162,9 +164,11 @@ def test_what_steps_can_do_a_schedule_can_do_as_cheaply():
             continue
         schedule = mission.time(sequence)
         _, delta_v, _ = replayed(mission, sequence)
-        cost = delta_v + mission.instance.time_m_s_per_s * (state.time - mission.rules.ready)
+        cost = delta_v + mission.instance.time_m_s_per_s * (
+            state.resources.time - mission.rules.ready
+        )
         if mission.instance.objective.cost == "duration":
-            cost = state.time
+            cost = state.resources.time
         assert schedule.made == len(sequence)
         assert schedule.cost <= cost + 1e-6
         compared += 1
@@ -182,19 +186,19 @@ def test_guard_asks_every_station():
     for others, expected in (((), False), ((near,), True), ((remote,), False)):
         mission = adr_opt.Mission(instance.replace(stations=(station, *others)))
         body = mission.names.index("beyond")
-        assert (
-            kernels.has_way_back(mission.rules, kernels.State(body, 2e4, 40.0, 1, 1, 0)) == expected
-        )
+        state = kernels.State(body, Resources(2e4, 40.0, 1, 1, 0))
+        assert kernels.has_way_back(mission.rules, state) == expected
     adrift = instance.chaser.replace(start=InOrbit(orbit=station.orbit))
     mission = adr_opt.Mission(instance.replace(stations=(), chasers=(adrift,)))
-    assert kernels.has_way_back(mission.rules, kernels.State(BEYOND, 2e4, 40.0, 1, 1, 0))
+    state = kernels.State(BEYOND, Resources(2e4, 40.0, 1, 1, 0))
+    assert kernels.has_way_back(mission.rules, state)
 
 
 def test_guard_lets_go_at_the_end(mission):
     """When no service fits after a refuelling any more, no way back is asked for."""
     last = mission.rules.duration - mission.rules.shortest_sortie
     for time, expected in ((last - 5.0 * PERIOD_S, False), (last - 2.0 * PERIOD_S, True)):
-        state = kernels.State(BEYOND, time, 40.0, 1, 1, 0)
+        state = kernels.State(BEYOND, Resources(time, 40.0, 1, 1, 0))
         assert kernels.has_way_back(mission.rules, state) == expected
 
 

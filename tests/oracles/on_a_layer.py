@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.rules import State
 from adr_opt.mission.mission import Mission
@@ -21,10 +22,10 @@ def _best(rules, most):
     visited = np.zeros(bodies, np.bool_)
     tried = np.zeros(most + 1, np.int64)
     body = np.zeros(most + 1, np.int64)
-    since, serviced, kits = np.zeros_like(body), np.zeros_like(body), np.zeros_like(body)
-    time, left, worth = np.empty(most + 1), np.empty(most + 1), np.zeros(most + 1)
+    held, worth = resource_kernels.columns(most + 1), np.zeros(most + 1)
     start = rule_kernels.beginning(rules)
-    body[0], time[0], left[0], kits[0] = start.body, start.time, start.left, start.kits
+    body[0] = start.body
+    resource_kernels.put(held, 0, start.resources)
     depth, best = 0, -np.inf
     while depth >= 0:
         if tried[depth] == 0 and rules.may_end[body[depth]]:
@@ -35,9 +36,7 @@ def _best(rules, most):
             visited[body[depth]] = False
             depth -= 1
             continue
-        state = State(
-            body[depth], time[depth], left[depth], since[depth], serviced[depth], kits[depth]
-        )
+        state = State(body[depth], resource_kernels.at(held, depth))
         if not rule_kernels.may_go(rules, state, visited, j):
             continue
         legal, _, after = rule_kernels.step(rules, state, j)
@@ -46,8 +45,8 @@ def _best(rules, most):
             visited[j] = not rules.is_station[j]
             depth += 1
             tried[depth] = 0
-            body[depth], time[depth], left[depth] = after.body, after.time, after.left
-            since[depth], serviced[depth], kits[depth] = after.since, after.serviced, after.kits
+            body[depth] = after.body
+            resource_kernels.put(held, depth, after.resources)
     return best
 
 
@@ -68,4 +67,4 @@ def replayed(mission: Mission, sequence: list[int]) -> tuple[int, float]:
         rules, np.array(sequence, dtype=np.int64), rule_kernels.beginning(rules), visited, ends,
         lefts,
     )  # fmt: skip
-    return made, float(state.time)
+    return made, float(state.resources.time)

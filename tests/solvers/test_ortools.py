@@ -14,7 +14,7 @@ from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime
-from adr_opt.kernels.rules.rules import State, replay
+from adr_opt.kernels.rules.rules import beginning, replay
 from adr_opt.mission.mission import Mission
 from adr_opt.run.methods import get
 from solvers.planners.ortools_windows import ortools
@@ -252,8 +252,7 @@ def test_the_rest_is_flown_by_the_rules(nominal):
     )
     ends, lefts = np.empty((2, sequence.size))
     visited = np.zeros(rules.service.size, dtype=np.bool_)
-    begin = State(rules.start, rules.ready, rules.budget, 0, 0, 0)
-    made, _, _ = replay(rules, sequence, begin, visited, ends, lefts)
+    made, _, _ = replay(rules, sequence, beginning(rules), visited, ends, lefts)
     assert made == sequence.size
     worth = SlackWorth(1e-5, 1e-4)
     stop = int(np.flatnonzero(rules.is_station[sequence])[-1])

@@ -198,7 +198,7 @@ def worth_of(layers: Sequence[Mission], paths: Sequence[tuple[int, ...]]) -> flo
         )  # fmt: skip
         assert made == len(path)
         worth += float(rules.prize[list(path)].sum())
-        worth -= WORTH.per_m_s * delta_v + WORTH.per_s * state.time
+        worth -= WORTH.per_m_s * delta_v + WORTH.per_s * state.resources.time
     return worth
 
 

@@ -6,10 +6,10 @@ import pytest
 from adr_opt.kernels.rules.loads import KITS_BIT, Loads
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.labels.waiting import (
-    Candidate,
     Labels,
     Waiting,
     arrive,
+    candidate_of,
     is_dominated,
     keep,
     larger,
@@ -63,14 +63,6 @@ def dominates(
     )
 
 
-def as_candidate(labels: Labels, label: int) -> Candidate:
-    """What could come there in place of a label."""
-    return Candidate(
-        labels.value[label], labels.left[label], np.int64(labels.visits[label]),
-        labels.worth[label],
-    )  # fmt: skip
-
-
 def waits(waiting: Waiting, body: int) -> set[int]:
     """The labels in a list."""
     return {int(label) for label in waiting.label[body, : waiting.size[body]] if label >= 0}
@@ -91,7 +83,7 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
-        candidate, memory = as_candidate(labels, label), labels.memory[label]
+        candidate, memory = candidate_of(labels, label, loads), labels.memory[label]
         dominated = any(dominates(labels, other, label, compared, what) for other in alive)
         assert dominated == is_dominated(waiting, labels, 1, candidate, memory, compared, loads)
         if not arrive(waiting, labels, 1, label, compared, loads):
@@ -122,8 +114,9 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
         row = int(rng.integers(rows))
         preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
         assert preceded == is_preceded(
-            pending, row, labels, as_candidate(labels, label), labels.memory[label], compared, None
-        )
+            pending, row, labels, candidate_of(labels, label, None), labels.memory[label],
+            compared, None,
+        )  # fmt: skip
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1
         under_way[row].add(label)

@@ -15,7 +15,8 @@ from ...common.constants import SLACK_M_S, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from ..rules import rules as rule_kernels
-from ..rules.rules import Rules, state_at
+from ..rules.resources import Resources
+from ..rules.rules import Rules, State
 from ..tables import stacked_timetables, timetable
 from .outlook import HOME, Outlook
 
@@ -66,9 +67,11 @@ class Episodes(NamedTuple):
         Field of the pool.
     budget, duration : (episodes,) float64
         Full ΔV budget [m/s] and end of the mission [s].
-    body, since, serviced : (episodes,) int32
+    body : (episodes,) int32
+        Where each chaser is.
+    since, serviced : (episodes,) int32
     time, left : (episodes,) float64
-        As in :class:`adr_opt.kernels.rules.rules.State`.
+        As in :class:`adr_opt.kernels.rules.resources.Resources`.
     visited : (episodes, bodies) bool
         Serviced targets; also True for bodies that the field does not have.
     refuelled : (episodes,) int32
@@ -117,6 +120,18 @@ def rules_of(pool, episodes, e):
         0.0,
         None,
     )
+
+
+@inlined
+def state_of(episodes, e):
+    """The state of an episode. There are no kits in one."""
+    return State(
+        np.int64(episodes.body[e]),
+        Resources(
+            episodes.time[e], episodes.left[e], np.int64(episodes.since[e]),
+            np.int64(episodes.serviced[e]), np.int64(0),
+        ),
+    )  # fmt: skip
 
 
 @inlined
@@ -169,14 +184,15 @@ def move(pool, episodes, e, destination):
         Nothing has changed if not.
     """
     pool, episodes = borrowed(pool), borrowed(episodes)
-    rules, state = rules_of(pool, episodes, e), state_at(episodes, e)
+    rules, state = rules_of(pool, episodes, e), state_of(episodes, e)
     if not rule_kernels.may_go(rules, state, episodes.visited[e], destination):
         return False
     legal, delta_v, after = rule_kernels.step(rules, state, destination)
     if not legal:
         return False
-    episodes.body[e], episodes.time[e], episodes.left[e] = after.body, after.time, after.left
-    episodes.since[e], episodes.serviced[e] = after.since, after.serviced
+    there = after.resources
+    episodes.body[e], episodes.time[e], episodes.left[e] = after.body, there.time, there.left
+    episodes.since[e], episodes.serviced[e] = there.since, there.serviced
     episodes.delta_v[e] += delta_v
     episodes.collected[e] += rules.prize[destination]
     if rules.is_station[destination]:
@@ -193,7 +209,7 @@ def make_mask(pool, episodes, e, mask):
     rules = rules_of(pool, episodes, e)
     bodies = pool.bodies[episodes.slot[e]]
     targets = mask.size - 1
-    state = state_at(episodes, e)
+    state = state_of(episodes, e)
     count = 0
     for action in range(targets + 1):
         mask[action] = False

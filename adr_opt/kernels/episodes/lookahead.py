@@ -20,7 +20,7 @@ from ..core.memory import borrowed
 from ..rules import rules as rule_kernels
 from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
-from .episodes import clip, outlook_of, rules_of
+from .episodes import clip, outlook_of, rules_of, state_of
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
 
@@ -175,7 +175,7 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
         e = order[place]
         rules = rules_of(pool, episodes, e)
         outlook = outlook_of(pool, episodes.slot[e])
-        state, visited = rule_kernels.state_at(episodes, e), episodes.visited[e]
+        state, visited = state_of(episodes, e), episodes.visited[e]
         if prized:
             for j in range(rules.prize.size):
                 gain[j], per_gain[j] = rules.prize[j], 1.0 / rules.prize[j]
@@ -259,7 +259,8 @@ def cheapest_moves(rules, state, per_gain, mask, rows):
         if not mask[row]:
             continue
         _, delta_v, after = rule_kernels.step(rules, state, row + 1)
-        cost = ((after.time - state.time) * PER_HOUR + delta_v / M_S_PER_HOUR) * per_gain[row + 1]
+        taken = after.resources.time - state.resources.time
+        cost = (taken * PER_HOUR + delta_v / M_S_PER_HOUR) * per_gain[row + 1]
         if count == FOLLOWED and cost >= costs[count - 1]:
             continue
         place = min(count, FOLLOWED - 1)
@@ -312,7 +313,7 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
     _, _, chosen = rule_kernels.step(rules, state, choice)
     while choice >= 0:
         state = chosen
-        body, time = choice, state.time
+        body, time = choice, state.resources.time
         if body != HOME:
             worth += gain[body]
             collected += rules.prize[body]
@@ -330,16 +331,17 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
                 legal, delta_v, after = rule_kernels.step(rules, state, k)
                 if not legal:
                     continue
-                cost = ((after.time - time) * PER_HOUR + delta_v * hours_per_m_s) * per_gain[k]
+                ready, rest = after.resources.time, after.resources.left
+                cost = ((ready - time) * PER_HOUR + delta_v * hours_per_m_s) * per_gain[k]
                 if cost >= least:
                     continue
-                if after.time < guarded_until:
-                    if lookup_in_column(home, table, k, after.time)[0] > after.left:
+                if ready < guarded_until:
+                    if lookup_in_column(home, table, k, ready)[0] > rest:
                         continue
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.
                     next_cost = NOTHING_HOURS
-                    row = steps_begun(table, k, after.time)
+                    row = steps_begun(table, k, ready)
                     if row < outlook.ahead.shape[1]:
                         for second in range(AHEAD):
                             j = np.int64(outlook.ahead[k, row, 3 * second])
@@ -349,7 +351,7 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
                                 continue
                             legal, next_v, then = rule_kernels.step(rules, after, j)
                             if legal:
-                                next_h = (then.time - after.time) * PER_HOUR
+                                next_h = (then.resources.time - ready) * PER_HOUR
                                 next_cost = (next_h + next_v * hours_per_m_s) * per_gain[j]
                                 break
                     cost += foresight * next_cost
@@ -360,4 +362,4 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
             legal, _, after = rule_kernels.step(rules, state, HOME)
             if legal:
                 choice, chosen = HOME, after
-    return worth, collected, state.time, state.left
+    return worth, collected, state.resources.time, state.resources.left

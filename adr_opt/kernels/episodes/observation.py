@@ -20,7 +20,7 @@ from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
 from ..rules import rules as rule_kernels
 from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
-from .episodes import clip, outlook_of, rules_of, turned
+from .episodes import clip, outlook_of, rules_of, state_of, turned
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
 
 LIMIT = 5.0
@@ -239,8 +239,9 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
         bodies = pool.bodies[slot]
         visited = episodes.visited[e]
         out = moves[e]
-        state = rule_kernels.state_at(episodes, e)
-        body, now, left, since = state.body, state.time, state.left, state.since
+        state = state_of(episodes, e)
+        body, has = state.body, state.resources
+        now, left, since = has.time, has.left, has.since
         duration, refuelling = rules.duration, rules.service[HOME]
         remaining = duration - now
         # Costs first, in the order of the table's memory.
@@ -248,7 +249,7 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
             costs[j], ends[j], lefts[j], fits[j] = math.inf, math.inf, -math.inf, False
             if rule_kernels.may_go(rules, state, visited, j):
                 fits[j], costs[j], after_move = rule_kernels.step(rules, state, j)
-                ends[j], lefts[j] = after_move.time, after_move.left
+                ends[j], lefts[j] = after_move.resources.time, after_move.resources.left
         # Then everything that lies scattered, in a loop so short that its reads overlap.
         for j in range(bodies):
             if ends[j] <= duration:

@@ -131,14 +131,6 @@ def most_kits(loads):
     return loads.full.size - 1
 
 
-@inlined
-def kits_after(loads, body, kits):
-    """Kits left after a service."""
-    if loads is None:
-        return kits
-    return kits - loads.takes[body]
-
-
 KITS_BIT = 16
 """Labels keep the number of kits aboard above so many bits of the number of services."""
 
@@ -165,15 +157,6 @@ def services_in(loads, packed):
     if loads is None:
         return packed
     return packed & ((1 << KITS_BIT) - 1)
-
-
-@inlined
-def may_serve_for(loads, one, other):
-    """Whether one such number is as good as another one: no more services, and its kits will do."""
-    if loads is None:
-        return one <= other
-    fewer = services_in(loads, one) <= services_in(loads, other)
-    return fewer and may_stand_for(loads, kits_in(loads, one), kits_in(loads, other))
 
 
 @inlined

@@ -3,10 +3,10 @@
 The one place where they stand. Everything that plans, and the environment, asks these kernels;
 only ``check`` states them a second time, on purpose.
 
-A move goes to a body by the connection that the timetable's choice makes. :func:`step` is its
-resource extension: from the state before to the state after, and whether that is legal. Which
-targets are done is no part of the state, since search methods keep that in a form of their own;
-:func:`may_go` asks about it.
+A move goes to a body by the connection that the timetable's choice makes. :func:`step` makes it:
+from the state before to the state after, whose resources :mod:`.resources` extends, and whether
+that is legal. Which targets are done is no part of the state, since search methods keep that in a
+form of their own; :func:`may_go` asks about it.
 
 The slack of the model (:mod:`adr_opt.common.constants`) is in the limits that :class:`Rules` holds
 and in the next event, and nowhere else: what is left of a tank includes it, so that it is granted
@@ -22,7 +22,9 @@ from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from ..core.windows import service_end
 from ..tables import timetable
-from .loads import Loads, after_service, first_tank, flown_in_service, full_tank, most_kits
+from . import resources as resource_kernels
+from .loads import Loads, flown_in_service, most_kits
+from .resources import Resources
 
 
 class Rules(NamedTuple):
@@ -85,29 +87,10 @@ class Rules(NamedTuple):
 
 
 class State(NamedTuple):
-    """Where a chaser is.
-
-    Attributes
-    ----------
-    body : int
-    time : float
-        Since when it is free there [s].
-    left : float
-        ΔV left [m/s].
-    since : int
-        Targets serviced since the last refuelling.
-    serviced : int
-        Targets serviced.
-    kits : int
-        Kits aboard.
-    """
+    """Where a chaser is, and what it has left there."""
 
     body: int | np.int64
-    time: float
-    left: float
-    since: int | np.int64
-    serviced: int | np.int64
-    kits: int | np.int64
+    resources: Resources
 
 
 @inlined
@@ -119,20 +102,9 @@ def beginning(rules):
 @inlined
 def beginning_with(rules, kits):
     """The state in which a mission begins with so many kits."""
-    left = first_tank(rules.loads, rules.budget, kits)
-    return State(np.int64(rules.start), rules.ready, left, np.int64(0), np.int64(0), np.int64(kits))
-
-
-@inlined
-def state_at(states, place):
-    """The state at a place of ``states``, arrays under the names of the fields of a state."""
     return State(
-        np.int64(states.body[place]),
-        states.time[place],
-        states.left[place],
-        np.int64(states.since[place]),
-        np.int64(states.serviced[place]),
-        np.int64(0),
+        np.int64(rules.start),
+        resource_kernels.at_start(rules.ready, kits, rules.loads, rules.budget),
     )
 
 
@@ -182,7 +154,7 @@ def fits(rules, body, time, left, destination):
 
 @inlined
 def step(rules, state, destination):
-    """Make a move: the resource extension function.
+    """Make a move.
 
     Parameters
     ----------
@@ -199,20 +171,20 @@ def step(rules, state, destination):
     after : State
         The state after the move; of no meaning if it is not legal.
     """
-    legal, delta_v, end = fits(rules, state.body, state.time, state.left, destination)
-    left, since, serviced = state.left - delta_v, state.since + 1, state.serviced + 1
-    kits = state.kits
-    if rules.is_station[destination]:
-        legal = legal and state.since > 0
-        left = full_tank(rules.loads, rules.budget, kits)
-        since, serviced = state.since - state.since, state.serviced
+    here = state.resources
+    legal, delta_v, end = fits(rules, state.body, here.time, here.left, destination)
+    refuels = rules.is_station[destination]
+    after = resource_kernels.extend(
+        here, destination, refuels, delta_v, end, rules.loads, rules.budget
+    )
+    if refuels:
+        legal = legal and here.since > 0
     else:
-        left, kits = after_service(rules.loads, destination, kits, left)
         delta_v += flown_in_service(rules.loads, destination)
-        legal = legal and state.serviced < rules.most_targets and left >= 0.0
+        legal = legal and here.serviced < rules.most_targets and after.left >= 0.0
     if rules.returns and legal and not rules.may_end[destination]:
-        legal = _reaches_an_end(rules, destination, end, left)
-    return legal, delta_v, State(np.int64(destination), end, left, since, serviced, kits)
+        legal = _reaches_an_end(rules, destination, end, after.left)
+    return legal, delta_v, State(np.int64(destination), after)
 
 
 @kernel
@@ -247,10 +219,10 @@ def has_way_back(rules, state):
     It need not when nothing could be serviced after refuelling, at any station, before the mission
     ends. A mission without stations knows no guard.
     """
-    worth_it = False
+    worth_it, has = False, state.resources
     for s in range(rules.stations):
-        _, back, refuelled = fits(rules, state.body, state.time, state.left, s)
-        if back <= state.left:
+        _, back, refuelled = fits(rules, state.body, has.time, has.left, s)
+        if back <= has.left:
             return True
         if refuelled <= rules.duration - rules.shortest_sortie:
             worth_it = True
@@ -332,7 +304,7 @@ def replay(rules, sequence, state, visited, ends, lefts):
         total += delta_v
         visited[j] = not rules.is_station[j]
         state = after
-        ends[index], lefts[index] = state.time, state.left
+        ends[index], lefts[index] = state.resources.time, state.resources.left
     return sequence.size, total, state
 
 

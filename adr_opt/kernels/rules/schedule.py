@@ -24,14 +24,15 @@ from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
 from ..core.windows import service_end
-from .loads import after_service
+from .resources import Resources, extend
 
 
 @kernel
 def _into(staircase_left, staircase_cost, names, size, left, cost, name):
     """Put (left, cost) into a staircase, where more left costs more; its size then, or −1.
 
-    −1 says that a stair is as good.
+    −1 says that a stair is as good. This is :func:`.resources.dominates`, and the cost, for labels
+    that come in order of the time ready and carry as much: halving finds the one stair to ask.
     """
     low, high = 0, size
     while low < high:
@@ -107,8 +108,10 @@ class Visit(NamedTuple):
         Time at it [s].
     opens, closes : float
         Service there begins no earlier and ends no later [s].
-    refill : float
-        What the tank holds after it, −1 for what is left [m/s].
+    refuels : bool
+        Whether it is at a station, where the tank is filled.
+    budget : float
+        As in :class:`.rules.Rules` [m/s].
     """
 
     body: int
@@ -116,7 +119,8 @@ class Visit(NamedTuple):
     service: float
     opens: float
     closes: float
-    refill: float
+    refuels: bool
+    budget: float
 
 
 @kernel
@@ -142,7 +146,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
-    body, kits, service, opens, closes, refill = visit
+    body, kits, service, opens, closes, refuels, budget = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
@@ -169,13 +173,12 @@ def follow(ready, left, cost, weight, connections, visit, loads):
                 low = middle + 1
             else:
                 high = middle
-        last = size if refill < 0.0 or not alike else min(low + 1, size)
+        last = min(low + 1, size) if refuels and alike else size
         for stair in range(low, last):
-            rest = refill
-            if refill < 0.0:
-                rest, _ = after_service(loads, body, kits, front_left[stair] - delta_v[c])
-                if rest < 0.0:
-                    continue
+            here = Resources(departure[c], front_left[stair], 0, 0, kits)
+            rest = extend(here, body, refuels, delta_v[c], end, loads, budget).left
+            if rest < 0.0:
+                continue
             if count == room:
                 ends, lefts, costs = wider(ends, count), wider(lefts, count), wider(costs, count)
                 parents, takens = wider(parents, count), wider(takens, count)

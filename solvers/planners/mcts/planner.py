@@ -105,9 +105,10 @@ class _Player:
                 return True
             before = self.incumbent
             if self.prior is not None and tree.untried[root] == trees.NOT_LISTED:
+                has = tree.resources
                 liked = self.prior.moves(
-                    int(tree.body[root]), float(tree.time[root]), float(tree.left[root]),
-                    int(tree.since[root]), visited,
+                    int(tree.body[root]), float(has.time[root]), float(has.left[root]),
+                    int(has.since[root]), visited,
                 )[: tree.moves.shape[1]]  # fmt: skip
                 # Moves are tried from the end of the list.
                 tree.moves[root, : liked.size] = liked[::-1]

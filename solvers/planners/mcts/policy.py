@@ -82,9 +82,15 @@ def refuelling(rules, state):
     for s in range(rules.stations):
         if s != state.body:
             legal, _, after = rule_kernels.step(rules, state, s)
-            if legal and after.time <= soonest:
-                chosen, soonest = s, after.time
+            if legal and after.resources.time <= soonest:
+                chosen, soonest = s, after.resources.time
     return chosen
+
+
+@inlined
+def _price(policy, delta_v, state, after):
+    """What a move costs in ΔV and time [m/s]."""
+    return delta_v + policy.time_value * (after.resources.time - state.resources.time)
 
 
 @kernel
@@ -116,12 +122,12 @@ def cheapest_moves(rules, policy, state, visited, width, moves, cost):
         legal, delta_v, after = rule_kernels.step(rules, state, j)
         if not legal:
             continue
-        price = delta_v + policy.time_value * (after.time - state.time)
+        price = _price(policy, delta_v, state, after)
         if count == width and price >= cost[0]:
             continue
         if not rule_kernels.has_way_back(rules, after):
-            if after.time < soonest:
-                soonest, unsafe = after.time, j
+            if after.resources.time < soonest:
+                soonest, unsafe = after.resources.time, j
             continue
         # Dearest first, so that the cheapest is taken off the end.
         place = 0
@@ -187,8 +193,8 @@ def _draw_guarded(rules, policy, rng, scratch, count, state):
             continue
         legal, delta_v, after = rule_kernels.step(rules, state, j)
         if legal:
-            price = delta_v + policy.time_value * (after.time - state.time)
-            places[found], ends[found], weight[found] = place, after.time, price
+            price = _price(policy, delta_v, state, after)
+            places[found], ends[found], weight[found] = place, after.resources.time, price
             least = min(least, price)
             found += 1
     total = 0.0

@@ -7,8 +7,10 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.kernels.rules.rules import state_at
+from adr_opt.kernels.rules.resources import Resources
+from adr_opt.kernels.rules.rules import State
 
 from . import policy as policies
 
@@ -21,9 +23,9 @@ class Tree(NamedTuple):
 
     Attributes
     ----------
-    body, since, serviced : (nodes,) int32
-    time, left : (nodes,) float64
-        As in :class:`adr_opt.kernels.rules.rules.State`.
+    body : (nodes,) int32
+    resources : Resources
+        Of the node, (nodes,) each.
     spent : (nodes,) float64
         ΔV spent since the start of the mission [m/s].
     visits, total, best : (nodes,) float64
@@ -37,10 +39,7 @@ class Tree(NamedTuple):
     """
 
     body: np.ndarray
-    since: np.ndarray
-    serviced: np.ndarray
-    time: np.ndarray
-    left: np.ndarray
+    resources: Resources
     spent: np.ndarray
     visits: np.ndarray
     total: np.ndarray
@@ -135,8 +134,8 @@ def allocate(nodes: int, width: int) -> Tree:
         return np.empty(nodes)
 
     return Tree(
-        integers(), integers(), integers(), numbers(), numbers(), numbers(), numbers(), numbers(),
-        numbers(), integers(), integers(), integers(), np.empty((nodes, width), dtype=np.int32),
+        integers(), resource_kernels.columns(nodes), numbers(), numbers(), numbers(), numbers(),
+        integers(), integers(), integers(), np.empty((nodes, width), dtype=np.int32),
     )  # fmt: skip
 
 
@@ -149,13 +148,18 @@ def new_record(bodies: int) -> SearchRecord:
     )
 
 
+@inlined
+def _state_at(tree, node):
+    """The state after the move of a node."""
+    return State(np.int64(tree.body[node]), resource_kernels.at(tree.resources, node))
+
+
 @kernel
 def write_node(tree, node, state, spent):
     """Make a node without children and without simulations."""
     tree = borrowed(tree)
-    tree.body[node], tree.since[node] = state.body, state.since
-    tree.serviced[node] = state.serviced
-    tree.time[node], tree.left[node], tree.spent[node] = state.time, state.left, spent
+    tree.body[node], tree.spent[node] = state.body, spent
+    resource_kernels.put(tree.resources, node, state.resources)
     tree.visits[node], tree.total[node], tree.best[node] = 0.0, 0.0, -math.inf
     tree.child[node], tree.sibling[node] = NONE, NONE
     tree.untried[node] = NOT_LISTED
@@ -164,7 +168,7 @@ def write_node(tree, node, state, spent):
 @kernel
 def copy_root(tree, node):
     """Begin a new tree at the state of a node of the old one; the nodes in use: 1."""
-    write_node(tree, 0, state_at(tree, node), tree.spent[node])
+    write_node(tree, 0, _state_at(tree, node), tree.spent[node])
     return 1
 
 
@@ -172,7 +176,7 @@ def copy_root(tree, node):
 def list_moves(rules, policy, search, tree, node, scratch):
     """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
     rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
-    state, moves = state_at(tree, node), tree.moves[node]
+    state, moves = _state_at(tree, node), tree.moves[node]
     if search.guarded:
         tree.untried[node] = policies.cheapest_moves(
             rules, policy, state, scratch.visited, search.width, moves, scratch.weight
@@ -196,7 +200,7 @@ def expand(rules, search, rng, tree, node, used):
         ``NONE`` if every legal move has one.
     """
     rules, tree = borrowed(rules), borrowed(tree)
-    moves, state = tree.moves[node], state_at(tree, node)
+    moves, state = tree.moves[node], _state_at(tree, node)
     while tree.untried[node] > 0:
         tree.untried[node] -= 1
         last = tree.untried[node]
@@ -312,7 +316,7 @@ def step(rules, policy, search, rng, tree, game, scratch, record):
             if is_new:
                 break
         moves, gain, spent = policies.rollout(
-            rules, policy, rng, scratch, moves, state_at(tree, node)
+            rules, policy, rng, scratch, moves, _state_at(tree, node)
         )
         prizes += gain
         spent += tree.spent[node]

@@ -48,6 +48,6 @@ def best_insertion(rules, sequence, bodies, times, lefts, count):
             while legal and at < sequence.size:
                 legal, _, state = rule_kernels.step(rules, state, sequence[at])
                 at += 1
-            if legal and (prize > best_prize or state.time < best_end):
-                best, best_place, best_prize, best_end = new, place, prize, state.time
+            if legal and (prize > best_prize or state.resources.time < best_end):
+                best, best_place, best_prize, best_end = new, place, prize, state.resources.time
     return best, best_place

@@ -16,6 +16,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed, write
 from adr_opt.kernels.rules import rules as rule_kernels
+from adr_opt.kernels.rules.resources import Resources
 from adr_opt.kernels.rules.rules import State
 from adr_opt.kernels.tables import timetable as table_kernels
 
@@ -131,7 +132,7 @@ class WindowNetwork(NamedTuple):
 def state_at(rules, body, time, left):
     """The state of a chaser that is free at a body; what it has serviced is counted elsewhere."""
     earned = np.int64(1 if body >= rules.first_target else 0)
-    return State(np.int64(body), time, left, earned, np.int64(0), np.int64(0))
+    return State(np.int64(body), Resources(time, left, earned, np.int64(0), np.int64(0)))
 
 
 @kernel
@@ -155,7 +156,7 @@ def fly_rest(rules, worth, rest, body, time):
         legal, delta_v, after = rule_kernels.step(rules, state, j)
         if not legal:
             break
-        if state.left == math.inf:
+        if state.resources.left == math.inf:
             if need + delta_v > rules.budget:
                 break
             need += delta_v
@@ -164,7 +165,7 @@ def fly_rest(rules, worth, rest, body, time):
         made += 1
     if made == 0 and rest.size > 0:
         return -math.inf, 0.0
-    return value - worth.per_s * state.time, need
+    return value - worth.per_s * state.resources.time, need
 
 
 @kernel
@@ -228,7 +229,7 @@ def grow(rules, worth, window, limits):
             cost[c] = math.inf
             if j != i and j != origin[n]:
                 legal, move_delta_v[c], after = rule_kernels.step(rules, state, j)
-                move_end[c] = after.time
+                move_end[c] = after.resources.time
                 if legal and move_end[c] <= window.horizon:
                     cost[c] = move_delta_v[c] + limits.time_value * (move_end[c] - now)
         for choice in range(width + rules.stations):
@@ -238,7 +239,7 @@ def grow(rules, worth, window, limits):
                 if j == i or tank[n] == window.refuels:
                     continue
                 legal, step, after = rule_kernels.step(rules, state, j)
-                done = after.time
+                done = after.resources.time
                 if not legal or done > window.horizon:
                     continue
             else:
@@ -365,4 +366,4 @@ def nearest(rules, stops, times, candidates, time_value, cost):
             state = state_at(rules, stops[s], times[s], rules.budget)
             legal, delta_v, after = rule_kernels.step(rules, state, candidates[c])
             if legal:
-                cost[c] = min(cost[c], delta_v + time_value * (after.time - times[s]))
+                cost[c] = min(cost[c], delta_v + time_value * (after.resources.time - times[s]))

@@ -1,0 +1,137 @@
+"""What a partial route has left: how a leg changes it, and when one route has no less than another.
+
+The resources of the resource-constrained shortest paths that all planners look for. A leg with the
+service or refuelling that follows it extends them by :func:`extend`, and one set of them dominates
+another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge`, which states them
+again, on purpose. A further resource (a variance, a class of masses) is a field of
+:class:`Resources`, what these two functions say of it, and a column of :func:`columns`.
+
+Whoever relaxes or sorts resources has no sets of them to compare, and says so there. Walks count
+ΔV in whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has
+been used by any way to a node (:mod:`solvers.models.network`, the windows of `ortools`). Fronts
+along an order are staircases that are searched by halving (:mod:`.schedule`,
+:mod:`solvers.orders.fronts`). That one *connection* dominates another is a rule of its own, of
+departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..core.compile import inlined, kernel
+from .loads import after_service, first_tank, full_tank, may_stand_for
+
+One = Any
+"""A number; where :func:`columns` hold those of many routes, an array of them."""
+
+
+class Resources(NamedTuple):
+    """What a partial route has left.
+
+    Attributes
+    ----------
+    time : float
+        Since when the chaser is free [s].
+    left : float
+        ΔV left [m/s].
+    since : int
+        Targets serviced since the last refuelling.
+    serviced : int
+        Targets serviced.
+    kits : int
+        Kits aboard.
+    """
+
+    time: One
+    left: One
+    since: One
+    serviced: One
+    kits: One
+
+
+@inlined
+def at_start(ready, kits, loads, budget):
+    """What there is at the start, from a time on [s], with so many kits aboard."""
+    nothing = np.int64(0)
+    return Resources(ready, first_tank(loads, budget, kits), nothing, nothing, np.int64(kits))
+
+
+@inlined
+def extend(here, destination, refuels, delta_v, end, loads, budget):
+    """What is left after a leg and the service, or the refuelling, that follows it.
+
+    Parameters
+    ----------
+    here : Resources
+        Before the leg.
+    destination : int
+    refuels : bool
+        Whether the destination is a station, where the tank is filled.
+    delta_v : float
+        Of the leg [m/s].
+    end : float
+        Of the service or refuelling [s].
+    loads : Loads or None
+    budget : float
+        As in :class:`.rules.Rules` [m/s].
+
+    Returns
+    -------
+    Resources
+        With less than 0 left, and else of no meaning, where the service cannot be made.
+    """
+    if refuels:
+        full = full_tank(loads, budget, here.kits)
+        return Resources(end, full, np.int64(0), np.int64(here.serviced), np.int64(here.kits))
+    left, kits = after_service(loads, destination, here.kits, here.left - delta_v)
+    return Resources(
+        end, left, np.int64(here.since + 1), np.int64(here.serviced + 1), np.int64(kits)
+    )
+
+
+@inlined
+def dominates(one, other, loads):
+    """Whether a route can go on in every way in which another one can that is at the same body.
+
+    It is free no later, which is enough since a chaser may wait, has no less left, has serviced no
+    more of those that it may, and its kits will do for those of the other. Which targets are done
+    is for whoever asks to compare. Whether they may refuel is not compared: at one body either all
+    have serviced a target since they refuelled, or none has.
+
+    Parameters
+    ----------
+    one, other : Resources
+    loads : Loads or None
+    """
+    return (
+        one.time <= other.time
+        and one.left >= other.left
+        and one.serviced <= other.serviced
+        and may_stand_for(loads, one.kits, other.kits)
+    )
+
+
+@kernel
+def columns(shape):
+    """Room for the resources of many routes, side by side: an array for each field."""
+    return Resources(
+        np.empty(shape), np.empty(shape), np.empty(shape, np.int32), np.empty(shape, np.int32),
+        np.empty(shape, np.int32),
+    )  # fmt: skip
+
+
+@inlined
+def at(held, place):
+    """The resources at a place of columns."""
+    return Resources(
+        held.time[place], held.left[place], np.int64(held.since[place]),
+        np.int64(held.serviced[place]), np.int64(held.kits[place]),
+    )  # fmt: skip
+
+
+@inlined
+def put(held, place, resources):
+    """Write resources to a place of columns."""
+    held.time[place], held.left[place] = resources.time, resources.left
+    held.since[place], held.serviced[place] = resources.since, resources.serviced
+    held.kits[place] = resources.kits
