@@ -185,7 +185,7 @@ class Mission(Shown, Prizes):
             limits.service,
             limits.opens,
             limits.closes,
-            self.worths,
+            self.planning_prizes,
             is_station,
             may_end,
             stations,
@@ -320,7 +320,7 @@ class Mission(Shown, Prizes):
                     other.ask(Neighbours(source.near, source.period))
             else:
                 barred = np.isneginf(self.rules.closes)
-                worths = np.where(barred, -np.inf, self.worths)
+                worths = np.where(barred, -np.inf, self.planning_prizes)
                 other = self._all.with_time_value(time_value_m_s_per_h).offering(worths)
             other._variants = self._variants
             self._variants[time_value_m_s_per_h] = other

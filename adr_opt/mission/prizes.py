@@ -57,7 +57,7 @@ class Prizes:
         return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
 
     @cached_property
-    def worths(self) -> npt.NDArray[np.float64]:
+    def planning_prizes(self) -> npt.NDArray[np.float64]:
         """What servicing each body is worth to a planner, shape (bodies,)."""
         worths = np.zeros(len(self.names))
         worths[self.instance.first_target :] = [
@@ -148,7 +148,7 @@ class Prizes:
     @property
     def total_worth(self) -> float:
         """The same of what targets are worth to a planner."""
-        return self._largest(self.worths.tolist())
+        return self._largest(self.planning_prizes.tolist())
 
     @property
     def all_prize(self) -> float:
@@ -158,7 +158,7 @@ class Prizes:
     @property
     def all_worth(self) -> float:
         """Sum of what all targets are worth to a planner."""
-        return math.fsum(self.worths)
+        return math.fsum(self.planning_prizes)
 
     def _largest(self, prizes: list[float]) -> float:
         return math.fsum(sorted(prizes, reverse=True)[: self.most_targets])
@@ -184,7 +184,7 @@ class Prizes:
 
     def collected(self, bodies: Iterable[int]) -> float:
         """What bodies are worth to a planner; their order does not matter."""
-        return math.fsum(self.worths[j] for j in bodies)
+        return math.fsum(self.planning_prizes[j] for j in bodies)
 
     def prizes(self, bodies: Iterable[int]) -> float:
         """Sum of the prizes of bodies."""

@@ -125,7 +125,7 @@ def ortools_promise(
             node = nodes.ends[vehicle] if routing.IsEnd(index) else manager.IndexToNode(index)
             route += [int(j) for j in (nodes.by[node], nodes.body[node]) if j != NONE]
         routes.append(tuple(route))
-    visits = sum(float(problem.worths[j]) for route in routes for j in route)
+    visits = sum(float(problem.planning_prizes[j]) for route in routes for j in route)
     return Promise(tuple(routes), visits, math.inf, built - began, solved - built)
 
 
@@ -181,7 +181,7 @@ def _add_targets(routing: Any, manager: Any, problem: Problem, nodes: Nodes) -> 
         its = [
             manager.NodeToIndex(node) for node in np.flatnonzero(nodes.body[:ways] == j).tolist()
         ]
-        routing.AddDisjunction(its, round(PRIZE_UNITS * float(problem.worths[j])), 1)
+        routing.AddDisjunction(its, round(PRIZE_UNITS * float(problem.planning_prizes[j])), 1)
     most = [int(mission.rules.most_targets) for mission in problem.missions]
     counted = (np.arange(nodes.body.size) < ways).astype(np.int64)
     counts = routing.RegisterUnaryTransitVector(counted.tolist())

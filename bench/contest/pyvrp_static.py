@@ -63,7 +63,7 @@ def pyvrp_promise(
             first + activity.idx if activity.is_client() else activity.idx
             for activity in list(route)[1:-1]
         )
-    visits = sum(float(problem.worths[j]) for route in routes for j in route)
+    visits = sum(float(problem.planning_prizes[j]) for route in routes for j in route)
     return Promise(tuple(routes), visits, math.inf, built - began, solved - built)
 
 
@@ -82,7 +82,7 @@ def _model(pyvrp: Any, problem: Problem, delta_v: np.ndarray, duration: np.ndarr
         model.add_client(
             places[j],
             delivery=[math.ceil(load.mean()) if load.size else math.ceil(budget) + 1],
-            prize=round(PRIZE_UNITS * float(problem.worths[j])),
+            prize=round(PRIZE_UNITS * float(problem.planning_prizes[j])),
             required=False,
         )
     for kind in kinds:

@@ -86,7 +86,7 @@ class BeamSettings:
     guarded: bool = True
 
 
-def hurried(mission: Mission, time_value_m_s_per_h: float = USUAL) -> Mission:
+def with_time_value(mission: Mission, time_value_m_s_per_h: float = USUAL) -> Mission:
     """The mission for beams to search: on the usual choice of connections, or on a given one."""
     if time_value_m_s_per_h < 0.0:
         time_value_m_s_per_h = TIME_VALUE_M_S_PER_H * mission.instance.hurry

@@ -32,8 +32,8 @@ def varied(mission: Mission, width: int, rng: np.random.Generator) -> Varied:
     factor, crowding = rng.uniform(0.6, 1.6), rng.uniform(1.2, 2.5)
     noise, unguarded = rng.uniform(0.0, 0.4), rng.random() < 0.3
     seed = int(rng.integers(2**31))
-    hurried = mission.with_time_value(value)
-    worth = worth_of(hurried)
+    with_time_value = mission.with_time_value(value)
+    worth = worth_of(with_time_value)
     settings = BeamSettings(
         width=width,
         time_weight=worth.hour,
@@ -42,4 +42,4 @@ def varied(mission: Mission, width: int, rng: np.random.Generator) -> Varied:
         noise=noise * worth.prize,
         guarded=width < LEAST_UNGUARDED or not unguarded,
     )
-    return Varied(hurried, settings, seed)
+    return Varied(with_time_value, settings, seed)

@@ -103,7 +103,7 @@ class ColumnCost(CostRounds):
     ) -> None:
         self._problem, self._certificate, self._pool = problem, certificate, pool
         self._options, self._stop = options, stop
-        self._worths = np.array(problem.worths)
+        self._worths = np.array(problem.planning_prizes)
         self._over = lambda: stop.remaining_s() <= 0.0
         self._asked = asked(problem, certificate.incumbent)
         self._bounds = CampaignBound(

@@ -26,7 +26,7 @@ def by_beam(
     mission: Mission, multipliers: np.ndarray, rng: np.random.Generator, stop: Stop
 ) -> tuple[int, ...]:
     """A route over the targets that are worth more than their multipliers."""
-    worths = mission.worths - multipliers
+    worths = mission.planning_prizes - multipliers
     worths[: mission.instance.first_target] = 0.0
     worths[mission.instance.first_target :][
         worths[mission.instance.first_target :] <= 0.0

@@ -105,7 +105,7 @@ class ColumnProof:
         self._centred = CENTRED
         self._least = math.inf  # the bound at the centre
         self._labels = min(FIRST_LABELS, options.most_labels)
-        self._largest = float(problem.worths.max(initial=0.0)) or 1.0
+        self._largest = float(problem.planning_prizes.max(initial=0.0)) or 1.0
         self._columns = 0
         # Multipliers, the most that routes are worth less them, and the bound of both.
         self._priced: tuple[np.ndarray, np.ndarray, float] | None = None

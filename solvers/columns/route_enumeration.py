@@ -53,7 +53,7 @@ def worth_a_goal(
     constraints : sequence of LinearConstraint
     time_limit_s : float
     """
-    scale = SCALE / (float(problem.worths.max(initial=0.0)) or 1.0)
+    scale = SCALE / (float(problem.planning_prizes.max(initial=0.0)) or 1.0)
     scaled = scale * np.array(worths)
     if goal <= 0.0 or not has_large(problem):
         row = LinearConstraint(scaled[None, :], scale * goal - PACKING_OFF, np.inf)
@@ -85,7 +85,7 @@ class Finish:
     def __init__(self, problem: Problem, bounds: Sequence[tuple[WalkBound, int]]) -> None:
         self._problem = problem
         self._searches = tuple(Search(bound, start=start, all_sets=True) for bound, start in bounds)
-        self._largest = float(problem.worths.max(initial=0.0)) or 1.0
+        self._largest = float(problem.planning_prizes.max(initial=0.0)) or 1.0
 
     @property
     def labels_made(self) -> int:

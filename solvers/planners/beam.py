@@ -14,7 +14,7 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
-from ..beams.beams import USUAL, BeamSettings, hurried
+from ..beams.beams import USUAL, BeamSettings, with_time_value
 from ..beams.exchange_rates import worth_of
 from ..beams.timely_beams import Beams, pilots
 from ..policies import load_policy
@@ -82,7 +82,7 @@ def beam(
     it does allow; one that is late all the same is hurried to its end.
     """
     began = time.perf_counter()
-    mission = hurried(mission, options.time_value_m_s_per_h)
+    mission = with_time_value(mission, options.time_value_m_s_per_h)
     best = Incumbent(mission)
     states, notes = 0, tuple[str, ...]()
     if options.policy:

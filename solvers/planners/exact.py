@@ -22,7 +22,7 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 
-from ..beams.beams import hurried, usual_settings
+from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
@@ -103,7 +103,7 @@ def _one_route(
     if not certificate.proven and not enough():
         certificate.offer(guarded_sequence(mission))
     if not certificate.proven and not enough():
-        layer = hurried(mission)
+        layer = with_time_value(mission)
         first = pilots(mission)
         for width in first if mission.timetable.is_on_demand else (*first, WIDTH):
             certificate.offer(beams.search(usual_settings(layer, width), mission=layer))

@@ -13,7 +13,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 
-from ..beams.beams import USUAL, hurried, usual_settings
+from ..beams.beams import USUAL, usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.recreate import recreate
 from ..beams.timely_beams import Beams, first_width, pilots
@@ -107,7 +107,7 @@ class RouteSearches:
         """Seconds that a beam takes."""
         return self._beams.needed_s(width)
 
-    def unhurried(self, width: int) -> int:
+    def usual_width(self, width: int) -> int:
         """A width up to this one whose beam leaves most of the time to others."""
         needed_s, allowed_s = self.needed_s(width), UNHURRIED * self._stop.remaining_s()
         return width if needed_s <= allowed_s else max(1, int(width * allowed_s / needed_s))
@@ -115,7 +115,7 @@ class RouteSearches:
     def scaled(self, width: int) -> int:
         """A width for a field of this size."""
         least = max(10, int(self._scale * width))
-        return self.unhurried(least) if self._asks else least
+        return self.usual_width(least) if self._asks else least
 
     def begin(self, prover: Prover | None, cores: int) -> None:
         """What comes before the first round: the quickest beams, and a first bound."""
@@ -129,7 +129,7 @@ class RouteSearches:
             prover.deliver()
         for width in pilots(self._mission):
             if not is_over():
-                self.usual(self.unhurried(width))
+                self.usual(self.usual_width(width))
         # Beside a proof a beam is slower, so where time is short it comes before; on one core the
         # proof would come before it, and take what there is.
         short = cores == 1 or self.needed_s(self._usual) > UNHURRIED * stop.remaining_s()
@@ -321,7 +321,7 @@ def plan(
     time_value_m_s_per_h : float
         As for ``beam``.
     """
-    given, mission = mission, hurried(mission, time_value_m_s_per_h)
+    given, mission = mission, with_time_value(mission, time_value_m_s_per_h)
     certificate = GapTracker(mission, progress)
     search = RouteSearches(mission, seed, stop, certificate)
     certificate.offer(guarded_sequence(given))

@@ -35,7 +35,7 @@ OFF = 0.25
 
 def has_large(problem: Problem) -> bool:
     """Whether prizes have too many steps for sums of them to be compared as they are."""
-    largest = float(problem.worths.max(initial=0.0))
+    largest = float(problem.planning_prizes.max(initial=0.0))
     step = problem.prize_step
     return largest > 0.0 and (not step or largest > FEW * step)
 

@@ -18,7 +18,7 @@ RouteOf = Callable[[Mission], Iterable[int]]
 
 def left(problem: Problem, done: Iterable[int]) -> FloatArray:
     """What targets are worth that are not done, and −inf for the others, shape (bodies,)."""
-    worths = np.array(problem.worths)
+    worths = np.array(problem.planning_prizes)
     for j in done:
         worths[j] = -np.inf
     worths[: problem.instance.first_target] = 0.0

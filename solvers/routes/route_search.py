@@ -9,7 +9,7 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
-from ..beams.beams import BeamSettings, beam_search, hurried, usual_settings
+from ..beams.beams import BeamSettings, beam_search, usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import first_width
 from ..beams.varied_beams import varied
@@ -72,7 +72,7 @@ class RouteSearch:
         self._worth = -np.inf
         self._idle = 0
         self.multipliers = np.zeros(len(problem.names))
-        worthy = problem.worths[problem.worths > 0.0]
+        worthy = problem.planning_prizes[problem.planning_prizes > 0.0]
         self._mean_worth = float(worthy.mean()) if worthy.size else 1.0
         self.counters = {"beams": 0, "recreations": 0, "completions": 0, "packings": 0}
 
@@ -93,7 +93,7 @@ class RouteSearch:
     def _usual(self, mission: Mission) -> tuple[int, ...]:
         if self._stop.remaining_s() <= 0.0:
             return ()
-        layer = hurried(mission)
+        layer = with_time_value(mission)
         self.counters["beams"] += 1
         return self._beam(layer, usual_settings(layer, first_width(mission, FIRST_WIDTH)), 0)
 

@@ -100,7 +100,7 @@ class Exchanges:
         self._kind_of = problem.kind_of
         self._stations = len(problem.instance.stations)
         self._timed: dict[tuple[int, tuple[int, ...]], _Timed] = {}
-        self._worthy = [j for j, worth in enumerate(problem.worths) if worth > 0.0]
+        self._worthy = [j for j, worth in enumerate(problem.planning_prizes) if worth > 0.0]
         self.counters = {"exchanges": 0}
 
     def anneal(self, iterations: int, stop: Stop) -> bool:
@@ -189,7 +189,7 @@ class Exchanges:
 
     def _exchanged(self, now: Routes, asked: float) -> Routes | None:
         """Routes after some targets left them and others came; None if they are worth less."""
-        rng, worths = self._rng, self._problem.worths
+        rng, worths = self._rng, self._problem.planning_prizes
         out = self._drawn(now)
         routes = [self._open(tuple(j for j in route if j not in out)) for route in now]
         bag = sorted(out)

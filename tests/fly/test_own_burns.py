@@ -12,7 +12,7 @@ from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.refine.bodies import TrueBodies
 from adr_opt.fly.refine.leg import FlownImpulses, LegEnds, close, residual
 from adr_opt.fly.refine.one_leg import planned_angles
-from adr_opt.fly.refine.own_burns import settle
+from adr_opt.fly.refine.own_burns import cheapest_near
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 
@@ -76,7 +76,7 @@ def test_burns_become_better_and_meet_the_goal(weight: float) -> None:
     """ΔV and weighted changes together never grow, times stay, and the goal is met."""
     gained = 0.0
     for course, closed, planned in cases("ellipses"):
-        found = settle(course, closed, planned, weight)
+        found = cheapest_near(course, closed, planned, weight)
         assert np.array_equal(found.times, closed.times)
         position, speed = residual(course, found)
         assert position < 0.01
@@ -95,7 +95,7 @@ def test_no_burns_nearby_are_better() -> None:
     """Moved along the goal, to first order, burns are better by no more than the tolerance."""
     weight, rng = 2.0 / 3.0, np.random.default_rng(0)
     for course, closed, planned in cases("ellipses"):
-        found = settle(course, closed, planned, weight)
+        found = cheapest_near(course, closed, planned, weight)
         count = found.times.size
         rows = found.effects.transpose(1, 0, 2).reshape(6, 3 * count)
         rows = rows / np.linalg.norm(rows, axis=1)[:, None]
@@ -112,14 +112,15 @@ def test_no_burns_nearby_are_better() -> None:
 def test_what_needs_no_change_is_not_changed() -> None:
     """Between circles, in two-body motion, burns stay the plan's where changes count in full."""
     for course, closed, planned in cases("circles"):
-        found = settle(course, closed, planned, 1.0)
+        found = cheapest_near(course, closed, planned, 1.0)
         assert sizes(found.impulses - planned) <= sizes(closed.impulses - planned) + 0.05
 
 
 def test_the_less_changes_count_the_cheaper_the_burns() -> None:
     """From hardly counted to dear: ΔV grows with the weight, and changes become less."""
     found = [
-        [settle(*case, weight) for case in cases("ellipses")] for weight in (0.001, 2.0 / 3.0, 10.0)
+        [cheapest_near(*case, weight) for case in cases("ellipses")]
+        for weight in (0.001, 2.0 / 3.0, 10.0)
     ]
     spent = [sum(one.delta_v_m_s for one in row) for row in found]
     changed = [

@@ -235,7 +235,7 @@ def test_no_sequence_is_missed():
             while met < departure + high + lap:
                 about = precession.meeting(made, law, half_turns[event], alpha_j, met)
                 met += lap
-                way = precession.settle(
+                way = precession.fixed_point(
                     made, law, half_turns[event], k, departure, about, alpha_i, alpha_j
                 )
                 arrival = way.stand_off + approach

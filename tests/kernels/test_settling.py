@@ -24,7 +24,7 @@ def one_by_one(pair, law, half_turns, number, met):
     for k in range(law.max_phasing_revolutions + 1):
         departure, stand_off = number[0], met
         for _ in range(2):  # it ends where a step is short; the next one is by far shorter
-            way = precession.settle(
+            way = precession.fixed_point(
                 pair, law, half_turns, k, departure, stand_off, number[2], number[3]
             )
             departure, stand_off = way.departure, way.stand_off

@@ -13,7 +13,7 @@ from adr_opt.legs.timetable import Timetable
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.run import table_budget
-from solvers.beams.beams import BeamSettings, beam_search, hurried
+from solvers.beams.beams import BeamSettings, beam_search, with_time_value
 from solvers.beams.greedy_order import greedy_sequence
 
 LOOKED_UP = 4000
@@ -101,7 +101,7 @@ def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
 def test_a_search_that_asks_finds_what_one_on_a_table_finds(seed):
     """With all pairs to look at greedy orders and beams are the same, move by move."""
     instance = drawn(seed)
-    there, here = hurried(Mission(instance)), hurried(asking(instance))
+    there, here = with_time_value(Mission(instance)), with_time_value(asking(instance))
     for guarded in (True, False):
         orders = [greedy_sequence(each, beta=0.01, guarded=guarded) for each in (there, here)]
         assert orders[0].tolist() == orders[1].tolist()

@@ -125,7 +125,7 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
     for seed in range(120):
         mission = Mission(draw(seed))
         rng = np.random.default_rng([7, seed])
-        multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.worths
+        multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.planning_prizes
         first, end = mission.instance.first_target, mission.chaser.end
         possible = {
             int(done) for done, body, _ in labels_of(mission)[0]
@@ -133,14 +133,14 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
         }  # fmt: skip
         worth = {
             done: math.fsum(
-                mission.worths[j] - multipliers[j]
+                mission.planning_prizes[j] - multipliers[j]
                 for j in range(first, len(mission.names)) if done >> (j - first) & 1
             )
             for done in possible - {0}
         }  # fmt: skip
         if not worth:
             continue
-        least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.worths.max()
+        least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.planning_prizes.max()
         search = LabelSearch(WalkBound(mission, 20.0), all_sets=True)
         search.use(multipliers)
         finished, _, _, _ = search.search(search.total + least, 10**6, lambda: False)
@@ -148,7 +148,7 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
             sum(1 << (j - first) for j in route if j >= first) for route in search.plans(10**6)
         } - {0}
         assert finished
-        off = 1e-6 * mission.worths.max()
+        off = 1e-6 * mission.planning_prizes.max()
         assert found >= {done for done in worth if worth[done] > least + off}, seed
         assert found <= {done for done in worth if worth[done] > least - 1e-3}, seed
         listed += len(found)

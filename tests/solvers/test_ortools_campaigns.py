@@ -19,7 +19,7 @@ from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
-from solvers.beams.beams import hurried
+from solvers.beams.beams import with_time_value
 from solvers.beams.greedy_order import guarded_sequence
 from solvers.planners.ortools_windows import network, ortools
 from solvers.planners.ortools_windows.fleet import Fleet
@@ -87,7 +87,7 @@ def test_launches_are_planned_and_kits_refused() -> None:
 
 def fleet_of(campaign: Problem, routes: object = None) -> Fleet:
     """The guarded greedy plan, or another one, as windows see it."""
-    layers = tuple(hurried(mission) for mission in campaign.missions)
+    layers = tuple(with_time_value(mission) for mission in campaign.missions)
     if routes is None:
         routes = one_after_another(campaign, guarded_sequence)
     return Fleet.flying(campaign, layers, [np.array(route, dtype=np.int64) for route in routes])

@@ -29,7 +29,7 @@ from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..refine.leg import FlownImpulses, LegEnds, NoWay, close
 from ..refine.one_leg import aim, planned_angles, with_a_middle
-from ..refine.own_burns import settle
+from ..refine.own_burns import cheapest_near
 
 Array = npt.NDArray[np.float64]
 
@@ -127,7 +127,7 @@ class Aim:
         times = np.array([burn.time_s for burn in self._burns])
         planned = np.array([burn.delta_v_m_s for burn in self._burns])
         try:
-            flown = settle(whole, self._closed(times, planned), planned)
+            flown = cheapest_near(whole, self._closed(times, planned), planned)
         except NoWay:
             flown = aim(whole, self._burns)  # with a few burns more
         return flown.delta_v_m_s + self._docking_m_s(flown)

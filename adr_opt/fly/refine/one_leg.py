@@ -14,7 +14,7 @@ from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
 from .bodies import TrueBodies, moved
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
-from .own_burns import settle
+from .own_burns import cheapest_near
 from .short_periods import Array
 from .states import recorded, state_of
 from .towing import towed
@@ -166,7 +166,7 @@ def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
         except NoWay as error:
             no_way = error
         else:
-            return settle(course, closed, wanted)
+            return cheapest_near(course, closed, wanted)
     raise no_way
 
 

@@ -28,7 +28,7 @@ CHANGE_WEIGHT = 2.0 / 3.0
 ``bench/refine_clouds.py --change-weights`` shows what others give."""
 
 
-def settle(
+def cheapest_near(
     course: LegEnds, flown: FlownImpulses, planned: Array, weight: float = CHANGE_WEIGHT
 ) -> FlownImpulses:
     """Make burns that meet the goal cheap, and keep them near the plan's.

@@ -1,14 +1,13 @@
 """Fixed points of the sequences between drifting planes, many at once.
 
-What :func:`.precession.settle` finds one by one, with an inversion and a line of nodes at every
-step, follows from one number here: s, by how much the difference of the RAANs that a sequence is
-flown for differs from that of its event. With s both ends are known, since the tangents of the
+What :func:`.precession.fixed_point` finds one by one, with an inversion and a line of nodes at
+every step, follows from one number here: s, by how much the difference of the RAANs that a sequence
+is flown for differs from that of its event. With s both ends are known, since the tangents of the
 angles by which the line of nodes moves are rational in sin s and cos s; and with the flight time
 between the ends ε is, read off the curves of the pair (:mod:`.phasing`). So s is the fixed point of
 products and sums without a branch, and the compiler makes vectors of them. Two steps, drawn on by
-Aitken's rule, leave an error of rounding; what is left is measured, and a sequence that it is
-too much for is said to be unsure.
-"""
+Aitken's rule, leave an error of rounding; what is left is measured, and a sequence that it is too
+much for is said to be unsure."""
 
 import math
 from typing import NamedTuple

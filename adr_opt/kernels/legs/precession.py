@@ -154,7 +154,7 @@ def meeting(pair, rule, half_turns, alpha_j, time):
     return time + (behind - TURN_RAD * math.floor(behind / TURN_RAD + 0.5)) / pair.rate_j
 
 
-class Settled(NamedTuple):
+class FixedPoint(NamedTuple):
     """A sequence: when it leaves and is at the stand-off [s], r_x [m], 4 sin²(θ/2) and ΔV [m/s].
 
     ΔV is +inf where there is none; ``steps`` is how many it took to find it.
@@ -169,7 +169,7 @@ class Settled(NamedTuple):
 
 
 @kernel
-def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, alpha_j):
+def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, alpha_j):
     """The sequence of an event with k revolutions that arrives about a time, exactly.
 
     Parameters
@@ -182,7 +182,7 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
 
     Returns
     -------
-    Settled
+    FixedPoint
     """
     r, theta = pair.reference, 0.0
     steps = MOST_STEPS + 1
@@ -204,8 +204,8 @@ def settle(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, a
     low = pair.shortest + revolutions * pair.shortest_lap
     high = pair.longest + revolutions * pair.longest_lap
     if steps > MOST_STEPS or not low <= time <= high:
-        return Settled(departure, stand_off, r, turn, math.inf, steps)
-    return Settled(
+        return FixedPoint(departure, stand_off, r, turn, math.inf, steps)
+    return FixedPoint(
         departure, stand_off, r, turn,
         co_elliptic.turned_delta_v(
             pair, rule, revolutions, r, turn, eccentricity.matching(pair, departure)

@@ -167,7 +167,7 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
                 continue
             left += turn_i * shift / pair.rate_i
             there += turn_j * shift / pair.rate_j
-        found = precession.settle(pair, rule, half_turns, k, left, there, alpha_i, alpha_j)
+        found = precession.fixed_point(pair, rule, half_turns, k, left, there, alpha_i, alpha_j)
         if found.delta_v >= min(below, best):
             continue
         if found.departure < -SLACK_S or abs(found.stand_off - met) > math.pi / pair.rate_j:

@@ -217,7 +217,7 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
         least = (1.0 - TURNED) * seems - TURNED_M_S
         if least > source.most or least + rule.time_value * service_begin(met, opens) > best_cost:
             continue
-        found = precession.settle(
+        found = precession.fixed_point(
             pair, rule, event.half_turns, k, event.time, met, event.alpha_i, event.alpha_j
         )
         cost = found.delta_v + rule.time_value * service_begin(found.stand_off, opens)

@@ -61,7 +61,7 @@ class Fleet:
     @property
     def unit(self) -> float:
         """Mean worth of the targets that are worth something."""
-        worths = self._problem.worths
+        worths = self._problem.planning_prizes
         return float(worths[worths > 0.0].mean())
 
     def better_than(self, other: Fleet) -> bool:

@@ -24,7 +24,7 @@ from adr_opt.mission.result import Result
 from adr_opt.plan.plan import Plan
 from adr_opt.run.start_plan import Start, legal_beginning, start_destinations
 
-from ...beams.beams import USUAL, hurried
+from ...beams.beams import USUAL, with_time_value
 from ...beams.greedy_order import guarded_sequence
 from ...routes.one_chaser import one_after_another
 from .fleet import Fleet
@@ -105,11 +105,13 @@ def ortools(
     """
     begun = time.perf_counter()
     problem = problem_of(problem)
-    layers = tuple(hurried(mission, options.time_value_m_s_per_h) for mission in problem.missions)
+    layers = tuple(
+        with_time_value(mission, options.time_value_m_s_per_h) for mission in problem.missions
+    )
     best = Fleet.flying(problem, layers, _first_routes(problem, start))
     present = best
     limits = UnrollLimits(NODES, WIDTH, layers[0].time_value_m_s_per_h / HOUR_S, 0.0)
-    if problem.worths.any():
+    if problem.planning_prizes.any():
         limits = limits._replace(lag=LAG * best.unit)
         for chaser in range(len(layers)):
             worth = present.worth((chaser,), TIME_SHARE, DELTA_V_SHARES[0])
