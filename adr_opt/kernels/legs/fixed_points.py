@@ -7,7 +7,8 @@ angles by which the line of nodes moves are rational in sin s and cos s; and wit
 between the ends ε is, read off the curves of the pair (:mod:`.phasing`). So s is the fixed point of
 products and sums without a branch, and the compiler makes vectors of them. Two steps, drawn on by
 Aitken's rule, leave an error of rounding; what is left is measured, and a sequence that it is too
-much for is said to be unsure."""
+much for is said to be unsure.
+"""
 
 import math
 from typing import NamedTuple
