@@ -29,7 +29,7 @@ import adr_opt
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.refined_result import RefinedFlight
 from adr_opt.fly.refine import one_leg
-from adr_opt.fly.refine.own_burns import settle
+from adr_opt.fly.refine.own_burns import cheapest_near
 from adr_opt.plan.refined_plan import Freedom, RefinedPlan
 from adr_opt.sources.catalogue import read, to_instance
 
@@ -100,7 +100,7 @@ def print_weights(
         plan = adr_opt.solve(instance, arguments.method, time_limit=100.0, seed=0).plan
         assert plan is not None
         for weight in weights:
-            with patch.object(one_leg, "settle", partial(settle, weight=weight)):
+            with patch.object(one_leg, "cheapest_near", partial(cheapest_near, weight=weight)):
                 refined = adr_opt.refine(instance, plan, freedom="planned", jobs=arguments.jobs)
             assert not refined.missing
             found.setdefault(kind, {}).setdefault(weight, []).append(refined)

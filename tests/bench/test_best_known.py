@@ -107,8 +107,7 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
             pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
             flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
             visit = Visit(
-                j, kits, limits.service[j], limits.opens[j], limits.closes[j],
-                -1.0 if j >= first else budget,
+                j, kits, limits.service[j], limits.opens[j], limits.closes[j], j < first, budget,
             )  # fmt: skip
             ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
             kits -= 0 if loads is None else int(loads.takes[j])
