@@ -242,7 +242,7 @@ class Mission(Shown, Prizes):
         for array in (offered, closes):
             array.setflags(write=False)
         other.__dict__ |= {
-            "worths": offered,
+            "planning_prizes": offered,
             "is_required": np.zeros(worths.size, dtype=np.bool_),
             "prize_step": 0.0,
             "rules": self.rules._replace(prize=offered, closes=closes),

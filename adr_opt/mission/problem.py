@@ -118,7 +118,7 @@ class Problem(Shown, Prizes):
                 "hand over the instance in place of a Mission"
             )
         made = cls(mission.instance, missions=(mission,))
-        for name in ("worths", "is_required", "prize_step"):  # a mission may offer others
+        for name in ("planning_prizes", "is_required", "prize_step"):  # a mission may offer others
             made.__dict__[name] = getattr(mission, name)
         return made
 
