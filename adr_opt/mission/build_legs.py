@@ -190,8 +190,8 @@ def _is_one_too_many(mission: Mission, moves: list[int], j: int) -> bool:
     """Whether a chaser that makes these moves may not service one more, or has no kit for it."""
     instance, chaser, first = mission.instance, mission.chaser, mission.rules.first_target
     targets = [instance.targets[move - first] for move in (*moves, j) if move >= first]
-    kits = sum(target.removal == "kit" for target in targets)
+    kits = sum(target.service.takes_kit for target in targets)
     out_of_kits = chaser.kits is not None and kits > chaser.kits
     return len(targets) > mission.rules.most_targets or (
-        out_of_kits and targets[-1].removal == "kit"
+        out_of_kits and targets[-1].service.takes_kit
     )

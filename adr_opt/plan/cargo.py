@@ -12,6 +12,7 @@ from ..common.constants import SLACK_M_S
 from ..kernels.rules.loads import Loads, after_service
 from ..problem.chasers import Chaser, TankByMass
 from ..problem.instance import Instance
+from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
 
 LEAST_SHARE = 1e-9
@@ -21,7 +22,7 @@ LEAST_SHARE = 1e-9
 def most_targets(instance: Instance, chaser: Chaser) -> int | None:
     """So many targets a chaser may service; None for all of them."""
     limits = [chaser.max_targets]
-    if all(target.removal == "kit" for target in instance.targets):
+    if all(target.service.takes_kit for target in instance.targets):
         limits.append(chaser.kits)
     known = [limit for limit in limits if limit is not None]
     return min(known) if known else None
@@ -38,7 +39,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
         Share of each tank that is kept back.
     """
     takes = np.zeros(len(instance.names), dtype=np.int64)
-    takes[instance.first_target :] = [target.removal == "kit" for target in instance.targets]
+    takes[instance.first_target :] = [target.service.takes_kit for target in instance.targets]
     wanted, tows = int(takes.sum()), removals_of(instance)
     heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
     most = min(wanted, wanted if chaser.kits is None else chaser.kits)
@@ -116,7 +117,7 @@ class Aboard(NamedTuple):
 
 def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
     """The kits that a route leaves behind, and so those that its chaser takes along."""
-    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    takers = {target.name for target in instance.targets if target.service.takes_kit}
     return len(takers.intersection(destinations))
 
 
@@ -133,7 +134,7 @@ def followed(
         Destination and ΔV [m/s] of each.
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
-    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    takers = {target.name for target in instance.targets if target.service.takes_kit}
     tows = removals_by_name(instance)
     cargo_kg = kits * chaser.kit_mass_kg
     left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
@@ -203,15 +204,15 @@ def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]
 
 def what_counts(instance: Instance) -> str:
     """What of an instance may make loads count, as a word: kits, tows or both."""
-    there = {target.removal for target in instance.targets}
-    words = [word for kind, word in (("kit", "kits"), ("tow", "tows")) if kind in there]
+    there = {target.service.counted for target in instance.targets}
+    words = [kind.counted for kind in SERVICES.values() if kind.counted and kind.counted in there]
     return " and ".join(words) or "kits"
 
 
 def carries(instance: Instance) -> bool:
     """Whether masses or kits of any chaser are counted, so that there is something to tell."""
     by_mass = any(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
-    return by_mass or any(target.removal == "kit" for target in instance.targets)
+    return by_mass or any(target.service.takes_kit for target in instance.targets)
 
 
 def tank_worths(

@@ -33,7 +33,7 @@ def carried_kg(
         return None
     stops = [at for at, (body, _) in enumerate(legs) if body in instance.station_names]
     first = legs[: stops[0] + 1] if stops else legs
-    takers = {target.name for target in instance.targets if target.removal == "kit"}
+    takers = {target.name for target in instance.targets if target.service.takes_kit}
     removals = removals_by_name(instance)
     every = kits_of(instance, (body for body, _ in legs))
     later = every - kits_of(instance, (body for body, _ in first))

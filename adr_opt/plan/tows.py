@@ -75,7 +75,7 @@ def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
     low, arcs = EARTH_RADIUS_M + altitude, Arcs(instance.oblateness_m2)
     found = {}
     for body, target in enumerate(instance.targets, start=instance.first_target):
-        if target.removal != "tow":
+        if not target.service.is_flown:
             continue
         assert target.orbit is not None
         assert target.mass_kg is not None

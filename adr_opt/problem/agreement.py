@@ -97,7 +97,7 @@ def check_removals(
 
     ``check_orbits`` has seen to orbits where connections are the model's.
     """
-    towed = [(number, target) for number, target in enumerate(targets) if target.removal == "tow"]
+    towed = [(number, target) for number, target in enumerate(targets) if target.service.is_flown]
     if not towed:
         return
     field = f'field targets[{towed[0][0]}].removal = "tow"'

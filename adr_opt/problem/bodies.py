@@ -14,6 +14,7 @@ from pydantic import (
 
 from ..common.records import LARGEST_MASS_KG, Name, Record, Window, check_window, without
 from .orbit import Orbit
+from .services import SERVICES, ServiceKind
 
 LARGEST_PRIZE = 1e12
 LEAST_PRIZE = 1e-12
@@ -85,6 +86,11 @@ class Target(Record):
     mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
     object_id: ObjectId | None = None
+
+    @property
+    def service(self) -> ServiceKind:
+        """The kind of its service."""
+        return SERVICES[self.removal]
 
     @model_serializer(mode="wrap")
     def _without_no_designator(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -184,6 +184,6 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
 
 def counts_masses(instance: Instance) -> bool:
     """Whether what a chaser weighs makes a difference beyond the ΔV of its empty tank."""
-    return any(target.removal == "tow" for target in instance.targets) or any(
+    return any(target.service.is_flown for target in instance.targets) or any(
         chaser.kit_mass_kg > 0.0 or chaser.priced.counts_mass for chaser in instance.chasers
     )

@@ -27,7 +27,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
-    towed = {target.name for target in instance.targets if target.removal == "tow"}
+    towed = {target.name for target in instance.targets if target.service.is_flown}
     lead_ins = plan.lead_ins
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)

@@ -86,7 +86,7 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
     """
     refuse_foreign(instance, refined)
     refined_routes(instance, refined)
-    towed = {target.name for target in instance.targets if target.removal == "tow"}
+    towed = {target.name for target in instance.targets if target.service.is_flown}
     for leg in refined.legs:
         for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
             if name not in instance.names:

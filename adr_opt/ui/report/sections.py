@@ -330,7 +330,7 @@ def _asked(instance: Instance) -> list[str]:
         asked.append(f"{counted(required, 'target')} required")
     if windows:
         asked.append(f"{counted(windows, 'target')} with a window of time")
-    towed = sum(target.removal == "tow" for target in instance.targets)
+    towed = sum(target.service.is_flown for target in instance.targets)
     if towed:
         altitude_m = instance.mission.disposal_altitude_m or 0.0
         asked.append(
