@@ -61,9 +61,20 @@ def between(first: Plane, second: Plane, angle: float, share: float) -> Plane:
     rest = 1.0 - share
     if angle > 0.0:
         rest, share = math.sin(rest * angle), math.sin(share * angle)
-    normal = rest * ephemeris.frame(*first)[2] + share * ephemeris.frame(*second)[2]
-    inclination = math.atan2(math.hypot(normal[0], normal[1]), normal[2])
-    return Plane(inclination, math.atan2(normal[0], -normal[1]))
+    # In numbers and not in arrays: this is most of what drifts take to be flown.
+    one, other = normal_of(first), normal_of(second)
+    x, y, z = (rest * a + share * b for a, b in zip(one, other, strict=True))
+    return Plane(math.atan2(math.hypot(x, y), z), math.atan2(x, -y))
+
+
+def normal_of(plane: Plane) -> tuple[float, float, float]:
+    """Unit vector across a plane, as :func:`adr_opt.kernels.orbits.ephemeris.frame` has it."""
+    sine = math.sin(plane.inclination)
+    return (
+        sine * math.sin(plane.raan),
+        -sine * math.cos(plane.raan),
+        math.cos(plane.inclination),
+    )
 
 
 class Arcs:
@@ -106,7 +117,8 @@ def outward(plane: Plane, latitude: float) -> FloatArray:
 
 def ahead(plane: Plane, position: FloatArray) -> FloatArray:
     """Unit vector along the motion at a position in a plane, shape (3,)."""
-    vector: FloatArray = np.cross(ephemeris.frame(*plane)[2], position)
+    (a, b, c), (x, y, z) = normal_of(plane), position.tolist()
+    vector: FloatArray = np.array([b * z - c * y, c * x - a * z, a * y - b * x])
     return vector / np.linalg.norm(vector)
 
 

@@ -150,8 +150,7 @@ class Instance(Shown, InstanceFile):
     def time_value_m_s_per_h(self) -> float:
         """What an hour is worth to whoever chooses one transfer without looking ahead [m/s per h].
 
-        No part of the file, of equality and of :attr:`sha256`: a default for methods, and that of
-        a file of the format ``adr-opt-instance/1`` is what the file says.
+        No part of the file, of equality and of :attr:`sha256`: a default for methods.
         """
         if self._time_value_m_s_per_h is None:
             return TIME_VALUE_M_S_PER_H * self.hurry
