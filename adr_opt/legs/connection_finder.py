@@ -1,4 +1,4 @@
-"""What connections there are: found pair by pair, of all families that an instance has legs of."""
+"""The connections of an instance, found pair by pair, of all families that it has legs of."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..kernels.legs import connections as kernels
 from ..kernels.legs.found import ConnectionArrays
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
-from ..plan.leg_kinds import SHORT, leg_kinds
+from ..plan.leg_kinds import leg_kinds
 from ..problem.instance import Instance
 from .connection_cache import ConnectionCache, Pair
 from .connections import Connections
@@ -73,8 +73,8 @@ class ConnectionFinder:
         self.families = registry.families_of(instance)
         self._is_listed = are_listed(instance)
         self._has_registered = bool(registry.registered_of(instance))
-        asked_anew = self.times is None and self.given is None and not self._has_registered
-        self._is_kept = not asked_anew
+        told = self.times is not None or self.given is not None
+        self._is_kept = told or self._has_registered
         self._spent = instance.spent_m_s
         self.kept = ConnectionCache()
         self.counts: dict[Pair, int] = {}
@@ -100,7 +100,7 @@ class ConnectionFinder:
         Only short ones, which are not waited for and cost what the model says.
         """
         told = self._spent or self.corrections
-        return not told and [family.kind for family in self.families] == [SHORT]
+        return not told and registry.has_only_short(self.instance)
 
     @property
     def planning_resolution_m_s(self) -> float:
@@ -308,8 +308,7 @@ class ConnectionFinder:
 
 def are_listed(instance: Instance) -> bool:
     """Whether connections are listed: not all of them leave at the events of two-body motion."""
-    found = registry.families_of(instance)
-    only_short = [family.kind for family in found] == [SHORT]
+    only_short = registry.has_only_short(instance)
     return not (is_regular(instance) and only_short) or bool(instance.spent_m_s)
 
 

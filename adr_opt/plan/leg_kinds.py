@@ -14,6 +14,8 @@ from typing import Annotated, Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
+from ..common.errors import InputError
+
 ENTRY_POINTS = "adr_opt.leg_families"
 """Group of the functions of installed packages that register families of legs."""
 
@@ -55,16 +57,22 @@ GIVEN = LegKind("given", "given leg", "given", has_burns=False)
 
 _known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN)}
 
-
 _installed = [entry_points]
 """Asked for the families of installed packages, once: emptied before they are loaded, which may
 ask for kinds themselves."""
 
 
 def _load_installed() -> None:
+    """Have installed packages register their families, on the first call."""
     while _installed:
         for entry in _installed.pop()(group=ENTRY_POINTS):
-            entry.load()()
+            try:
+                entry.load()()
+            except Exception as error:
+                raise InputError(
+                    f"the legs {entry.name!r} of an installed package cannot be registered "
+                    f"({error}); mend or uninstall {entry.value.partition(':')[0]!r}"
+                ) from error
 
 
 def leg_kinds() -> tuple[LegKind, ...]:

@@ -54,16 +54,14 @@ LABELS = {phase.name: phase.label for phase in _known}
 COLOURS = {phase.name: phase.colour for phase in _known}
 
 
-def add_phase(phase: Phase) -> None:
-    """Make a phase known, which burns of plans may begin from then on.
-
-    Raises
-    ------
-    ValueError
-        Its name is taken.
-    """
+def refuse_known_phase(phase: Phase) -> None:
+    """Raise :class:`ValueError` for a phase whose name is taken."""
     if phase.name in PHASES:
         raise ValueError(f"there is a phase {phase.name!r} already")
+
+
+def add_phase(phase: Phase) -> None:
+    """Make a phase known, which burns of plans may begin from then on."""
     PHASES[phase.name] = phase
     LABELS[phase.name], COLOURS[phase.name] = phase.label, phase.colour
 

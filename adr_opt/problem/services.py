@@ -1,4 +1,4 @@
-"""The kinds of service that a target may ask for: what each takes, as far as it is no physics."""
+"""The kinds of service that a target may ask for, and which of them take a kit or a flight."""
 
 from __future__ import annotations
 

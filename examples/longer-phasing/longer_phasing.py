@@ -14,10 +14,10 @@ from adr_opt.kernels.legs.found import ConnectionArrays
 from adr_opt.legs.families import registry
 from adr_opt.legs.families.family import (
     FlownLeg,
-    LegFamily,
     Manoeuvres,
     PairEnds,
     RecomputedLeg,
+    RegisteredFamily,
     StatedLeg,
     Way,
 )
@@ -29,7 +29,7 @@ from adr_opt.problem.instance import Instance
 LONGER = Phase("longer-phasing", "longer phasing", "#7a8b3c")
 
 
-class LongerPhasing(LegFamily):
+class LongerPhasing(RegisteredFamily):
     """Sequences with more phasing revolutions than short legs may have, in two-body motion.
 
     Parameters

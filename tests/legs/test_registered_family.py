@@ -6,13 +6,14 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from brute_force import brute_force, brute_force_campaign
+from example_packages import project_of, put
 from longer_phasing import LONGER, LongerPhasing
 from random_rules import carrying, limited, random_campaign, random_mission, towing
 
@@ -21,6 +22,7 @@ from adr_opt import check
 from adr_opt.fly.flight.fly import fly
 from adr_opt.legs.families import registry
 from adr_opt.mission.problem import problem_of
+from adr_opt.plan.leg_kinds import kind_names
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 
@@ -193,6 +195,12 @@ def test_names_of_families_and_phases_are_taken_once(longer: LongerPhasing) -> N
     """A kind that there is already is refused, and what comes with the package stays."""
     with pytest.raises(ValueError, match="longer"):
         registry.register(LongerPhasing(MOST))
+    other = LongerPhasing(MOST)
+    other.kind = replace(longer.kind, name="other")
+    with pytest.raises(ValueError, match=LONGER.name):
+        registry.register(other)
+    assert "other" not in kind_names()
+    assert registry.families()[-1] is longer
     with pytest.raises(ValueError, match="registered last"):
         registry.unregister(registry.families()[0])
 
@@ -210,22 +218,33 @@ def test_plans_of_a_kind_that_nobody_registered_are_refused(tmp_path: Path) -> N
         adr_opt.load_plan(tmp_path / "plan.json")
 
 
+def with_packages(tmp_path: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """A call of the command line where the packages in a folder are installed."""
+    found = os.pathsep.join([str(tmp_path), str(EXAMPLE), *sys.path])
+    return subprocess.run(
+        [sys.executable, "-m", "adr_opt", *words], env={**os.environ, "PYTHONPATH": found},
+        capture_output=True, check=False, text=True,
+    )  # fmt: skip
+
+
 def test_the_family_of_an_installed_package_is_known_at_once(tmp_path: Path) -> None:
     """Its kind and its phase are in the schema of plans, because an entry point registers it."""
-    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
-    metadata = tmp_path / "adr_longer_phasing-0.1.0.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-    )
-    ((group, entries),) = project["entry-points"].items()
-    lines = [f"[{group}]", *(f"{name} = {home}" for name, home in entries.items())]
-    (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
-    found = os.pathsep.join([str(tmp_path), str(EXAMPLE), *sys.path])
-    printed = subprocess.run(
-        [sys.executable, "-m", "adr_opt", "schema", "plan"],
-        env={**os.environ, "PYTHONPATH": found}, capture_output=True, check=True, text=True,
-    ).stdout  # fmt: skip
-    defined = json.loads(printed)["$defs"]
+    put(project_of(EXAMPLE), tmp_path)
+    defined = json.loads(with_packages(tmp_path, "schema", "plan").stdout)["$defs"]
     assert "longer" in defined["Leg"]["properties"]["kind"]["enum"]
     assert LONGER.name in defined["Burn"]["properties"]["phase"]["enum"]
+
+
+def test_a_package_whose_family_cannot_be_registered_is_named_in_one_sentence(
+    tmp_path: Path,
+) -> None:
+    """What is installed and broken ends a run with exit code 2, and says which package it is."""
+    project = project_of(EXAMPLE)
+    broken = {"adr_opt.leg_families": {"longer": "longer_phasing_of_old:register"}}
+    put({**project, "entry-points": broken}, tmp_path)
+    said = with_packages(tmp_path, "generate", "tiny", "--out", str(tmp_path / "field.json"))
+    assert said.returncode == 0
+    solved = with_packages(tmp_path, "solve", str(tmp_path / "field.json"), "--method", "greedy")
+    assert solved.returncode == 2
+    (line,) = solved.stderr.splitlines()
+    assert "longer_phasing_of_old" in line

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from example_packages import project_of, put
 
 import adr_opt
 from adr_opt.common.stop import MaxIterations
@@ -19,16 +19,7 @@ EXAMPLE = ROOT / "examples" / "random-walks"
 @pytest.fixture
 def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Put the module and the entry points of its pyproject.toml where an installer would."""
-    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
-    metadata = tmp_path / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
-    metadata.mkdir()
-    (metadata / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-    )
-    lines = []
-    for group, entries in project["entry-points"].items():
-        lines += [f"[{group}]", *(f"{name} = {home}" for name, home in entries.items())]
-    (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
+    put(project_of(EXAMPLE), tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.syspath_prepend(str(EXAMPLE))
 

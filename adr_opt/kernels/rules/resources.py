@@ -1,4 +1,4 @@
-"""What a partial route has left: how a leg changes it, and when one route has no less than another.
+"""Resources of a partial route: how a leg changes them, and when one route dominates another.
 
 The resources of the resource-constrained shortest paths that all planners look for. A leg with the
 service or refuelling that follows it extends them by :func:`extend`, and one set of them dominates
@@ -6,7 +6,7 @@ another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge
 again, on purpose. A further resource (a variance, a class of masses) is a field of
 :class:`Resources`, what these two functions say of it, and a column of :func:`columns`.
 
-Whoever relaxes or sorts resources has no sets of them to compare, and says so there. Walks count
+Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count
 ΔV in whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has
 been used by any way to a node (:mod:`solvers.models.network`, the windows of `ortools`). Fronts
 along an order are staircases that are searched by halving (:mod:`.schedule`,
@@ -26,7 +26,7 @@ One = Any
 
 
 class Resources(NamedTuple):
-    """What a partial route has left.
+    """The resources of a partial route.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ def dominates(one, other, loads):
 
     It is free no later, which is enough since a chaser may wait, has no less left, has serviced no
     more of those that it may, and its kits will do for those of the other. Which targets are done
-    is for whoever asks to compare. Whether they may refuel is not compared: at one body either all
+    is for the caller to compare. Whether they may refuel is not compared: at one body either all
     have serviced a target since they refuelled, or none has.
 
     Parameters

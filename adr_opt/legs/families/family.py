@@ -1,4 +1,4 @@
-"""A family of legs: one way in which bodies are reached, all that anybody has to know of it."""
+"""A family of legs: one way to reach bodies, as planning, judging and flying know it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class PairEnds(NamedTuple):
-    """What the legs of a pair of bodies follow from.
+    """The data that the legs of a pair of bodies follow from.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """What a plan states of a leg: times [s] and phasing revolutions."""
+    """Times [s] and phasing revolutions that a plan states of a leg."""
 
     departure: float
     arrival: float
@@ -178,31 +178,33 @@ class LegFamily(ABC):
             It cannot be; the sentence says why.
         """
 
+
+class RegisteredFamily(LegFamily):
+    """A family of legs that does not come with the package, and so answers judges and bounds, too.
+
+    Of the families of the package :mod:`adr_opt.judge` and the bounds know by code of their own.
+    """
+
     def least(self, instance: Instance) -> tuple[float, float]:
         """Time [s] and ΔV [m/s] that no leg of the family takes less than, for bounds.
 
-        By default nothing, which is always true. Families that come with the package leave it to
-        the bounds.
+        By default nothing, which is always true.
         """
         return 0.0, 0.0
 
+    @abstractmethod
     def recomputed(self, ends: PairEnds, stated: StatedLeg) -> RecomputedLeg:
         """A leg worked out again as a plan states it, for ``check``.
-
-        Families that come with the package leave it to :mod:`adr_opt.judge.check`, which does so
-        by code of its own.
 
         Raises
         ------
         InputError
             The family has no such leg; the sentence says what is wrong.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def ways(self, ends: PairEnds, after_s: float) -> Iterator[Way]:
         """Legs that leave soon after a time [s], each of which connections have to match.
 
-        ``verify`` samples them. Families that come with the package leave it to
-        :mod:`adr_opt.judge.verify`.
+        ``verify`` samples them.
         """
-        raise NotImplementedError

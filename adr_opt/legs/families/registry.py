@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ...plan.leg_kinds import add_leg_kind, drop_leg_kind, leg_kinds
-from ...plan.phases import add_phase, drop_phase
+from ...plan.leg_kinds import SHORT, add_leg_kind, drop_leg_kind, leg_kinds
+from ...plan.phases import add_phase, drop_phase, refuse_known_phase
 from ...problem.instance import Instance
-from .family import LegFamily
+from .family import LegFamily, RegisteredFamily
 
 _own: list[LegFamily] = []
-_registered: list[LegFamily] = []
+_registered: list[RegisteredFamily] = []
 
 
 def bring_along(*found: LegFamily) -> None:
@@ -16,7 +16,7 @@ def bring_along(*found: LegFamily) -> None:
     _own.extend(found)
 
 
-def register(family: LegFamily) -> None:
+def register(family: RegisteredFamily) -> None:
     """Make a family known: its legs are planned, judged, flown and shown from then on.
 
     An installed package has a function that does so in its entry points of the group
@@ -27,13 +27,15 @@ def register(family: LegFamily) -> None:
     ValueError
         The name of its kind is taken, or that of one of its phases.
     """
+    for phase in family.phases:
+        refuse_known_phase(phase)
     add_leg_kind(family.kind)
     for phase in family.phases:
         add_phase(phase)
     _registered.append(family)
 
 
-def unregister(family: LegFamily) -> None:
+def unregister(family: RegisteredFamily) -> None:
     """Forget the family that was registered last, as if it never had been.
 
     Raises
@@ -55,16 +57,17 @@ def families() -> tuple[LegFamily, ...]:
     return (*_own, *_registered)
 
 
-def family_of(kind: str) -> LegFamily:
-    """The family of a kind of legs."""
-    return next(family for family in families() if family.kind.name == kind)
-
-
-def registered_of(instance: Instance) -> tuple[LegFamily, ...]:
-    """Those of an instance that do not come with the package."""
-    return tuple(family for family in families_of(instance) if family in _registered)
+def registered_of(instance: Instance) -> tuple[RegisteredFamily, ...]:
+    """Those that do not come with the package and that an instance may have legs of."""
+    leg_kinds()
+    return tuple(family for family in _registered if family.applies(instance))
 
 
 def families_of(instance: Instance) -> tuple[LegFamily, ...]:
     """Those that an instance may have legs of, in the order in which they find connections."""
     return tuple(family for family in families() if family.applies(instance))
+
+
+def has_only_short(instance: Instance) -> bool:
+    """Whether an instance has short legs alone."""
+    return [family.kind for family in families_of(instance)] == [SHORT]
