@@ -15,7 +15,6 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
-from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.resources import Resources, dominates
 from adr_opt.kernels.rules.rules import State
@@ -34,8 +33,9 @@ class OrderLabels(NamedTuple):
     ----------
     size : (positions,) int64
         Number of labels.
-    resources : Resources
-        After the service, (positions, MOST_LABELS) each; time and ΔV left ascend.
+    time, left : (positions, MOST_LABELS) float64
+        End of service [s], ascending, and ΔV left then [m/s], ascending too: of the resources those
+        that the position does not tell.
     parent : (positions, MOST_LABELS) int8
         Label of the position before.
     via : (positions, MOST_LABELS) int16
@@ -43,7 +43,8 @@ class OrderLabels(NamedTuple):
     """
 
     size: np.ndarray
-    resources: Resources
+    time: np.ndarray
+    left: np.ndarray
     parent: np.ndarray
     via: np.ndarray
 
@@ -54,26 +55,32 @@ def make_labels(mission: Mission) -> OrderLabels:
     shape = (targets + 1, MOST_LABELS)
     labels = OrderLabels(
         np.zeros(targets + 1, dtype=np.int64),
-        resource_kernels.columns(shape),
+        np.zeros(shape),
+        np.zeros(shape),
         np.zeros(shape, dtype=np.int8),
         np.zeros(shape, dtype=np.int16),
     )
     labels.size[0] = 1
-    for column, first in zip(labels.resources, (rules.ready, rules.budget, 0, 0, 0), strict=True):
-        column[0, 0] = first
+    labels.time[0, 0], labels.left[0, 0] = rules.ready, rules.budget
     return labels
 
 
 @inlined
 def _has(labels, position, place):
-    """The resources of a label."""
-    return resource_kernels.at(labels.resources, (position, place))
+    """The resources of a label: a target is serviced at each position, and no kits are carried.
+
+    With the first one a chaser may refuel; whether it has done so on the way is no matter then.
+    """
+    done = np.int64(position)
+    return Resources(
+        labels.time[position, place], labels.left[position, place], done, done, np.int64(0)
+    )
 
 
 @inlined
 def _write(labels, position, place, has, parent, via):
     """Write a label to a place."""
-    resource_kernels.put(labels.resources, (position, place), has)
+    labels.time[position, place], labels.left[position, place] = has.time, has.left
     labels.parent[position, place], labels.via[position, place] = parent, via
 
 
@@ -98,11 +105,11 @@ def _add(labels, position, count, has, parent, via, loads):
                 _move(labels, position, a, kept)
             kept += 1
     if kept == MOST_LABELS:
-        if has.time >= labels.resources.time[position, kept - 1]:
+        if has.time >= labels.time[position, kept - 1]:
             return kept
         kept -= 1
     at = kept
-    while at > 0 and labels.resources.time[position, at - 1] > has.time:
+    while at > 0 and labels.time[position, at - 1] > has.time:
         _move(labels, position, at - 1, at)
         at -= 1
     _write(labels, position, at, has, parent, via)
@@ -162,7 +169,7 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
         Earliest end of the last service [s]; +inf if not legal or given up.
     """
     labels, reference = borrowed(labels), borrowed(reference)
-    ends = labels.resources.time
+    ends = labels.time
     for position in range(start, length):
         if extend(rules, order, labels, position) == 0:
             return np.inf

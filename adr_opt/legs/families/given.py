@@ -1,4 +1,4 @@
-"""Given connections: times and costs that somebody else worked out, without a trajectory."""
+"""Given connections: times and costs from elsewhere, without a trajectory."""
 
 from __future__ import annotations
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
-from adr_opt.kernels.rules import resources as resource_kernels
 
 from ...orders.cooling import temperature
 from ...orders.timed_order import time_order, with_refuelling
@@ -22,11 +21,8 @@ PATIENCE_S = 4000.0
 def _copy_labels(source, destination, first, last):
     for position in range(first, last + 1):
         destination.size[position] = source.size[position]
-        for label in range(source.size[position]):
-            place = position, label
-            resource_kernels.put(
-                destination.resources, place, resource_kernels.at(source.resources, place)
-            )
+        write(destination.time[position], source.time[position])
+        write(destination.left[position], source.left[position])
         write(destination.parent[position], source.parent[position])
         write(destination.via[position], source.via[position])
 
@@ -69,7 +65,7 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
     if length == 0:
         end = rules.ready
     _copy_labels(labels, kept, 0, length)
-    write(reference, labels.resources.time[: length + 1, 0])
+    write(reference, labels.time[: length + 1, 0])
     prize = 0.0
     for p in range(length):
         prize += rules.prize[order[p]]
@@ -112,7 +108,7 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
             write(order, trial)
             length, prize, end = new_length, new_prize, new_end
             _copy_labels(labels, kept, first + 1, length)
-            write(reference, kept.resources.time[: length + 1, 0])
+            write(reference, kept.time[: length + 1, 0])
             if prize > best_prize or (prize == best_prize and end < best_end):
                 best_prize, best_end = prize, end
                 best = with_refuelling(order, length, labels)
