@@ -6,13 +6,13 @@ another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge
 again, on purpose. A further resource (a variance, a class of masses) is a field of
 :class:`Resources`, what these two functions say of it, and a column of :func:`columns`.
 
-Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count
-ΔV in whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has
-been used by any way to a node (:mod:`solvers.models.network`, the windows of `ortools`). Fronts
-along an order are staircases that are searched by halving (:mod:`.schedule`,
-:mod:`solvers.orders.fronts`). Labels along an order keep the resources that
-their position does not tell (:mod:`solvers.orders.timed_order`). That one *connection* dominates another is a rule of its own, of
-departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
+Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count ΔV in
+whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has been
+used by any way to a node (:mod:`solvers.models.network`, the windows of `ortools`). Fronts along an
+order are staircases that are searched by halving (:mod:`.schedule`, :mod:`solvers.orders.fronts`).
+Labels along an order keep the resources that their position does not tell
+(:mod:`solvers.orders.timed_order`). That one *connection* dominates another is a rule of its own,
+of departures and arrivals (:mod:`adr_opt.kernels.legs.connections`).
 """
 
 from typing import Any, NamedTuple
