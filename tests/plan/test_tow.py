@@ -35,7 +35,7 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
-from adr_opt.plan.planes import ahead, outward
+from adr_opt.plan.planes import Plane, ahead, outward
 from adr_opt.plan.tows import leaving_orbits, removals_of
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.plot.segments import segments
@@ -317,7 +317,7 @@ def test_burns_of_tows_are_against_the_motion():
         if leg.tow is None:
             continue
         row, burn = rows[leg.destination], leg.tow.burns[0]
-        plane = (row[columns.INCLINATION], ephemeris.node_at(row, burn.time_s))
+        plane = Plane(row[columns.INCLINATION], ephemeris.node_at(row, burn.time_s))
         motion = ahead(plane, outward(plane, ephemeris.latitude_at(row, burn.time_s)))
         assert np.array(burn.delta_v_m_s) / burn.size_m_s == pytest.approx(-motion, abs=1e-9)
         sizes = [burn.size_m_s for burn in leg.tow.burns]
