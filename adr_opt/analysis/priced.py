@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..common.card import Shown
+from ..common.clock import now_s
 from ..common.errors import InputError
 from ..common.wording import counted
 from ..mission.build_legs import legs
@@ -154,7 +154,7 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
     InputError
         A name is none of a chaser or a body, or two chasers go to one target.
     """
-    begun = time.perf_counter()
+    begun = now_s()
     instance = instance_of(instance)
     named = _by_chaser(instance, orders)
     _check(instance, named)
@@ -177,9 +177,7 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
         for target in instance.targets
         if target.required and target.name not in wanted | done
     )
-    return PricedOrder(
-        instance, tuple(routes), prize, lacking, tuple(unended), time.perf_counter() - begun
-    )
+    return PricedOrder(instance, tuple(routes), prize, lacking, tuple(unended), now_s() - begun)
 
 
 def _by_chaser(instance: Instance, orders: Asked) -> dict[str, tuple[str, ...]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from ..common.clock import now_s
 from ..common.errors import InputError
 from ..common.stop import AnyOf, MaxRuntime, Stop
 from ..mission.certified import certify_routes
@@ -110,7 +110,7 @@ def replan(  # noqa: PLR0913
         one that is done, a leg that is to be kept crosses a new zone, or what is told of the
         flight cannot have been.
     """
-    began = time.perf_counter()
+    began = now_s()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..common.card import Shown
+from ..common.clock import now_s
 from ..mission.result import Result
 from ..plan.plan import Plan, Route
 from ..problem.instance import Instance
@@ -172,7 +172,7 @@ def compared(
         prize_after=sum(prizes[name] for name in after),
         kept=kept,
         notes=notes,
-        runtime_s=time.perf_counter() - began,
+        runtime_s=now_s() - began,
     )
 
 

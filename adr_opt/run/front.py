@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -25,7 +24,7 @@ from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates, may_work_on_demand
+from .table_budget import candidates
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -235,13 +234,6 @@ def run(
     drifts = whole.connecting.is_listed
     if drifts and not whole.has_timetable:
         _announce(whole.instance, sizing)
-    ready = partial(warm_up, starts=start is not None, drifts=drifts, several=whole.alone is None)
-    ready(group, method, *others, options=wanted.options, jobs=its_jobs)
-    on_demand = prepared.on_demand
-    if on_demand and may_work_on_demand(whole):
-        ready(group, method, *others, options=wanted.options, jobs=its_jobs, asks=True)
-    if bound is not None:
-        ready(BOUNDS, bound, *others, jobs=both_jobs)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
@@ -254,7 +246,7 @@ def run(
         building=building,
         table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
         hasty=hasty,
-        on_demand=on_demand,
+        on_demand=prepared.on_demand,
     )
     progress(-math.inf, math.inf)
     if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):

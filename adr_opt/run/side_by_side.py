@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from ..common.clock import now_s
 from ..common.progress import Progress
 from ..common.stop import Proven, Stop
 from ..mission.build_legs import APPROXIMATE
@@ -139,7 +139,7 @@ def together(
     """
     for each in problem.missions:
         _ = each.rules  # made once, not once in each thread
-    began = time.perf_counter()
+    began = now_s()
     meeting = Meeting(stop, progress)
     meeting.hear(-math.inf, problem.total_prize)
     seats = [Seat(meeting, limit) for limit in limits or (None, None)]
@@ -168,7 +168,7 @@ def together(
         raise
     if errors:
         raise errors[0]
-    return _join(problem, planned, results[0], time.perf_counter() - began)
+    return _join(problem, planned, results[0], now_s() - began)
 
 
 def _join(problem: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:

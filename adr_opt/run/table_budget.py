@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from ..common.clock import now_s
 from ..kernels.tables.timetable import source_of
 from ..kernels.tables.timetable_making import WAVE
 from ..legs.connection_finder import estimate
@@ -192,7 +192,7 @@ def candidates(
     """
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_on_demand):
         return TableBudget(whole, 0.0, 0.0)
-    began = time.perf_counter()
+    began = now_s()
     on_demand = on_demand and may_work_on_demand(whole)
     allowed_s = max(LEAST_S, limit_s if first is None else SHARE * limit_s)
     patience = 1.0 if first is None else PATIENCE
@@ -202,7 +202,7 @@ def candidates(
     def enough(done: float) -> bool:
         nonlocal paced, whole_s
         building(done)
-        now = time.perf_counter()
+        now = now_s()
         if math.isnan(paced):
             paced = now  # kernels are loaded by now, which is no part of the pace
         whole_s = (now - paced) / done
@@ -226,4 +226,4 @@ def candidates(
     if on_demand and not (built and whole.is_whole):
         required = sum(target.required for target in whole.instance.targets)
         whole.ask(neighbours(whole.instance, RANKS + required))
-    return TableBudget(whole, time.perf_counter() - began, whole_s)
+    return TableBudget(whole, now_s() - began, whole_s)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 
@@ -66,11 +66,11 @@ class Beams:
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
         if self.needed_s(settings.width) > affordable:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))
-        began = time.perf_counter()
+        began = now_s()
         found, _, _, states = beam_search(
             mission or self._mission, settings, guide=guide, seed=seed, stop=self._stop
         )
         self.states += states
         if settings.width >= self._least:
-            self._pace_s = (time.perf_counter() - began) / settings.width
+            self._pace_s = (now_s() - began) / settings.width
         return found

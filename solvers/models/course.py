@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
@@ -216,13 +216,13 @@ class _Course:
     def _multipliers(self, bound: WalkBound, evaluations: int) -> np.ndarray:
         """Multipliers for which the best walk is worth little; lowers the bound."""
         certificate = self._certificate
-        end = time.monotonic() + SHARE * self.remaining_s()
+        end = now_s() + SHARE * self.remaining_s()
         descent = Descent(bound)
         while descent.evaluations < evaluations and not descent.done:
             descent.step()
             self.counters["evaluations"] = descent.evaluations
             certificate.lower(descent.value)
-            if self.enough() or time.monotonic() > end:
+            if self.enough() or now_s() > end:
                 break
         return descent.multipliers
 

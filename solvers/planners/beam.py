@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from dataclasses import dataclass, replace
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -81,7 +81,7 @@ def beam(
     Deterministic as long as the time allows the whole width. A narrow search first tells how much
     it does allow; one that is late all the same is hurried to its end.
     """
-    began = time.perf_counter()
+    began = now_s()
     mission = with_time_value(mission, options.time_value_m_s_per_h)
     best = Incumbent(mission)
     states, notes = 0, tuple[str, ...]()
@@ -108,7 +108,7 @@ def beam(
         "beam",
         best.sequence or (),
         seed=seed,
-        runtime_s=time.perf_counter() - began,
+        runtime_s=now_s() - began,
         counters={"width": options.width, "states": states},
         notes=notes,
     )

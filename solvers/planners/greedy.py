@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -60,10 +60,10 @@ def _order(name: str, mission: Mission, options: GreedyOptions) -> npt.NDArray[n
 def _plan(
     name: str, problem: Problem | Mission, seed: int, progress: Progress, options: GreedyOptions
 ) -> Result:
-    start = time.perf_counter()
+    start = now_s()
     problem = problem_of(problem)
     routes = one_after_another(problem, lambda each: _order(name, each, options))
-    runtime = time.perf_counter() - start
+    runtime = now_s() - start
     progress(float(problem.collected(chain.from_iterable(routes))), math.inf)
     return certify_routes(problem, name, routes, seed=seed, runtime_s=runtime)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from dataclasses import dataclass
 
 import numpy as np
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -96,7 +96,7 @@ def ppo(
     learned.check_size(len(mission.names) - 1)
     instance = mission.instance
     budget, duration = instance.chaser.tank.delta_v_m_s, instance.mission.duration_s
-    began = time.perf_counter()
+    began = now_s()
     counters = {"plans": 0, "states": 0}
     best = Incumbent(mission, by_choice=True)
     if instance.targets and budget > 0.0 and duration > 0.0:
@@ -129,11 +129,11 @@ def ppo(
                     break
                 widest = wide
                 settings = PolicyBeamSettings(wide, weight)
-                since = time.perf_counter()
+                since = now_s()
                 counters["states"] += beam(
                     field, settings, best.offer, lambda: bool(stop(best.objective, math.inf))
                 )
-                pace_s = (time.perf_counter() - since) / wide
+                pace_s = (now_s() - since) / wide
                 counters["plans"] += 1
                 progress(best.objective, math.inf)
     return certify(
@@ -141,7 +141,7 @@ def ppo(
         "ppo",
         best.sequence or (),
         seed=seed,
-        runtime_s=time.perf_counter() - began,
+        runtime_s=now_s() - began,
         counters=counters,
         notes=(
             f"policy {learned.name!r}, decoded by {options.decode}",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from collections.abc import Iterable, Mapping
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.progress import Progress
 from adr_opt.common.tolerance import rounded_up
 from adr_opt.mission.certified import certify_routes
@@ -31,7 +31,7 @@ class GapTracker:
     """
 
     def __init__(self, problem: Problem | Mission, progress: Progress) -> None:
-        self._began = time.perf_counter()
+        self._began = now_s()
         self._problem = problem_of(problem)
         self._progress = progress
         self._telling = threading.RLock()
@@ -126,7 +126,7 @@ class GapTracker:
             method,
             otherwise if self.routes is None else self.routes,
             seed=seed,
-            runtime_s=time.perf_counter() - self._began,
+            runtime_s=now_s() - self._began,
             upper_bound=self.bound if upper_bound is None else upper_bound,
             cost_bound=cost_bound,
             evidence=self.evidence,

@@ -12,13 +12,13 @@ origins. Nothing is searched for: labels need the network.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.memory import available_bytes
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.mission.mission import Mission
@@ -270,9 +270,9 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
     origins = {round(place) for place in np.linspace(0, source.bodies - 1, SAMPLED)}
     shortest, count, took_s = math.inf, 0, 0.0
     for i in sorted(origins):
-        began = time.perf_counter()
+        began = now_s()
         legs, least = source.of(i, finest, units[-1])
-        took_s += time.perf_counter() - began
+        took_s += now_s() - began
         count += legs.size
         shortest = min(shortest, finest * least) if legs.size else shortest
         if source.bodies * count > HOPELESS * len(origins) * most or took_s > most_s:
@@ -282,9 +282,9 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
         length = max(length, STEP_SHARE * shortest)
     share = source.bodies / len(origins)
     for unit in units:
-        began = time.perf_counter()
+        began = now_s()
         count = sum(source.of(i, length, unit)[0].size for i in origins)
-        took_s = time.perf_counter() - began
+        took_s = now_s() - began
         yield Layout(length, unit, share * count, share * took_s)
 
 
@@ -296,8 +296,8 @@ def _listing_s(mission: Mission) -> float:
     bodies = len(mission.names)
     if not mission.connecting.is_listed or bodies < 2:
         return 0.0
-    began = time.perf_counter()
+    began = now_s()
     for number in range(SAMPLED_PAIRS):
         i = number * bodies // SAMPLED_PAIRS
         mission.connecting.found(i, (i + bodies // 2) % bodies)
-    return (time.perf_counter() - began) / SAMPLED_PAIRS * bodies**2
+    return (now_s() - began) / SAMPLED_PAIRS * bodies**2

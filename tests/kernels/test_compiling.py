@@ -1,13 +1,17 @@
-"""Compiled kernels: where they are kept, when they are used again, and that no clock pays."""
+"""Compiled kernels: where they are kept, when they are used again, and that limits wait."""
 
 from __future__ import annotations
 
 import errno
+import gc
 import importlib
 import json
 import os
+import shutil
 import subprocess
 import sys
+import time
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import ModuleType
@@ -17,8 +21,10 @@ import numpy as np
 import pytest
 
 import adr_opt
+from adr_opt.common.clock import now_s
+from adr_opt.kernels.core import archive
 from adr_opt.kernels.core import cache as kernel_cache
-from adr_opt.kernels.core.compile import compiling_s, kernel
+from adr_opt.kernels.core.compile import compiling_s, is_compiling, kernel
 from adr_opt.run.methods import BOUNDS, PLANNERS, names
 from adr_opt.ui.cli.entry import main
 
@@ -182,6 +188,79 @@ def test_damaged_file_is_compiled_anew_and_replaced(damage: bytes | None, folder
     assert compiling_s() == began
 
 
+@pytest.fixture
+def archive_of(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
+    """Move what the folder has to the archive of this installation, for this processor."""
+
+    def move() -> None:
+        found = {path.name: path.read_bytes()[32:] for path in folder.iterdir()}
+        archive.write(found, folder.parent / "compiled.zip")
+        shutil.rmtree(folder)
+        archive.is_usable.cache_clear()
+        archive._opened.cache_clear()
+
+    monkeypatch.setattr(archive, "FILE", folder.parent / "compiled.zip")
+    monkeypatch.setattr(archive, "processor", lambda own: own)
+    yield move
+    archive.is_usable.cache_clear()
+    archive._opened.cache_clear()
+
+
+needs_level = pytest.mark.skipif(
+    not archive.serves_this_processor(), reason="no archive is for this processor"
+)
+
+
+@needs_level
+def test_kernel_of_the_archive_is_not_compiled(
+    folder: Path, archive_of: Callable[[], None]
+) -> None:
+    """What the archive has is neither compiled nor written to the folder."""
+    assert doubling()(2.0) == 4.0
+    archive_of()
+    began = compiling_s()
+    assert doubling()(2.0) == 4.0
+    assert compiling_s() == began
+    assert not folder.exists()
+
+
+@needs_level
+@pytest.mark.parametrize("damage", ["garbage", "other kernels", "gone", "old processor"])
+def test_kernel_is_compiled_where_the_archive_is_of_no_use(
+    damage: str,
+    folder: Path,
+    archive_of: Callable[[], None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A damaged or missing archive, or one for other processors, costs compiling, nothing else."""
+    assert doubling()(2.0) == 4.0
+    archive_of()
+    if damage == "garbage":
+        archive.FILE.write_bytes(b"garbage")
+    elif damage == "gone":
+        archive.FILE.unlink()
+    elif damage == "other kernels":
+        archive.write({"other.kernel": b"x"}, archive.FILE)
+    else:
+        monkeypatch.setattr(archive, "FEATURES", ("avx2", "such-as-no-processor-has"))
+    began = compiling_s()
+    assert doubling()(2.0) == 4.0
+    assert compiling_s() > began
+    assert len(list(folder.iterdir())) == 1
+
+
+def test_limits_and_garbage_collection_stand_still_while_compiling(folder: Path) -> None:
+    """Compiling counts for no limit, and garbage is collected again afterwards."""
+    before, began, clock_began = compiling_s(), time.perf_counter(), now_s()
+    assert doubling()(2.0) == 4.0
+    took, counted = time.perf_counter() - began, now_s() - clock_began
+    compiling = compiling_s() - before
+    assert compiling > 0.0
+    assert counted == pytest.approx(took - compiling, abs=0.02)
+    assert gc.isenabled()
+    assert not is_compiling()
+
+
 def test_kernels_work_where_they_cannot_be_kept(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -308,8 +387,8 @@ METHODS = [
 
 
 @pytest.mark.parametrize(("group", "method"), METHODS)
-def test_nothing_is_compiled_while_the_clock_runs(group: str, method: str) -> None:
-    """A method that has practised compiles nothing on a nominal field, so no clock pays for it."""
+def test_warm_up_compiles_all_that_a_method_calls(group: str, method: str) -> None:
+    """A method that is warm compiles nothing on a nominal field."""
     ran = subprocess.run(
         [sys.executable, "-c", PRACTISED, group, method, str(NOMINAL), "3"],
         capture_output=True, check=True, text=True, cwd=ROOT,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-import time
 
+from ..clock import now_s
 from ..errors import InputError
 
 
@@ -20,7 +20,7 @@ class MaxRuntime:
     def __init__(self, limit_s: float) -> None:
         if not limit_s > 0.0 or math.isnan(limit_s):
             raise InputError(f"time limit = {limit_s:g}: must be positive, in seconds")
-        self._end = time.monotonic() + limit_s
+        self._end = now_s() + limit_s
 
     def __call__(self, incumbent: float, bound: float) -> bool:
         """Whether it is enough."""
@@ -28,4 +28,4 @@ class MaxRuntime:
 
     def remaining_s(self) -> float:
         """Seconds that may still be used."""
-        return self._end - time.monotonic()
+        return self._end - now_s()

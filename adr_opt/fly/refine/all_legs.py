@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
 
 import numpy as np
 
+from ...common.clock import now_s
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...mission.result import versions
@@ -102,7 +102,7 @@ def refine(
         raise InputError("jobs and a cluster exclude each other; leave one of them out")
     refuse_what_cannot_be_flown(instance, plan)
     refuse_broken_chain(instance, plan)
-    began = time.monotonic()
+    began = now_s()
     numbered = list(enumerate(plan.legs, start=1))
     legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns]
     after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
@@ -143,7 +143,7 @@ def refine(
         gravity=gravity,
         freedom=freedom,
         status="incomplete" if missing else "complete",
-        runtime_s=time.monotonic() - began,
+        runtime_s=now_s() - began,
         versions=versions(),
         bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
         legs=tuple(done[number] for number in sorted(done)),

@@ -4,7 +4,8 @@ A file holds one kernel compiled for one signature. Its name is a digest of ever
 machine code depends on: the versions of what compiles, the processor, the types of the arguments,
 and the bytecode and constants of the kernel and of all that it can reach. So nothing in the folder
 is ever out of date, two checkouts do not disturb each other, and a file that is being written is
-not seen: it appears under its name at once or not at all.
+not seen: it appears under its name at once or not at all. What the folder lacks may be in the
+:mod:`.archive` that a wheel brings along.
 
 No file is needed. One that cannot be read is compiled anew, one that cannot be written is done
 without, and :func:`trouble` says why. Those that were not used for longest go first.
@@ -28,9 +29,11 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
+
+from . import archive
+from .inner import is_inner, rebuilt, set_environments
 
 VARIABLE = "ADR_OPT_CACHE_DIR"
 """Environment variable that names another folder."""
@@ -44,12 +47,18 @@ _LIBRARIES = sys.stdlib_module_names | {"numpy", "numba", "llvmlite"}
 _PLAIN = (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)
 
 _troubles: list[str] = []
+_used: set[Path] = set()
 _is_pruned = False
 
 
 def trouble() -> str | None:
     """Why compiled kernels could not be kept, if they could not."""
     return _troubles[0] if _troubles else None
+
+
+def used() -> set[Path]:
+    """Files of the kernels that Python has called in this process, read or written."""
+    return set(_used)
 
 
 def folders() -> list[Path]:
@@ -106,33 +115,48 @@ class KernelCache(_Cache):
         """The compiled kernel of a signature; None if it has to be compiled."""
         target_context.refresh()
         if self._enabled:
-            name = self._name(sig, target_context.codegen())
-            for folder in folders():
-                payload = _read(folder / name)
-                if payload is None:
-                    continue
+            for payload, file in self._found(sig, target_context.codegen().magic_tuple()):
                 # Its checksum is right, so this is a file of ours; whatever may be wrong with it
                 # all the same, compiling is the answer.
                 with suppress(Exception):
-                    return CompileResult._rebuild(target_context, *pickle.loads(payload))
+                    compiled = rebuilt(target_context, pickle.loads(payload))
+                    if file is not None and not is_inner(compiled):
+                        _used.add(file)
+                    return compiled
         return None
+
+    def _found(self, sig: Any, own: tuple[str, ...]) -> Iterator[tuple[bytes, Path | None]]:
+        """What is kept of a kernel: in the folders, with the file, then in the archive."""
+        name = self._name(sig, own)
+        for folder in folders():
+            payload = read(folder / name)
+            if payload is not None:
+                yield payload, folder / name
+        if archive.is_usable():
+            payload = archive.read(self._name(sig, archive.processor(own)))
+            if payload is not None:
+                yield payload, None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel."""
+        set_environments(data)
         if not self._enabled or data.lifted or data.library.has_dynamic_globals:
             return
-        _write(self._name(sig, data.codegen), dumps(data._reduce()))
+        file = _write(self._name(sig, data.codegen.magic_tuple()), dumps(data._reduce()))
+        if file is not None and not is_inner(data):
+            _used.add(file)
 
-    def _name(self, sig: Any, codegen: Any) -> str:
-        versions = numba.__version__, llvmlite.__version__, np.__version__, sys.version
-        depends = (*versions, *codegen.magic_tuple(), _type(sig), sources(self._dispatcher))
+    def _name(self, sig: Any, processor: tuple[str, ...]) -> str:
+        versions = numba.__version__, llvmlite.__version__, np.__version__
+        python = str(sys.implementation.cache_tag)
+        depends = (*versions, python, *processor, _type(sig), sources(self._dispatcher))
         key = hashlib.sha256("\n".join(depends).encode()).hexdigest()[:32]
         function = self._dispatcher.py_func
         named = f"{function.__module__}.{function.__qualname__}".replace("<", "").replace(">", "")
         return f"{named}-{key}.kernel"
 
 
-def _read(path: Path) -> bytes | None:
+def read(path: Path) -> bytes | None:
     """What a file holds; None if there is none or if it is damaged."""
     try:
         content = path.read_bytes()
@@ -146,7 +170,8 @@ def _read(path: Path) -> bytes | None:
     return payload
 
 
-def _write(name: str, payload: bytes) -> None:
+def _write(name: str, payload: bytes) -> Path | None:
+    """Write a file; where it is, or None if it could not be written."""
     failures = []
     for folder in folders():
         unfinished = folder / f".{uuid4().hex}"
@@ -160,8 +185,9 @@ def _write(name: str, payload: bytes) -> None:
                 unfinished.unlink()
         else:
             _prune(folder)
-            return
+            return folder / name
     _troubles.append(failures[0] if failures else "there is no folder to keep them in")
+    return None
 
 
 def _prune(folder: Path) -> None:

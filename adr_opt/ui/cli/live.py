@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+
+from ...common.clock import now_s
 
 
 def wanted(as_json: bool, quiet: bool) -> bool:
@@ -19,8 +20,7 @@ def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], Non
     """A line on standard error, gone at the end; yields what updates it.
 
     The function takes incumbent, bound, the share of the timetable that is built, and whether
-    kernels are still being compiled: the clock starts after that. Without ``shown`` it does
-    nothing.
+    a kernel is being compiled, for which the clock stands still. Without ``shown`` it does nothing.
     """
     if not shown:
         yield lambda incumbent, bound, built, compiling: None
@@ -29,16 +29,13 @@ def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], Non
     from rich.live import Live
     from rich.text import Text
 
-    started = begun = time.monotonic()
+    begun = now_s()
     with Live(console=Console(stderr=True), auto_refresh=False, transient=True) as live:
 
         def show(incumbent: float, bound: float, built: float, compiling: bool) -> None:
-            nonlocal begun
-            now = time.monotonic()
+            text = describe(now_s() - begun, incumbent, bound, built)
             if compiling:
-                begun, text = now, f"{now - started:.1f} s  compiling, once"
-            else:
-                text = describe(now - begun, incumbent, bound, built)
+                text += "  compiling, once"
             live.update(Text(text), refresh=True)
 
         yield show

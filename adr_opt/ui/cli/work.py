@@ -31,7 +31,6 @@ class Watch:
         self.incumbent = -math.inf
         self.bound = math.inf
         self.built = 1.0
-        self.begun = False
         self.size: Size | None = None
 
     def sizing(self, size: Size) -> None:
@@ -39,13 +38,11 @@ class Watch:
         self.size = size
 
     def building(self, share: float) -> None:
-        """Hear of the share of the timetable that is built; the clock has started."""
-        self.begun = True
+        """Hear of the share of the timetable that is built."""
         self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:
         """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
-        self.begun = True
         self.built = 1.0
         self.incumbent = max(self.incumbent, incumbent)
         self.bound = min(self.bound, bound)
@@ -72,7 +69,7 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
     """
     from ...common.stop import Interrupted
     from ...kernels.core.cache import trouble
-    from ...kernels.core.compile import compiling_s
+    from ...kernels.core.compile import is_compiling
 
     stop, watch, done = Interrupted(), Watch(), threading.Event()
     results: list[Found] = []
@@ -90,10 +87,10 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
     with signals_to(stop.interrupt), live_line(live) as show:
         threading.Thread(target=run, name="method", daemon=True).start()
         while not done.wait(POLL_S):
-            compiling = not watch.begun and compiling_s() > 0.0
+            compiling = is_compiling()
             show(watch.incumbent, watch.bound, watch.built, compiling)
             if compiling and not warned and not live and not quiet:
-                say("compiling, once; the time limit begins afterwards")
+                say("compiling, once; it does not count for the time limit")
                 warned = True
             if watch.size is not None and not sized and not quiet:
                 say(f"building {watch.size}")

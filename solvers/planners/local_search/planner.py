@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -112,7 +112,7 @@ def local_search(
     start : sequence of int, optional
         The plan to improve: bodies in order.
     """
-    began = time.perf_counter()
+    began = now_s()
     if start is None:
         start = guarded_sequence(mission)
     search = LocalSearch(mission, start, seed)
@@ -138,6 +138,6 @@ def local_search(
         "local-search",
         search.best.sequence or (),
         seed=seed,
-        runtime_s=time.perf_counter() - began,
+        runtime_s=now_s() - began,
         counters={"iterations": iterations, "improved": improved},
     )

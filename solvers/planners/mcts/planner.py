@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.constants import HOUR_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
@@ -157,7 +157,7 @@ def mcts(
     asked once before every step; a mission stopped halfway counts as far as it was played.
     """
     settings = settings_of(options)
-    start = time.perf_counter()
+    start = now_s()
     prior = Prior(mission, options.policy) if options.policy and mission.instance.targets else None
     if prior is not None:
         settings = replace(settings, tree="new")
@@ -171,7 +171,7 @@ def mcts(
         "mcts",
         plan,
         seed=seed,
-        runtime_s=time.perf_counter() - start,
+        runtime_s=now_s() - start,
         counters={
             "missions": player.missions,
             "steps": player.steps,

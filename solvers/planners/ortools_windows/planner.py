@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -13,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from adr_opt.common.clock import now_s
 from adr_opt.common.constants import HOUR_S
 from adr_opt.common.options import MOST_JOBS, Options, option
 from adr_opt.common.progress import Progress
@@ -103,7 +103,7 @@ def ortools(
     InputError
         The start plan is not legal.
     """
-    begun = time.perf_counter()
+    begun = now_s()
     problem = problem_of(problem)
     layers = tuple(
         with_time_value(mission, options.time_value_m_s_per_h) for mission in problem.missions
@@ -162,7 +162,7 @@ def ortools(
         "ortools",
         [order.moves for order in best.orders],
         seed=seed,
-        runtime_s=time.perf_counter() - begun,
+        runtime_s=now_s() - begun,
         counters=counters,
     )
 
