@@ -3,7 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
+# Modules are compiled when they are first imported, which most of them never are.
+INSTALL := $(BIN)/python -m pip --quiet --disable-pip-version-check install --no-compile
 
 # `make solve INSTANCE=my.json METHOD=greedy-guarded` plans something else.
 INSTANCE := instances/nominal/nominal-000.json
@@ -19,7 +20,7 @@ DOCUMENTATION := $(VENV)/.installed-documentation
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help solve test lint format docs bench clean
+.PHONY: help solve test lint format docs wheel bench clean
 
 help: ## Show this list
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1@\2/p' $(MAKEFILE_LIST) | awk -F@ '{printf "%-14s %s\n", $$1, $$2}'
@@ -45,6 +46,9 @@ docs: $(DOCUMENTATION) ## Build the documentation in site/ (make test builds it 
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	@echo "open site/index.html"
 
+wheel: $(DEVELOPMENT) ## Build wheel and sdist in dist/, the wheel with its compiled kernels
+	$(BIN)/python bench/wheel.py --out dist
+
 bench: $(DEVELOPMENT) ## Measure the timetable and the planners (docs/benchmarks.md lists the rest)
 	$(BIN)/python bench/precompute.py
 	$(BIN)/python bench/planners.py nominal greedy greedy-guarded mcts beam auto@10
@@ -60,15 +64,14 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(BASE): $(DEFINITION) | $(BIN)/python
-	$(PIP) install --constraint constraints.txt --editable .
-	$(BIN)/python -m adr_opt warm-up $(METHOD)
+	$(INSTALL) --constraint constraints.txt --editable .
 	@touch $@
 
 $(DOCUMENTATION): $(DEFINITION) | $(BIN)/python
-	$(PIP) install --constraint constraints.txt --editable '.[docs]'
+	$(INSTALL) --constraint constraints.txt --editable '.[docs]'
 	@touch $@
 
 # The development install holds the others, so it renews all stamps.
 $(DEVELOPMENT): $(DEFINITION) | $(BIN)/python
-	$(PIP) install --constraint constraints.txt --editable '.[test,dev,docs]'
+	$(INSTALL) --constraint constraints.txt --editable '.[test,dev,docs]'
 	@touch $(BASE) $(DOCUMENTATION) $@

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from ...common.errors import InputError
 from . import take
 from .output import emit, emit_json, say
+
+if TYPE_CHECKING:
+    from ...run.method_spec import MethodSpec
 
 ENVIRONMENT = "environment"
 """Stands for what the environment and its policies call."""
@@ -42,11 +45,11 @@ def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bo
         f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again",
         unless=quiet,
     )
-    # First what all of them need, or each process would compile it anew.
-    rows = [_common(), *_compile_all(wanted, jobs or os.cpu_count() or 1)]
+    rows = compile_for(wanted, jobs or os.cpu_count() or 1)
     trouble = next((row.pop("trouble") for row in rows if row.get("trouble")), None)
     for row in rows:
         row.pop("trouble", None)
+        row.pop("files")
     folder = str(next(iter(cache.folders()), ""))
     if as_json:
         emit_json({"folder": folder, "trouble": trouble, "methods": rows})
@@ -66,13 +69,22 @@ def _compiled(seconds: float) -> str:
 
 
 def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
-    """What this process has done."""
+    """Report of this process: time, problems, and the files of the kernels that it called."""
     from ...kernels.core import cache
     from ...kernels.core.compile import compiling_s
 
     said = None if problem is None else f"left out: {problem}"
     trouble = cache.trouble()
-    return {"method": method, "compiling_s": compiling_s(), "problem": said, "trouble": trouble}
+    return {
+        "method": method, "compiling_s": compiling_s(), "problem": said, "trouble": trouble,
+        "files": cache.used(),
+    }  # fmt: skip
+
+
+def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
+    """Compile the kernels of methods, in processes side by side; a report of each."""
+    # First what all of them need, or each process would compile it anew.
+    return [_common(), *_compile_all(methods, jobs)]
 
 
 def _common() -> dict[str, Any]:
@@ -108,6 +120,37 @@ def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
         return list(pool.map(_compile_one, methods))
 
 
+class Kind(NamedTuple):
+    """Parameters of :func:`adr_opt.run.front.warm_up`."""
+
+    starts: bool = False
+    drifts: bool = False
+    several: bool = False
+    asks: bool = False
+
+    def is_for(self, spec: MethodSpec) -> bool:
+        """Whether a method takes a start, plans for several chasers, or works on demand."""
+        return (
+            spec.starts >= self.starts
+            and spec.several >= self.several
+            and spec.on_demand >= self.asks
+        )
+
+
+KINDS = (
+    Kind(),
+    Kind(starts=True),
+    Kind(drifts=True),
+    Kind(drifts=True, starts=True),
+    Kind(asks=True),
+    Kind(several=True),
+    Kind(several=True, starts=True),
+    Kind(several=True, drifts=True),
+    Kind(several=True, asks=True),
+)
+"""Missions and calls for which methods call kernels of their own."""
+
+
 def _compile_one(method: str) -> dict[str, Any]:
     from ...run import front
     from ...run.methods import BOUNDS, PLANNERS, names
@@ -121,8 +164,11 @@ def _compile_one(method: str) -> dict[str, Any]:
     for group in (PLANNERS, BOUNDS):
         if method in names(group):
             try:
-                problem = front.warm_up(group, method) or problem
-                front.warm_up(group, method, drifts=True)
+                spec = front.spec_of(method, group)
+                for kind in KINDS:
+                    if kind.is_for(spec):
+                        failed = front.warm_up(group, method, **kind._asdict())
+                        problem = problem or (failed if kind == Kind() else None)
             except InputError as error:  # declared, and cannot be imported
                 problem = error
     return _row(method, problem)
