@@ -1,4 +1,4 @@
-"""The page on a planner's day: its commands and its Python run as they stand, on a small field."""
+"""The pages on a planner's day: commands and Python run as they stand, on a small field."""
 
 from __future__ import annotations
 
@@ -6,17 +6,21 @@ import re
 import shlex
 from pathlib import Path
 
+import pytest
 from conftest import Cli
 
-PAGE = (Path(__file__).parents[2] / "docs" / "planners-day.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = ("planners-day.md", "replanning.md")
 BREAKS = ("price",)
 """Verbs whose answer may be no on the small field."""
 
 
-def test_the_commands_of_the_page_run(cli: Cli) -> None:
+@pytest.mark.parametrize("page", PAGES)
+def test_the_commands_of_the_page_run(cli: Cli, page: str) -> None:
     """One after the other they do what the page says, and write the files that it names."""
-    lines = re.findall(r"(?m)^    python -m adr_opt .*$", PAGE)
-    assert len(lines) >= 4
+    text = (DOCS / page).read_text(encoding="utf-8")
+    lines = re.findall(r"(?m)^    python -m adr_opt .*$", text)
+    assert len(lines) >= 3
     for line in lines:
         _, _, _, verb, *words = shlex.split(line)
         if verb == "generate":
@@ -32,11 +36,13 @@ def test_the_commands_of_the_page_run(cli: Cli) -> None:
                 assert Path(words[words.index(option) + 1]).stat().st_size > 0
 
 
-def test_the_python_of_the_page_runs(tmp_path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize("page", PAGES)
+def test_the_python_of_the_page_runs(tmp_path: Path, monkeypatch, page: str) -> None:
     """Each block, one after the other."""
     monkeypatch.chdir(tmp_path)
     names: dict = {}
-    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    text = (DOCS / page).read_text(encoding="utf-8")
+    blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
     for code in blocks:
         exec(code, names)

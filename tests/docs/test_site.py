@@ -178,11 +178,29 @@ def test_the_pictures_are_what_the_script_draws(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     draw = runpy.run_path(str(ROOT / "docs/draw_model.py"))["draw"]
     drawn = draw(tmp_path)
-    # The tasks, the benchmark and the page on contributing have scripts of their own.
-    own = ("task-", "time-quality", "house")
+    # The tasks, the benchmark, the page on contributing, the plan that moves and the diagrams have
+    # scripts of their own.
+    own = ("task-", "time-quality", "house", "plan", "choice", "chaser", "relaxation")
     others = {path.name for path in PICTURES if path.name.startswith(own)}
     assert {path.name for path in drawn} == {path.name for path in PICTURES} - {"icon.svg", *others}
     for path in drawn:
         # Not byte for byte: matplotlib's releases differ in how they write a glyph.
         committed = ROOT / "docs" / "pictures" / path.name
+        assert path.stat().st_size == pytest.approx(committed.stat().st_size, rel=0.2)
+
+
+def test_the_plan_that_moves_is_that_of_the_library(tmp_path: Path) -> None:
+    """docs/draw_plan.py draws the committed picture, byte for byte."""
+    draw = runpy.run_path(str(ROOT / "docs/draw_plan.py"))["draw"]
+    assert draw(tmp_path).read_bytes() == (ROOT / "docs/pictures/plan.svg").read_bytes()
+
+
+def test_the_diagrams_are_what_their_script_draws(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """docs/draw_diagrams.py draws the committed diagrams: files of about the same size."""
+    pytest.importorskip("matplotlib")
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    for path in runpy.run_path(str(ROOT / "docs/draw_diagrams.py"))["draw"](tmp_path):
+        committed = ROOT / "docs/pictures" / path.name
         assert path.stat().st_size == pytest.approx(committed.stat().st_size, rel=0.2)
