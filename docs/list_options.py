@@ -14,9 +14,9 @@ DOCS = Path(__file__).parent
 HEAD = """\
 # Options of the methods
 
-`solve --option NAME=VALUE` and `bound --option NAME=VALUE` set one, and so do keyword arguments of
-`adr_opt.solve` and `adr_opt.bound`. `python -m adr_opt methods NAME` prints the same of a method.
-The page is made by `docs/list_options.py` of what the methods declare.
+Options are set by `solve --option NAME=VALUE` and `bound --option NAME=VALUE`, or by keyword
+arguments of `adr_opt.solve` and `adr_opt.bound`. `python -m adr_opt methods NAME` prints those of
+one method. `docs/list_options.py` makes this page from the declarations.
 """
 
 
@@ -25,19 +25,19 @@ def page() -> str:
     project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
     declared = project["project"]["entry-points"]
     parts = [HEAD]
-    for group, more in ((PLANNERS, "Planners"), (BOUNDS, "Bounds that are not planners too")):
+    for group, more in ((PLANNERS, "Planners"), (BOUNDS, "Bounds only")):
         parts.append(f"\n## {more}\n")
         for name in sorted(declared[group]):
             if group == BOUNDS and name in declared[PLANNERS]:
                 continue
             rows = listed(options_of(get(name, group)))
-            parts.append(f"\n### `{name}`\n\n{table(rows) if rows else 'It has none.'}\n")
+            parts.append(f"\n### `{name}`\n\n{table(rows) if rows else 'No options.'}\n")
     return "".join(parts)
 
 
 def table(rows: list[dict[str, str]]) -> str:
     """The options of a method, one in a row."""
-    lines = ["| option | default | what it may be | meaning |", "|---|---|---|---|"]
+    lines = ["| option | default | values | meaning |", "|---|---|---|---|"]
     for row in rows:
         default = json.dumps(row["default"]).strip('"')
         shown = f"`{default}` {row['unit']}".strip() if default else "empty"

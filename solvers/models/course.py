@@ -69,12 +69,14 @@ class ModelOptions(Options):
 
     jobs: int = option(
         0,
-        "Threads for the multipliers, 0 for all cores. The result does not depend on it.",
+        "Threads for the multipliers, 0 for all cores. No effect on the result.",
         least=0,
         most=MOST_JOBS,
     )
-    most_arcs: int = option(60_000, "Larger networks are not handed to the solver.", least=1)
-    evaluations: int = option(150, "Most evaluations of the multipliers' bound.", least=1)
+    most_arcs: int = option(60_000, "Largest network passed to the solver, in arcs.", least=1)
+    evaluations: int = option(
+        150, "Maximum number of evaluations of the multipliers' bound.", least=1
+    )
 
 
 def prove(

@@ -24,7 +24,7 @@ class AutoOptions(ProofOptions, method="auto"):
 
     prove: bool = option(
         True,
-        "Whether to work on the bound; without it only beams and local search are used.",
+        "Work on the bound as well; otherwise only beams and local search run.",
     )
     time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
 

@@ -30,41 +30,41 @@ class BeamOptions(Options, method="beam"):
 
     width: int = option(
         2000,
-        "Partial plans kept on each level; time and memory are proportional to it.",
+        "Partial plans kept per level; time and memory are proportional to it.",
         least=1,
         most=1_000_000,
     )
     time_value_m_s_per_h: float = option(
         USUAL,
-        "Of all connections to a target, the one with the least ΔV + value · (arrival − ready) is "
-        "looked at; the plan found is flown at its best schedule over all of them. Below 0: 110, "
-        "and less where planes drift.",
+        "Value of time: of all connections to a target, the one of least ΔV + value · (arrival − "
+        "ready) is considered; the plan is then flown at its best schedule over all. Below 0: "
+        "110, and less where planes drift.",
         unit="m/s per h",
     )
     time_weight: float = option(
         1.0,
-        "Worth of an hour left when partial plans are compared, as a multiple of what is estimated "
-        "for the mission.",
+        "Worth of an hour left when partial plans are compared, as a multiple of the estimate for "
+        "the mission.",
         least=0.0,
     )
-    delta_v_weight: float = option(1.0, "The same of a km/s left.", least=0.0)
+    delta_v_weight: float = option(1.0, "The same for a km/s left.", least=0.0)
     crowding: float = option(
         1.7,
-        "Most partial plans at one body, as a multiple of an equal share.",
+        "Maximum number of partial plans per body, as a multiple of an equal share.",
         least=1.0,
         most=math.inf,
     )
     noise: float = option(
-        0.0, "Random part of the comparison, by the seed.", unit="mean prizes", least=0.0
+        0.0, "Random part of the comparison, drawn with the seed.", unit="mean prizes", least=0.0
     )
     policy: str = option(
         "",
-        "A learned policy as prior, `set` or a file that `train` wrote (extra `[ppo]`): partial "
-        "plans are also compared by how likely the policy would have made their moves, so a width "
-        "of some hundred is enough. Crowding and noise do not count then.",
+        "A learned policy as prior, `set` or a file written by `train` (extra `[ppo]`): partial "
+        "plans are also compared by the probability of their moves, so that a width of some "
+        "hundred is enough. Crowding and noise are then ignored.",
     )
     prior_weight: float = option(
-        0.05, "Worth of a unit of log-probability of that policy.", unit="mean prizes", least=0.0
+        0.05, "Worth of a unit of log-probability of the policy.", unit="mean prizes", least=0.0
     )
 
 

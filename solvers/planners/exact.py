@@ -50,8 +50,8 @@ class ExactOptions(ProofOptions, method="exact"):
     most_labels: int = option(50_000_000, MOST_LABELS, least=1)
     cost: bool = option(
         False,
-        "Go on to prove, once the prizes are proven, that no plan that collects as much costs "
-        "less: ΔV, the end of the last service, or of campaigns the expense.",
+        "After the prizes, also prove the least cost among plans of equal prize: ΔV, the end of "
+        "the last service, or the expense of a campaign.",
     )
 
 

@@ -30,8 +30,8 @@ class GreedyOptions(Options, method="greedy"):
     beta: float = option(0.0, "Weight of the time from ready to arrival.", unit="per s", least=0.0)
     time_value_m_s_per_h: float = option(
         -1.0,
-        "Of all connections to a target, the one with the least ΔV + value · (arrival − ready) is "
-        "looked at. Below 0: the default of the instance, 75.",
+        "Value of time: of all connections to a target, the one of least ΔV + value · (arrival − "
+        "ready) is considered. Below 0: the default of the instance, 75.",
         unit="m/s per h",
     )
 

@@ -36,38 +36,40 @@ class PpoOptions(Options, method="ppo"):
     """Options of the planner ``ppo``."""
 
     policy: str = option(
-        "", "A policy of the package or a file that `train` wrote; `set` if empty."
+        "", "A policy of the package or a file written by `train`; `set` if empty."
     )
     decode: str = option(
         "greedy",
-        "`greedy`: the move with the best score again and again, some milliseconds. `sample`: the "
-        "best of many plans drawn from the policy, by the seed, the greedy one among them. "
-        "`beam`: beams over moves that the policy has judged, the greedy plan besides.",
+        "`greedy`: the best-scored move at each step, within milliseconds. `sample`: the best of "
+        "many plans drawn from the policy with the seed, the greedy plan included. `beam`: beams "
+        "over moves scored by the policy, the greedy plan included.",
         choices=("greedy", "sample", "beam"),
     )
     samples: int = option(
         512,
-        "Plans drawn by `sample`, unless the search is stopped before.",
+        "Maximum number of plans drawn by `sample`.",
         least=1,
         most=10_000_000,
     )
-    temperature: float = option(1.5, "Below 1, samples keep closer to the best move.", above=0.0)
+    temperature: float = option(
+        1.5, "Temperature of samples; lower values keep closer to the best move.", above=0.0
+    )
     width: int = option(
         100,
-        "Partial plans kept by the second beam; fewer where that would take more time than is "
-        "left. The first is a fifth as wide, so that there is a plan early.",
+        "Partial plans kept by the second beam, fewer if time is short. The first beam is a "
+        "fifth as wide, to give an early plan.",
         least=1,
         most=1_000_000,
     )
     beams: int = option(
         2,
-        "Beams, unless the search is stopped before; from the third on, each is twice as wide as "
-        "the one before, or as wide as the time left allows.",
+        "Maximum number of beams; from the third on, each is twice as wide as the one before, as "
+        "far as time allows.",
         least=1,
         most=1000,
     )
     jobs: int = option(
-        0, "Threads, 0 for all cores. The plan does not depend on it.", least=0, most=MOST_JOBS
+        0, "Number of threads, 0 for all cores. No effect on the plan.", least=0, most=MOST_JOBS
     )
 
 

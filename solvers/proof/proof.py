@@ -50,7 +50,7 @@ FIRST_EVALUATIONS, FIRST_LABELS = 3, 1_000_000
 GROWTH = 4
 """Each round of searches may make so many times the labels of the one before."""
 
-MOST_LABELS = f"Most labels of one search: about {bytes_each()} bytes each."
+MOST_LABELS = f"Maximum number of labels in one search, about {bytes_each()} bytes each."
 """What the option of this name means."""
 
 
@@ -59,11 +59,11 @@ class ProofOptions(Options):
     """Options of the methods that prove by rounds."""
 
     jobs: int = option(
-        0, "Cores, 0 for all. The result does not depend on it.", least=0, most=MOST_JOBS
+        0, "Number of cores, 0 for all. No effect on the result.", least=0, most=MOST_JOBS
     )
     delta_v_slot_m_s: float = option(
         20.0,
-        "Slot of ΔV: a finer one gives a tighter bound and takes longer.",
+        "Slot of ΔV: finer slots give a tighter bound and take longer.",
         unit="m/s",
         above=0.0,
     )

@@ -104,8 +104,8 @@ NEED_MORE = re.compile(r" (serve|train|benchmark) | --policy | instances/| --hel
 """Commands that run for ever or for long, or need what no command before them writes."""
 
 OF_ONE_MISSION = (
-    "certificates", "exports", "files", "importing", "matrices", "policy", "refining", "report",
-    "waiting",
+    "certificates", "exports", "files", "flights-with-errors", "importing", "matrices",
+    "plans-that-hold", "policy", "refining", "report", "true-orbits", "waiting",
 )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ def test_tolerances_are_those_of_the_code() -> None:
     assert violation.TIME_TOLERANCE_S == 1e-3
     assert violation.DELTA_V_TOLERANCE_M_S == 1e-4
     assert violation.OBJECTIVE_TOLERANCE == 1e-6
-    section = read("docs/files.md").partition("## What `check` tolerates")[2]
+    section = read("docs/files.md").partition("## Tolerances of `check`")[2]
     assert "1 ms" in section
     assert "0.1 mm/s" in section
     assert "10⁻⁶" in section

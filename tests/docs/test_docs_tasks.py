@@ -91,8 +91,8 @@ def test_every_task_is_tried() -> None:
         for part in (
             "**You have**",
             "**You want**",
-            "\n## What to look at",
-            "\n## What to ask next",
+            "\n## Points to note",
+            "\n## Next questions",
         ):
             assert part in page
 

@@ -36,7 +36,7 @@ NEW_FIELDS = {
 }
 
 
-PAGE = Path(__file__).parents[2] / "docs/exports.md"
+PAGE = Path(__file__).parents[2] / "docs/true-orbits.md"
 
 
 @pytest.fixture(scope="module")
@@ -222,7 +222,7 @@ def test_the_plan_carries_the_size_of_the_approximation(cli, tmp_path) -> None:
 
 
 def test_the_table_of_the_page_is_what_comes_out() -> None:
-    """docs/exports.md shows misses and corrections of the tiny field as the code gives them."""
+    """docs/true-orbits.md shows misses and corrections of the tiny field as the code gives them."""
     page = PAGE.read_text(encoding="utf-8")
     rows = re.findall(r"^\| (0\.\d+) \| (.*) \|$", page, re.MULTILINE)
     assert len(rows) == 3

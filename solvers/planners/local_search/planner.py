@@ -83,13 +83,13 @@ class LocalSearch:
 class LocalSearchOptions(Options, method="local-search"):
     """Options of the planner ``local-search``."""
 
-    chunk: int = option(20_000, "Moves tried in one annealing.", least=1, most=10_000_000)
-    hot: float = option(0.3, "Its temperature at the beginning.", unit="mean prizes", above=0.0)
+    chunk: int = option(20_000, "Moves tried per annealing run.", least=1, most=10_000_000)
+    hot: float = option(0.3, "Initial temperature of a run.", unit="mean prizes", above=0.0)
     cold: float = option(
-        0.01, "Its temperature at the end.", unit="mean prizes", above=0.0, most="hot"
+        0.01, "Final temperature of a run.", unit="mean prizes", above=0.0, most="hot"
     )
-    width: int = option(100, "Width of the beams that recreate.", least=1, most=1_000_000)
-    recreations: int = option(4, "Ruin-and-recreate steps in one iteration.", least=0)
+    width: int = option(100, "Width of the beams used to recreate.", least=1, most=1_000_000)
+    recreations: int = option(4, "Ruin-and-recreate steps per iteration.", least=0)
 
 
 def local_search(

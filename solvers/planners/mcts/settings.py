@@ -37,86 +37,89 @@ class MctsOptions(Options, method="mcts"):
 
     preset: str = option(
         "published",
-        "Sets every option that is left at −1 or `preset`.",
+        "Supplies all options left at −1 or `preset`.",
         choices=("published", "tuned"),
     )
     simulations: int = option(
         FROM_PRESET, "Simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
     )
-    depth: int = option(FROM_PRESET, "Most moves of a rollout.", least=1, unset=ITS_OWN)
+    depth: int = option(
+        FROM_PRESET, "Maximum length of a rollout, in moves.", least=1, unset=ITS_OWN
+    )
     c: float = option(
         float(FROM_PRESET), "Exploration constant: Q + c √(ln N / n).", above=0.0, unset=ITS_OWN
     )
     rollout: str = option(
         "preset",
-        "`uniform`: any legal move with equal probability. `guarded`: a target from which the "
-        "station can still be reached, the cheaper the likelier, and the station when there is "
-        "none.",
+        "`uniform`: legal moves with equal probability. `guarded`: targets from which the station "
+        "can still be reached, cheaper ones with higher probability, or else the station.",
         choices=("uniform", "guarded", "preset"),
     )
     moves: str = option(
         "preset",
-        "Branches of the tree. `legal`: every legal move in random order. `guarded`: the cheapest "
-        "targets that pass the same guard, cheapest first, and the station.",
+        "Branches of the tree. `legal`: all legal moves in random order. `guarded`: the cheapest "
+        "targets that pass the same guard, in order of cost, and the station.",
         choices=("legal", "guarded", "preset"),
     )
     width: int = option(
-        FROM_PRESET, "Most targets among the guarded moves.", least=1, unset=ITS_OWN
+        FROM_PRESET, "Maximum number of targets among guarded moves.", least=1, unset=ITS_OWN
     )
     time_value_m_s_per_h: float = option(
         float(FROM_PRESET),
-        "Cost of a guarded move: ΔV + this · (time to the end of service).",
+        "Value of time: a guarded move costs ΔV + value · (time to the end of service).",
         unit="m/s per h",
         above=0.0,
         unset=ITS_OWN,
     )
     temperature_m_s: float = option(
         float(FROM_PRESET),
-        "Scale of the weight exp(−cost / temperature) of a guarded move in rollouts.",
+        "Temperature of guarded rollouts: moves have the weight exp(−cost / temperature).",
         unit="m/s",
         above=0.0,
         unset=ITS_OWN,
     )
     scale: str = option(
         "preset",
-        "`none`: returns as they are, in prizes. `range`: divided by the range of returns of the "
-        "mission, so that c means the same at every size of prize.",
+        "`none`: returns in prizes. `range`: returns over their range in the mission, so that c "
+        "is independent of the size of prizes.",
         choices=("none", "range", "preset"),
     )
     best_share: float = option(
         float(FROM_PRESET),
-        "Q is the mean return plus this share of the way to the best.",
+        "Share of the best return in Q; the rest is the mean return.",
         least=0.0,
         most=1.0,
         unset=ITS_OWN,
     )
     play: str = option(
         "preset",
-        "The child with most visits, or with the highest Q.",
+        "Child to play: most `visits`, or highest Q (`value`).",
         choices=("visits", "value", "preset"),
     )
     tree: str = option(
         "preset",
-        "Every step begins a `new` tree, or goes on with the one `kept` below the child played.",
+        "Tree at each step: `new`, or `kept` from below the child played.",
         choices=("new", "kept", "preset"),
     )
-    missions: int = option(FROM_PRESET, "Most missions to play.", least=1, unset=ITS_OWN)
+    missions: int = option(
+        FROM_PRESET, "Maximum number of missions played.", least=1, unset=ITS_OWN
+    )
     answer: str = option(
         "preset",
-        "The best mission `played`, or the `best` sequence of any simulation (ties: less ΔV).",
+        "Plan returned: the best mission `played`, or the `best` sequence of any simulation (ties: "
+        "least ΔV).",
         choices=("played", "best", "preset"),
     )
     polish: int = option(
         0,
-        "Open-loop polish at the end, as long as there is time: so often, keep the beginning of "
-        "the plan up to a random move and build a new end by a narrow beam. Not part of the "
-        "published method.",
+        "Maximum number of open-loop polishing steps at the end: each keeps the plan up to a "
+        "random move and builds a new end with a narrow beam. Not part of the published method.",
         least=0,
     )
     policy: str = option(
         "",
-        "A learned policy as prior, `set` or a file that `train` wrote (extra `[ppo]`): the moves "
-        "that it likes are tried first, and every step begins a new tree.",
+        "A learned policy as prior, `set` or a file written by `train` (extra `[ppo]`): moves are "
+        "tried in its order, and every step begins a new tree.",
     )
 
 

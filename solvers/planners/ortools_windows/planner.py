@@ -58,21 +58,23 @@ class OrtoolsOptions(Options, method="ortools"):
 
     jobs: int = option(
         1,
-        "Windows planned at a time, each in its thread; 0 for one per core. Another number of jobs "
-        "is another search.",
+        "Windows planned in parallel, one thread each; 0 for one per core. The number affects the "
+        "result.",
         least=0,
         most=MOST_JOBS,
     )
-    shortest_window: int = option(6, "Least moves of a window.", least=1)
-    longest_window: int = option(10, "Most moves of a window.", least="shortest_window")
-    edges: int = option(400, "Most moves that CP-SAT may choose from in one window.", least=1)
+    shortest_window: int = option(6, "Minimum number of moves in a window.", least=1)
+    longest_window: int = option(
+        10, "Maximum number of moves in a window.", least="shortest_window"
+    )
+    edges: int = option(400, "Maximum number of candidate moves per window for CP-SAT.", least=1)
     effort: float = option(
-        0.4, "Limit of one CP-SAT search in its deterministic time, about seconds.", above=0.0
+        0.4, "Limit of one CP-SAT search in deterministic time, roughly seconds.", above=0.0
     )
     time_value_m_s_per_h: float = option(
         USUAL,
-        "Windows choose from the connections of least ΔV + this · arrival; plans are timed over "
-        "all. Below 0: as for `beam`.",
+        "Value of time: windows choose from the connections of least ΔV + value · arrival; plans "
+        "are timed over all. Below 0: as for `beam`.",
         unit="m/s per h",
     )
 
