@@ -19,7 +19,7 @@ from ..plan.routes import routes_of
 from ..problem.instance import Instance
 from ..problem.settings import KeepOutZone
 from ..run.front import solve
-from ..run.method_call import prepare, spec_of, warm_up
+from ..run.method_call import prepare, spec_of
 from ..run.methods import PLANNERS
 from .deviations import Deviations
 from .launch_windows import in_order, is_usurped, kept_waiting
@@ -232,16 +232,8 @@ def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: 
     return certify_routes(problem, "former", moves, seed=seed, runtime_s=runtime_s)
 
 
-_practised: set[bool] = set()
-"""For which kinds of timetable the quick planner has been compiled in this process."""
-
-
 def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
     """The plan of the quick planner, without all that takes longer than it does."""
-    drifts = problem.connecting.is_listed
-    if drifts not in _practised:
-        warm_up(PLANNERS, QUICK, drifts=drifts)
-        _practised.add(drifts)
     options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
     prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
     limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]

@@ -1,8 +1,7 @@
-"""Methods with everything settled but the mission: found, checked, and compiled by practice."""
+"""Methods with everything settled but the mission: found, checked, and warmed up by practice."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import takewhile
@@ -315,14 +314,10 @@ def _rules_of(problem: Problem) -> frozenset[str]:
     return frozenset(word for word, does in counts.items() if does)
 
 
-_warm: set[tuple[object, ...]] = set()
-_warming = threading.RLock()
-
-
 def warm_up(
     group: str,
     method: str,
-    *stops: Stop,
+    *,
     starts: bool = False,
     jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
@@ -332,14 +327,10 @@ def warm_up(
 ) -> Exception | None:
     """Let a method compile its kernels, by a run on a small mission, with the options asked for.
 
-    Once in a process is enough for each choice of options.
-
     Parameters
     ----------
     group, method, jobs, options
         As in :func:`.front.run`.
-    *stops : Stop
-        They end the practice too.
     starts : bool
         Whether there will be a plan to begin from.
     drifts : bool
@@ -372,19 +363,13 @@ def warm_up(
     if starts and prepared.spec.starts:
         routes = ((1,), *[()] * (len(problem.missions) - 1))
         begins["start"] = routes if prepared.spec.several else routes[0]
-    told = sorted((name, repr(value)) for name, value in chosen.items())
-    key = (group, method, drifts, several, asks, *begins, *told)
-    with _warming:
-        if key in _warm:
-            return None
-        _warm.add(key)
-        try:
-            result = prepared.function(
-                given_to(problem, prepared.spec), seed=0,
-                stop=PracticeStop(habit.rounds, *stops), progress=silent, **begins,
-                options=read(type(given), chosen),
-            )  # fmt: skip
-            _check_result(method, result)
-        except Exception as error:
-            return error
+    try:
+        result = prepared.function(
+            given_to(problem, prepared.spec), seed=0,
+            stop=PracticeStop(habit.rounds), progress=silent, **begins,
+            options=read(type(given), chosen),
+        )  # fmt: skip
+        _check_result(method, result)
+    except Exception as error:
+        return error
     return None

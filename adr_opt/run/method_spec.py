@@ -15,7 +15,7 @@ ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
 
 @dataclass(frozen=True)
 class Practice:
-    """How a method practises before its clock starts, so that its kernels are compiled.
+    """How a method practises for :func:`.front.warm_up`, so that its kernels are compiled.
 
     Attributes
     ----------

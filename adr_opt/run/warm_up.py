@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
-import time
 from functools import cache
 from itertools import cycle
 
 from ..common.constants import DAY_S
-from ..common.stop import Stop
-from ..kernels.core.compile import compiling_s
+from ..common.stop import MaxRuntime
 from ..legs.nearest_pairs import neighbours
 from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
@@ -74,31 +71,23 @@ def _drifting() -> Instance:
 
 
 class PracticeStop:
-    """The stop of a practice run: after some rounds, or when somebody else says enough.
+    """The stop of a practice run: after some rounds.
 
     Parameters
     ----------
     rounds : int
         Of :class:`.method_spec.Practice`.
-    others : sequence of Stop
-        They end the practice too, but are only asked for the time: they may count questions.
     """
 
-    def __init__(self, rounds: int, *others: Stop) -> None:
-        self._others = others
+    def __init__(self, rounds: int) -> None:
         self._left = rounds
-        self._end = self._now() + LONGEST_S
-
-    @staticmethod
-    def _now() -> float:
-        return time.perf_counter() - compiling_s()
+        self._limit = MaxRuntime(LONGEST_S)
 
     def __call__(self, incumbent: float, bound: float) -> bool:
         """Whether it is enough."""
         self._left -= 1
-        return self._left < 0 or self.remaining_s() <= 0.0
+        return self._left < 0 or self._limit(incumbent, bound)
 
     def remaining_s(self) -> float:
         """Seconds that may still be used."""
-        others = min((stop.remaining_s() for stop in self._others), default=math.inf)
-        return min(self._end - self._now(), others)
+        return self._limit.remaining_s()
