@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .constants import DAY_S
 from .errors import InputError
 from .sentences import sentence
+
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:  # where it lies is no part of pydantic's interface
+    ModelMetaclass = type(BaseModel)
 
 # A name ends up in formats of other programs, which end texts at a NUL.
 Name = Annotated[str, Field(min_length=1, pattern=r"^[^\x00]*$")]
@@ -32,10 +37,24 @@ Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]
 DeltaV = Annotated[float, Field(ge=-LARGEST_DELTA_V_M_S, le=LARGEST_DELTA_V_M_S)]
 
 
-class Record(BaseModel):
+MACHINERY = frozenset(dir(BaseModel)) - frozenset(dir(object))
+"""Names that records inherit from pydantic, deprecated ones among them."""
+
+
+class _Listed(ModelMetaclass):
+    """Classes of records, which list their own names at a prompt and leave out the machinery."""
+
+    def __dir__(cls) -> list[str]:
+        return sorted(set(super().__dir__()) - MACHINERY)
+
+
+class Record(BaseModel, metaclass=_Listed):
     """Base of all data: frozen, strict about types, no unknown keys, no NaN or infinity."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    def __dir__(self) -> list[str]:
+        return sorted(set(super().__dir__()) - MACHINERY)
 
     @classmethod
     def from_json(cls, text: str) -> Self:

@@ -7,7 +7,7 @@ import hashlib
 import os
 import zlib
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
@@ -94,30 +94,33 @@ class Certificate(Shown, Record):
         """The certificate file."""
         return to_text(self.model_dump(mode="json"))
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a certificate file.
+
+        Raises
+        ------
+        InputError
+            No such file, not JSON, or not a valid certificate. Whether what it says is true is for
+            :func:`adr_opt.verify` to find out.
+        """
+        if not _is_packed(path):
+            return parse_model(read_text(path), cls, str(path))
+        try:
+            text = gzip.decompress(Path(path).read_bytes()).decode()
+        except FileNotFoundError:
+            raise InputError(f"{path}: no such file; check the path") from None
+        except (OSError, EOFError, zlib.error, UnicodeDecodeError):
+            raise InputError(f"{path}: not a whole file packed by gzip; write it again") from None
+        return parse_model(text, cls, str(path))
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the certificate file, whole or not at all; packed if its name ends in ``.gz``."""
         content = self.to_json().encode()
         write_bytes(path, gzip.compress(content, mtime=0) if _is_packed(path) else content)
 
 
-def load_certificate(path: str | os.PathLike[str]) -> Certificate:
-    """Read a certificate file.
-
-    Raises
-    ------
-    InputError
-        No such file, not JSON, or not a valid certificate. Whether what it says is true is for
-        :func:`adr_opt.verify` to find out.
-    """
-    if not _is_packed(path):
-        return parse_model(read_text(path), Certificate, str(path))
-    try:
-        text = gzip.decompress(Path(path).read_bytes()).decode()
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; check the path") from None
-    except (OSError, EOFError, zlib.error, UnicodeDecodeError):
-        raise InputError(f"{path}: not a whole file packed by gzip; write it again") from None
-    return parse_model(text, Certificate, str(path))
+load_certificate = Certificate.load
 
 
 def _is_packed(path: str | os.PathLike[str]) -> bool:

@@ -7,7 +7,7 @@ import json
 import math
 import os
 from collections.abc import Iterable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -304,6 +304,18 @@ class Plan(Shown, Record):
         """The plan file as plain data."""
         return self.model_dump(mode="json")
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a plan file.
+
+        Raises
+        ------
+        InputError
+            No such file, not JSON, or not a valid plan file. Whether the plan is legal is for
+            :func:`adr_opt.check` to say.
+        """
+        return read_model(path, cls)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the plan file, whole or not at all."""
         write_text(path, self.to_json())
@@ -314,16 +326,7 @@ def without_former_model(content: dict[str, Any]) -> dict[str, Any]:
     return {k: v for k, v in content.items() if k != "model" or v != FORMER_MODEL}
 
 
-def load_plan(path: str | os.PathLike[str]) -> Plan:
-    """Read a plan file.
-
-    Raises
-    ------
-    InputError
-        No such file, not JSON, or not a valid plan file. Whether the plan is legal is for
-        :func:`adr_opt.check` to say.
-    """
-    return read_model(path, Plan)
+load_plan = Plan.load
 
 
 def json_schema() -> dict[str, Any]:

@@ -270,20 +270,23 @@ class RefinedPlan(Shown, Record):
         """The refined plan file as plain data."""
         return self.model_dump(mode="json")
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a refined plan file.
+
+        Raises
+        ------
+        InputError
+            No such file, not JSON, or not a valid refined plan file.
+        """
+        return read_model(path, cls)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the refined plan file, whole or not at all."""
         write_text(path, self.to_json())
 
 
-def load_refined(path: str | os.PathLike[str]) -> RefinedPlan:
-    """Read a refined plan file.
-
-    Raises
-    ------
-    InputError
-        No such file, not JSON, or not a valid refined plan file.
-    """
-    return read_model(path, RefinedPlan)
+load_refined = RefinedPlan.load
 
 
 def is_refined(path: str | os.PathLike[str]) -> bool:

@@ -288,6 +288,24 @@ class Instance(Shown, InstanceFile):
             {"targets": tuple(self.targets[j - first] for j in chosen if j >= first)}
         )
 
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read an instance file, and beside it that of its connections where they are given.
+
+        Raises
+        ------
+        InputError
+            No such file, not JSON, or not a valid instance; or the connections are missing, others
+            than the instance says, or cannot be planned on.
+        MissingExtra
+            What reads the connections is not installed.
+        """
+        instance = read_model(path, cls)
+        reference = instance.transfer.given
+        if reference is None:
+            return instance
+        return instance.with_given(read_named(path, reference, instance.names), reference.file)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the instance file, and beside it that of its connections where they are given.
 
@@ -339,22 +357,7 @@ class Instance(Shown, InstanceFile):
         return rule_of(self.transfer, self.keep_out_zones, self.oblateness_m2, worth)
 
 
-def load(path: str | os.PathLike[str]) -> Instance:
-    """Read an instance file, and beside it that of its connections where they are given.
-
-    Raises
-    ------
-    InputError
-        No such file, not JSON, or not a valid instance; or the connections are missing, others than
-        the instance says, or cannot be planned on.
-    MissingExtra
-        What reads the connections is not installed.
-    """
-    instance = read_model(path, Instance)
-    reference = instance.transfer.given
-    if reference is None:
-        return instance
-    return instance.with_given(read_named(path, reference, instance.names), reference.file)
+load = Instance.load
 
 
 AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
