@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from ..common.errors import InputError
+from ..common.packages import load
 
 TRAINERS = "adr_opt.trainers"
 """Entry-point group; a package that declares one shows up in ``train --config``."""
@@ -81,7 +82,7 @@ def get(name: str) -> Trainer:
     """
     for entry in entry_points(group=TRAINERS):
         if entry.name == name:
-            trainer: Trainer = entry.load()
+            trainer: Trainer = load(entry)
             return trainer
     known = ", ".join(names()) or "none is installed"
     raise InputError(f"config {name!r} is unknown; use one of: {known}")

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ..common.errors import InputError
 from ..common.options import MOST_JOBS, Options, option
+from ..common.packages import load
 from ..common.progress import Progress
 from ..common.stop import Stop
 from .method_spec import MethodSpec
@@ -66,7 +67,7 @@ def spec(name: str, group: str = PLANNERS) -> MethodSpec:
     if name not in found:
         known = ", ".join(found) or "none is installed"
         raise InputError(f"method {name!r} is unknown; use one of: {known}")
-    loaded = found[name].load()
+    loaded = load(found[name])
     return loaded if isinstance(loaded, MethodSpec) else spec_of_function(name, loaded)
 
 

@@ -14,6 +14,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from ...common.errors import InputError
+from ...common.packages import load
 from ...mission.mission import Mission
 
 MODELS = "adr_opt.models"
@@ -37,7 +38,7 @@ def writer(suffix: str) -> WriteModel:
     """
     (entry, *_) = entry_points(group=MODELS, name=suffix.removeprefix("."))
     try:
-        found: WriteModel = entry.load()
+        found: WriteModel = load(entry)
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"format {suffix!r} is declared, but cannot be imported ({error}); "
