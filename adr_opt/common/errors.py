@@ -24,5 +24,5 @@ class MissingExtra(InputError):
     def __init__(self, what: str, package: str, extra: str) -> None:
         super().__init__(
             f"{what} needs the package {package}: install the extra with "
-            f"pip install -e '.[{extra}]' in the folder of adr-opt's pyproject.toml"
+            f"pip install 'adr-opt[{extra}]'"
         )

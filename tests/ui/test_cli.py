@@ -367,7 +367,7 @@ def test_fly_without_its_extra_names_it(
     monkeypatch.setitem(sys.modules, "boinor.bodies", None)
     outcome = cli("fly", tiny_file, "plan.json")
     assert outcome.status == 2
-    assert "pip install -e '.[astro]'" in outcome.err
+    assert "pip install 'adr-opt[astro]'" in outcome.err
     assert "plan.json" not in outcome.err
 
 

@@ -429,7 +429,7 @@ def test_without_sgp4_the_extra_is_named(cli: Cli, monkeypatch: pytest.MonkeyPat
     outcome = cli("import", path, "--out", "out.json")
     monkeypatch.undo()
     assert outcome.status == 2
-    assert "sgp4: install the extra with pip install -e '.[astro]'" in outcome.err
+    assert "sgp4: install the extra with pip install 'adr-opt[astro]'" in outcome.err
 
 
 def test_the_example_cloud_is_what_its_script_prints(capsys: pytest.CaptureFixture[str]) -> None:

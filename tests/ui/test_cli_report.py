@@ -80,7 +80,7 @@ def test_without_plotly(cli: Cli, tiny_file: Path, monkeypatch: pytest.MonkeyPat
     outcome = cli("report", tiny_file, "plan.json", "--out", "mission.html")
     assert outcome.status == 2
     assert "plotly" in outcome.err
-    assert "pip install -e '.[viz]'" in outcome.err
+    assert "pip install 'adr-opt[viz]'" in outcome.err
     assert not Path("mission.html").exists()
 
 

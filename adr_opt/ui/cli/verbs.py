@@ -13,7 +13,7 @@ from ...common.version import __version__
 VERBS = (
     "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
     "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
-    "warm-up", "schema",
+    "warm-up", "doctor", "schema",
 )  # fmt: skip
 
 
