@@ -7,7 +7,7 @@ import math
 import click
 
 from ...common.errors import InputError
-from . import take
+from . import complete, take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .output import emit
 from .parameters import parse_assignments, run_options
@@ -15,7 +15,12 @@ from .parameters import parse_assignments, run_options
 
 @click.command("bound")
 @take.instance
-@take.word("--method", "NAME", "Bound; 'methods' lists them and the default.")
+@take.word(
+    "--method",
+    "NAME",
+    "Bound; 'methods' lists them and the default.",
+    shell_complete=complete.bounds,
+)
 @take.number("--time-limit", "S", "Wall time, the timetable included; 60 s.")
 @run_options
 @certificate_option

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.errors import InputError
-from . import take
+from . import complete, take
 from .output import emit, emit_json, emit_rich, say
 from .parameters import check_out
 
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 @click.command("compare", short_help="Lay plans side by side, leg by leg.")
 @take.instance
-@click.argument("plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...")
+@click.argument(
+    "plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...", shell_complete=complete.files
+)
 @take.file("--page", "HTML file to write as well.", name="page_path")
 @take.flag("--all", "List the legs too that are the same.", name="tell_all")
 @take.as_json

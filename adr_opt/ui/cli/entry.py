@@ -10,8 +10,10 @@ from contextlib import suppress
 from typing import TextIO
 
 import click
+from click.shell_completion import shell_complete
 
 from ...common.errors import InputError
+from .complete import VARIABLE
 from .output import say
 from .signals import Aborted
 from .verbs import command
@@ -69,6 +71,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: list[str]) -> int:
     # Not ``command.main``: it has its own ideas of a closed pipe and of Ctrl-C.
     program = "adr-opt"
+    if os.environ.get(VARIABLE):
+        return shell_complete(command, {}, program, VARIABLE, os.environ[VARIABLE])
     if os.path.basename(sys.argv[0]) == "__main__.py":
         program = "python -m adr_opt"
     try:

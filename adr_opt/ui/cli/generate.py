@@ -7,14 +7,14 @@ from typing import Any
 import click
 
 from ...common.wording import counted
-from . import take
+from . import complete, take
 from .fitting import Fitting, fitting_options
 from .output import emit, say
 from .parameters import check_out
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
-@click.argument("family")
+@click.argument("family", shell_complete=complete.families)
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
 @take.count("--targets", "N", "Targets, instead of the family's.")
 @take.count("--zones", "N", "Keep-out zones to draw.", default=0)

@@ -12,7 +12,7 @@ import click
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import complete, take
 from .fitting import check_positive
 from .import_crew import CrewOptions, crew_options, told
 from .output import emit_json, say
@@ -33,7 +33,7 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
-@click.argument("files", nargs=-1, required=True, metavar="FILE...")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
 @take.file("--out", "Instance file to write.", required=True)
 @take.word("--epoch", "TIME", "ISO, UTC; else the latest of the elements.", name="epoch_text")
 @take.word("--altitude", "LO:HI", "Mean altitudes to keep, km.")

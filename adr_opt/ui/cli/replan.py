@@ -11,7 +11,7 @@ import click
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import complete, take
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import check_out, is_same_file, mission_of
 
@@ -43,7 +43,12 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 )
 @take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
 @take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
-@take.word("--method", "NAME", "Planner of the rest; else a beam, of several auto.")
+@take.word(
+    "--method",
+    "NAME",
+    "Planner of the rest; else a beam, of several auto.",
+    shell_complete=complete.planners,
+)
 @take.number("--time-limit", "S", "Wall time of a run; 2 s.")
 @take.seed
 @take.file("--out", "Plan file of the rest to write.")

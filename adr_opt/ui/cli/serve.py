@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ...common.errors import MissingExtra
-from . import take
+from . import complete, take
 from .output import emit, emit_json, say
 from .signals import Aborted, signals_to
 
@@ -21,7 +21,7 @@ PATIENCE_S = 60.0
 
 @click.command("serve", short_help="Plan on a page of this machine, live.")
 @take.instance
-@click.argument("plan_path", metavar="[PLAN]", required=False)
+@click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
 @take.word("--folder", "DIR", "Working folder; INSTANCE-served, beside this call.")
 @take.flag("--no-open", "Open no browser.")

@@ -10,7 +10,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import status_words
-from . import take
+from . import complete, take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_rich, say, terminal_width
@@ -36,7 +36,13 @@ if TYPE_CHECKING:
 @take.file("--policy", "Short for --option policy=FILE.")
 @take.word("--decode", "HOW", "Short for --option decode=HOW.")
 @take.flag("--repair", "Keep the legal beginning of an illegal --start.")
-@take.word("--bound", "NAME", "Bound to run beside the planner.", name="bound_name")
+@take.word(
+    "--bound",
+    "NAME",
+    "Bound to run beside the planner.",
+    name="bound_name",
+    shell_complete=complete.bounds,
+)
 @take.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options

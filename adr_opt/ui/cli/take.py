@@ -8,6 +8,8 @@ from typing import Any, TypeVar
 
 import click
 
+from . import complete
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -16,6 +18,7 @@ def word(
 ) -> Callable[[Function], Function]:
     """An option that takes what its ``metavar`` says, and is known by ``name`` if not by itself."""
     names = (sign, name) if name else (sign,)
+    more.setdefault("shell_complete", complete.BY_METAVAR.get(metavar))
     return click.option(*names, metavar=metavar, help=text, **more)
 
 
@@ -46,8 +49,8 @@ def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
     return add
 
 
-instance = click.argument("instance_path", metavar="INSTANCE")
-plan = click.argument("plan_path", metavar="PLAN")
+instance = click.argument("instance_path", metavar="INSTANCE", shell_complete=complete.files)
+plan = click.argument("plan_path", metavar="PLAN", shell_complete=complete.files)
 as_json = flag("--json", "Print one JSON object and nothing else.", name="as_json")
 cluster = word(
     "--cluster",
@@ -55,7 +58,12 @@ cluster = word(
     "Work on the workers of a Dask scheduler, in the place of --jobs.",
 )
 quiet = flag("--quiet", "No messages and no progress.")
-method = word("--method", "NAME", "Planner; 'methods' lists them and the default.")
+method = word(
+    "--method",
+    "NAME",
+    "Planner; 'methods' lists them and the default.",
+    shell_complete=complete.planners,
+)
 seed = click.option(
     "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
 )

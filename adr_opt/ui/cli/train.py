@@ -12,12 +12,19 @@ from types import FrameType
 import click
 
 from ...common.errors import InputError
-from . import take
+from . import complete, take
 from .output import emit_json, say
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
-@take.word("--config", "NAME", "set, set-transfer or published.", name="config", required=True)
+@take.word(
+    "--config",
+    "NAME",
+    "set, set-transfer or published.",
+    name="config",
+    required=True,
+    shell_complete=complete.trainings,
+)
 @take.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
 @take.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)

@@ -37,7 +37,8 @@ class Verbs(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The verb of a call, with the sentence for an unknown one."""
-        if not args[0].startswith("-") and args[0] not in VERBS:
+        is_known = args[0].startswith("-") or args[0] in VERBS
+        if not is_known and not ctx.resilient_parsing:  # as it is where a shell asks
             raise InputError(f"verb {args[0]!r} is unknown; use one of: {', '.join(VERBS)}")
         return super().resolve_command(ctx, args)
 

@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import complete, take
 from .output import emit, emit_json
 from .parameters import about
 
@@ -25,7 +25,7 @@ TOLD = (
 
 @click.command("verify")
 @take.instance
-@click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1)
+@click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1, shell_complete=complete.files)
 @click.option(
     "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
     help="Connections to fly again by the physics of 'check'; 1000.",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from ...common.errors import InputError
-from . import take
+from . import complete, take
 from .output import emit, emit_json, say
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ ENVIRONMENT = "environment"
 
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
-@click.argument("methods", nargs=-1, metavar="[METHOD]...")
+@click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
 @take.count("--jobs", "N", "Processes side by side; one for each core.")
 @take.as_json
 @take.quiet

@@ -1,0 +1,73 @@
+"""Shell completion: values that arguments and options offer at a tab.
+
+Nothing here may import numba: a shell waits for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+VARIABLE = "_ADR_OPT_COMPLETE"
+"""Environment variable by which a shell asks, as click names it."""
+
+Complete = Callable[[click.Context, click.Parameter, str], list[Any]]
+
+FAMILIES = (
+    "tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "cloud", "large", "sso",
+    "rocket-bodies", "removal", "fragment-cloud",
+)  # fmt: skip
+"""Families of the generator, which takes a second to import."""
+
+
+def _beginning(names: tuple[str, ...], incomplete: str) -> list[str]:
+    return [name for name in names if name.startswith(incomplete)]
+
+
+def files(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
+    """Have the shell list files."""
+    return [CompletionItem(incomplete, type="file")]
+
+
+def folders(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[Any]:
+    """Have the shell list folders."""
+    return [CompletionItem(incomplete, type="dir")]
+
+
+def families(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Families of instances."""
+    return _beginning(FAMILIES, incomplete)
+
+
+def planners(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Installed planners."""
+    from ...run.methods import names
+
+    return _beginning(names(), incomplete)
+
+
+def bounds(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Installed bounds."""
+    from ...run.methods import BOUNDS, names
+
+    return _beginning(names(BOUNDS), incomplete)
+
+
+def methods(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Installed planners and bounds."""
+    both = planners(context, parameter, incomplete) + bounds(context, parameter, incomplete)
+    return sorted(set(both))
+
+
+def trainings(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[str]:
+    """Installed configurations of training."""
+    from ...learning.trainer import names
+
+    return _beginning(names(), incomplete)
+
+
+BY_METAVAR: dict[str, Complete] = {"FILE": files, "PLAN": files, "DIR": folders}
+"""Values of options, by what the help calls them."""
