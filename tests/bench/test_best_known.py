@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import itertools
 import json
 import math
+import re
 import sys
+from collections.abc import Iterator
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +27,7 @@ from adr_opt.kernels.rules.schedule import Visit, follow
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.service_limits import limits_of
 from adr_opt.mission.certified import certify, certify_routes
+from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
@@ -37,15 +41,11 @@ NAME = "tiny-001"
 
 
 @pytest.fixture(scope="module")
-def script() -> ModuleType:
-    path = ROOT / "bench" / "update_best_known.py"
-    spec = importlib.util.spec_from_file_location("update_best_known", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look themselves up there
-    spec.loader.exec_module(module)
-    return module
+def script() -> Iterator[ModuleType]:
+    sys.path.insert(0, str(ROOT / "bench"))
+    yield importlib.import_module("best_known")
+    sys.path.remove(str(ROOT / "bench"))
+    del sys.modules["best_known"]
 
 
 @pytest.fixture
@@ -119,12 +119,14 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
 def consistent(script: ModuleType, folder: Path) -> dict[str, Any]:
     """Every row agrees with its instance and its plan; returns the rows."""
     rows = script.read_table(folder)
-    plans = {f"best-known/{path.name}" for path in folder.glob("best-known/*")}
-    assert plans == {row.plan for row in rows.values()} - {""}
+    for kind in ("plan", "certificate"):
+        room = {"plan": "best-known", "certificate": "certificates"}[kind]
+        files = {f"{room}/{path.name}" for path in folder.glob(f"{room}/*")}
+        assert files == {getattr(row, kind) for row in rows.values()} - {""}
     for name, row in rows.items():
         assert name == row.instance
         instance = script.committed(folder, name, row.sha256)
-        assert row.who == "the adr-opt developers"
+        assert row.who
         assert row.date
         if math.isfinite(row.upper_bound):
             assert row.bound_method
@@ -157,6 +159,22 @@ def test_the_committed_table_agrees_with_its_plans(script: ModuleType) -> None:
     consistent(script, ROOT / "instances")
 
 
+def test_the_committed_rows_of_small_fields_are_verified(
+    script: ModuleType, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The script finds nothing wrong with them, and all their bounds have certificates."""
+    assert script.main(["verify", "tiny", "hand-made"]) == 0
+    assert "11 rows, 0 wrong: 11 plans checked, 10 bounds verified, 0 bounds without" in (
+        capsys.readouterr().out
+    )
+
+
+@pytest.mark.slow
+def test_every_committed_row_is_verified(script: ModuleType) -> None:
+    """Plans, gaps and certificates of the whole table."""
+    assert script.main(["verify"]) == 0
+
+
 def test_only_a_better_plan_replaces_a_plan(
     script: ModuleType, folder: Path, mission: Mission, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -171,7 +189,7 @@ def test_only_a_better_plan_replaces_a_plan(
     assert cheap.delta_v_m_s < dear.delta_v_m_s
 
     def offer(plan: adr_opt.Plan) -> Any:
-        assert script.main(["--folder", str(folder), str(saved(folder, plan))]) == 0
+        assert script.main(["--folder", str(folder), "add", str(saved(folder, plan))]) == 0
         return consistent(script, folder)[NAME]
 
     assert offer(dear).delta_v_m_s == dear.delta_v_m_s
@@ -191,7 +209,7 @@ def test_only_a_lower_bound_replaces_a_bound(
 
     def offer(upper_bound: float | None) -> Any:
         path = bound_file(folder, mission, upper_bound)
-        assert script.main(["--folder", str(folder), str(path)]) == 0
+        assert script.main(["--folder", str(folder), "add", str(path)]) == 0
         return consistent(script, folder)
 
     assert offer(None) == {}
@@ -199,7 +217,7 @@ def test_only_a_lower_bound_replaces_a_bound(
     assert offer(7.5)[NAME].upper_bound == 7.0
     assert offer(None)[NAME].upper_bound == 7.0
     plan = certified(mission, (1,))
-    assert script.main(["--folder", str(folder), str(saved(folder, plan))]) == 0
+    assert script.main(["--folder", str(folder), "add", str(saved(folder, plan))]) == 0
     row = offer(4.0)[NAME]
     assert (row.objective, row.upper_bound, row.gap, row.bound_method) == (1.0, 4.0, 0.75, "proves")
     kept = adr_opt.load_plan(folder / "best-known" / f"{NAME}.json")
@@ -207,7 +225,7 @@ def test_only_a_lower_bound_replaces_a_bound(
     assert kept.status == "feasible"
     # A plan file that brings a bound is a claim for both.
     proven = plan.replace(upper_bound=1.0, gap=0.0, status="optimal", method="exact")
-    assert script.main(["--folder", str(folder), str(saved(folder, proven))]) == 0
+    assert script.main(["--folder", str(folder), "add", str(saved(folder, proven))]) == 0
     row = consistent(script, folder)[NAME]
     assert (row.upper_bound, row.bound_method, row.planner_method) == (1.0, "exact", "hand")
     assert adr_opt.load_plan(folder / row.plan).status == "optimal"
@@ -220,7 +238,7 @@ def test_an_illegal_plan_is_refused(
     plan = certified(mission, (1,))
     leg = plan.legs[0]
     lie = with_legs(plan, (leg.replace(delta_v_m_s=leg.delta_v_m_s - 1.0),), objective=9.0)
-    assert script.main(["--folder", str(folder), str(saved(folder, lie))]) == 1
+    assert script.main(["--folder", str(folder), "add", str(saved(folder, lie))]) == 1
     said = capsys.readouterr().err
     assert "leg 1: cost" in said
     assert "plan: objective" in said
@@ -233,15 +251,15 @@ def test_a_bound_below_a_known_plan_is_an_alarm(
 ) -> None:
     """A bound below a legal plan, whichever comes first, is refused with exit 1."""
     plan = saved(folder, certified(mission, (1,)))
-    assert script.main(["--folder", str(folder), str(plan)]) == 0
+    assert script.main(["--folder", str(folder), "add", str(plan)]) == 0
     before = (folder / "best-known.csv").read_bytes()
-    assert script.main(["--folder", str(folder), str(bound_file(folder, mission, 0.5))]) == 1
+    assert script.main(["--folder", str(folder), "add", str(bound_file(folder, mission, 0.5))]) == 1
     assert "ALARM: the bound 0.5 by proves" in capsys.readouterr().err
     assert (folder / "best-known.csv").read_bytes() == before
 
     (folder / "best-known.csv").unlink()
-    assert script.main(["--folder", str(folder), str(bound_file(folder, mission, 0.5))]) == 0
-    assert script.main(["--folder", str(folder), str(plan)]) == 1
+    assert script.main(["--folder", str(folder), "add", str(bound_file(folder, mission, 0.5))]) == 0
+    assert script.main(["--folder", str(folder), "add", str(plan)]) == 1
     assert "ALARM" in capsys.readouterr().err
     assert script.read_table(folder)[NAME].objective == -math.inf
 
@@ -252,7 +270,7 @@ def test_other_instances_and_files_are_wrong(
     """What is not for a committed instance, or not one of the three kinds, is exit 2."""
 
     def wrong(path: Path, named: str) -> None:
-        assert script.main(["--folder", str(folder), str(path)]) == 2
+        assert script.main(["--folder", str(folder), "add", str(path)]) == 2
         assert named in capsys.readouterr().err
 
     changed = mission.instance.with_limits(delta_v_m_s=2000.0)
@@ -275,10 +293,10 @@ def test_a_row_for_another_version_of_an_instance_is_kept(
 ) -> None:
     """After a change of the instance the old row is not mixed with new results."""
     path = bound_file(folder, mission, 7.0)
-    assert script.main(["--folder", str(folder), str(path)]) == 0
+    assert script.main(["--folder", str(folder), "add", str(path)]) == 0
     table = folder / "best-known.csv"
     table.write_text(table.read_text().replace(mission.instance.sha256, "0" * 64))
-    assert script.main(["--folder", str(folder), str(path)]) == 1
+    assert script.main(["--folder", str(folder), "add", str(path)]) == 1
     assert "another version of the instance" in capsys.readouterr().err
 
 
@@ -297,7 +315,7 @@ def test_instances_of_the_library_are_solved_by_name(
 ) -> None:
     """A name or a family is enough; such rows hold the order, from which the plan comes again."""
     _, second, third = in_library(folder, 1, 2, 3)
-    arguments = ["--folder", str(folder), "--method", "beam", "--time-limit", "5"]
+    arguments = ["--folder", str(folder), "solve", "--method", "beam", "--time-limit", "5"]
     assert script.main([*arguments, second]) == 0
     row = consistent(script, folder)[second]
     assert row.order
@@ -316,14 +334,14 @@ def test_instances_of_the_library_are_solved_by_name(
     assert (folder / "best-known.csv").read_bytes() == table
 
     out = folder / "again.json"
-    assert script.main(["--folder", str(folder), "--plan", second, "--out", str(out)]) == 0
+    assert script.main(["--folder", str(folder), "plan", second, "--out", str(out)]) == 0
     plan = adr_opt.load_plan(out)
     assert adr_opt.check(adr_opt.generate("tiny", 2), plan) == ()
     assert (plan.objective, plan.upper_bound, plan.method) == (
         row.objective, row.upper_bound, row.planner_method,
     )  # fmt: skip
     # A plan file for an instance of the library is a claim too.
-    assert script.main(["--folder", str(folder), str(out)]) == 0
+    assert script.main(["--folder", str(folder), "add", str(out)]) == 0
     assert "not better" in capsys.readouterr().out
 
 
@@ -336,7 +354,8 @@ def test_campaigns_are_solved(
     (folder / "library.json").write_text(library.to_json())
     name, out = made.name, folder / "again.json"
     assert name == "tiny-001-c3"
-    arguments = ["--folder", str(folder), "--time-limit", "20"]
+    there = ["--folder", str(folder)]
+    arguments = [*there, "solve", "--time-limit", "20"]
     assert script.main([*arguments, name]) == 2
     assert "'lagrangian' is for one chaser" in capsys.readouterr().err
     alone = certify_routes(
@@ -345,13 +364,13 @@ def test_campaigns_are_solved(
     assert alone is not None
     # Whatever order a plan has its routes in, and if it leaves out those that are empty.
     (route,) = (route for route in alone.routes if route.legs)
-    assert script.main([*arguments, str(saved(folder, alone.replace(routes=(route,))))]) == 0
+    assert script.main([*there, "add", str(saved(folder, alone.replace(routes=(route,))))]) == 0
     assert consistent(script, folder)[name].order == "-/1/-"
     assert script.main([*arguments, "--bound", "none", name]) == 0
     row = consistent(script, folder)[name]
     assert (row.planner_method, row.bound_method) == ("auto", "hand")
     assert row.objective == row.upper_bound == 8.0
-    assert script.main([*arguments, "--plan", name, "--out", str(out)]) == 0
+    assert script.main([*there, "plan", name, "--out", str(out)]) == 0
     plan = adr_opt.load_plan(out)
     assert adr_opt.check(made, plan) == ()
     assert (len(plan.routes), plan.objective, plan.status) == (3, row.objective, "optimal")
@@ -367,17 +386,19 @@ def test_wrong_calls_are_one_sentence(
         assert script.main(["--folder", str(folder), *arguments]) == 2
         return capsys.readouterr().err
 
-    assert "use one of tiny" in wrong("--family", "huge")
-    assert "has no plan of it" in wrong("--plan", "tiny-002", "--out", str(folder / "p.json"))
-    assert "no such file" in wrong("tiny-009")
+    assert "use one of tiny" in wrong("solve", "--family", "huge")
+    assert "has no plan of it" in wrong("plan", "tiny-002", "--out", str(folder / "p.json"))
+    assert "no such file" in wrong("solve", "tiny-009")
     library = folder / "library.json"
     sha256 = adr_opt.generate("tiny", 2).sha256
     library.write_text(library.read_text().replace(sha256, "0" * 64))
-    assert "generated with sha256" in wrong("tiny-002")
+    assert "generated with sha256" in wrong("solve", "tiny-002")
+    assert "no such instance or family" in wrong("verify", "huge")
+    for incomplete in ([], ["solve"], ["add"]):
+        with pytest.raises(SystemExit, match="2"):
+            script.main(["--folder", str(folder), *incomplete])
     with pytest.raises(SystemExit, match="2"):
-        script.main(["--folder", str(folder)])
-    with pytest.raises(SystemExit, match="2"):
-        script.main(["--folder", str(folder), "--plan", "tiny-002"])
+        script.main(["--folder", str(folder), "plan", "tiny-002"])
 
 
 def trivial(mission: Mission, *, seed: int, stop: Stop, progress: Progress) -> Result:
@@ -399,7 +420,8 @@ def test_instances_are_solved(
         methods, "entry_points", lambda group: [EntryPoint(*pair, group) for pair in groups[group]]
     )
     path = folder / "tiny" / f"{NAME}.json"
-    arguments = ["--folder", str(folder), "--method", "greedy-guarded", "--bound", "trivial"]
+    arguments = ["--folder", str(folder), "solve", "--method", "greedy-guarded"]
+    arguments += ["--bound", "trivial"]
     assert script.main([*arguments, "--time-limit", "5", str(path)]) == 0
     row = consistent(script, folder)[NAME]
     assert (row.planner_method, row.bound_method) == ("greedy-guarded", "trivial")
@@ -410,3 +432,102 @@ def test_instances_are_solved(
     (folder / "best-known.csv").unlink()
     assert script.main([*arguments, str(folder / "absent.json"), str(path)]) == 2
     assert NAME in consistent(script, folder)
+
+
+@pytest.fixture
+def certified_row(script: ModuleType, folder: Path, mission: Mission) -> Any:
+    """The row of an optimal plan whose bound has a certificate, made by the script."""
+    result = adr_opt.solve(mission, "exact", time_limit=60)
+    assert result.status == "optimal"
+    assert result.plan is not None
+    there = ["--folder", str(folder)]
+    assert script.main([*there, "add", str(saved(folder, result.plan))]) == 0
+    assert script.main([*there, "certify", "tiny", "--time-limit", "60"]) == 0
+    row = consistent(script, folder)[NAME]
+    assert row.certificate == f"certificates/{NAME}.json.gz"
+    return row
+
+
+def test_rows_are_verified(
+    script: ModuleType, folder: Path, certified_row: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A row as it should be is verified whole; one in which anything was changed is wrong."""
+    capsys.readouterr()
+    assert script.main(["--folder", str(folder), "verify"]) == 0
+    said = capsys.readouterr().out
+    assert f"{NAME}: plan 4 checked; bound 4 verified" in said
+    assert "1 rows, 0 wrong: 1 plans checked, 1 bounds verified, 0 bounds without" in said
+    other = adr_opt.generate("tiny", 2)
+    row = certified_row
+    for changes, named in (
+        ({"sha256": other.sha256}, "is not that of"),
+        ({"objective": 3.0}, "the plan collects 4, not 3"),
+        ({"delta_v_m_s": row.delta_v_m_s - 1e-3}, "m/s, not"),
+        ({"order": "-".join(reversed(row.order.split("-")))}, "another order"),
+        ({"upper_bound": 5.0}, "the gap is 0.2, not 0.0"),
+        ({"upper_bound": 3.0, "objective": 3.0}, "its certificate proves 4, not bound 3"),
+        ({"plan": "best-known/none.json"}, "no such file"),
+        ({"certificate": "certificates/none.json.gz"}, "no such file"),
+    ):
+        script.write_table(folder, {NAME: replace(row, **changes)})
+        assert script.main(["--folder", str(folder), "verify", NAME]) == 1, changes
+        assert re.search(f"WRONG: .*{re.escape(named)}", capsys.readouterr().out), changes
+    # Without the plan file the plan is made again from its order, and without a proof that is said.
+    script.write_table(folder, {NAME: replace(row, plan="", certificate="")})
+    assert script.main(["--folder", str(folder), "verify", "tiny"]) == 0
+    assert "plan 4 checked; bound 4 without a certificate" in capsys.readouterr().out
+
+
+def test_a_false_certificate_is_refused(
+    script: ModuleType, folder: Path, certified_row: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One that claims less than it proves changes nothing, and fails the row where it is kept."""
+    path = folder / certified_row.certificate
+    table = (folder / "best-known.csv").read_bytes()
+    lie = adr_opt.load_certificate(path).replace(upper_bound=3.0)
+    lie.save(folder / "lie.json")
+    assert script.main(["--folder", str(folder), "add", str(folder / "lie.json")]) == 1
+    assert "the certificate is refused" in capsys.readouterr().err
+    assert (folder / "best-known.csv").read_bytes() == table
+    lie.save(path)
+    assert script.main(["--folder", str(folder), "verify"]) == 1
+    assert "WRONG" in capsys.readouterr().out
+
+
+def test_what_others_bring(
+    script: ModuleType, folder: Path, mission: Mission, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Their plans count if legal, their bounds with a certificate alone; the row names them."""
+    there, theirs = ["--folder", str(folder)], ["--who", "Ada Lovelace"]
+    result = adr_opt.solve(mission, "exact", time_limit=60)
+    assert result.plan is not None
+    certificate_of(mission.instance, result).save(folder / "proof.json")
+    plan = saved(folder, result.plan)
+    bound = bound_file(folder, mission, 4.0)
+    assert script.main([*there, "add", str(bound), *theirs]) == 2
+    assert "a bound of others counts with its certificate" in capsys.readouterr().err
+    assert script.main([*there, "add", str(plan), *theirs]) == 0
+    row = consistent(script, folder)[NAME]
+    assert (row.who, row.objective, row.upper_bound) == ("Ada Lovelace", 4.0, math.inf)
+    assert script.main([*there, "add", str(folder / "proof.json"), *theirs]) == 0
+    row = consistent(script, folder)[NAME]
+    assert (row.who, row.upper_bound, row.gap) == ("Ada Lovelace", 4.0, 0.0)
+    assert row.certificate
+    assert script.main([*there, "verify"]) == 0
+
+
+def test_a_lower_bound_drops_the_certificate_of_a_higher_one(
+    script: ModuleType, folder: Path, mission: Mission
+) -> None:
+    """What is kept proves the bound of its row: a better claim without proof leaves none."""
+    there = ["--folder", str(folder)]
+    loose = adr_opt.Certificate(
+        instance={"name": NAME, "sha256": mission.instance.sha256}, method="sum of prizes",
+        upper_bound=mission.total_prize,
+    )  # fmt: skip
+    loose.save(folder / "loose.json")
+    assert script.main([*there, "add", str(folder / "loose.json")]) == 0
+    assert consistent(script, folder)[NAME].certificate
+    assert script.main([*there, "add", str(bound_file(folder, mission, 4.0))]) == 0
+    row = consistent(script, folder)[NAME]
+    assert (row.upper_bound, row.certificate) == (4.0, "")

@@ -22,7 +22,7 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Let the scripts of the benchmark be imported, which are no package."""
     monkeypatch.syspath_prepend(str(BENCH))
     yield
-    sys.modules.pop("update_best_known", None)
+    sys.modules.pop("best_known", None)
 
 
 def test_the_benchmark_plans_checks_and_bounds_them() -> None:
@@ -51,18 +51,19 @@ def test_the_table_takes_their_plans_and_gives_them_back(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A plan that is found becomes a row, and the order of the row becomes a legal plan again."""
-    script: Any = import_module("update_best_known")
+    script: Any = import_module("best_known")
     instance = adr_opt.generate("rocket-bodies", 2)
     entry = Entry(name=NAME, sha256=instance.sha256)
     library = Library(version="1.0", instances=(entry,))
     (tmp_path / "library.json").write_text(library.to_json(), encoding="utf-8")
-    options = ["--folder", str(tmp_path), "--method", "beam", "--bound", "none"]
+    there = ["--folder", str(tmp_path)]
+    options = [*there, "solve", "--method", "beam", "--bound", "none"]
     assert script.main([*options, "--time-limit", "10", "--family", "rocket-bodies"]) == 0
     row = script.read_table(tmp_path)[NAME]
     assert row.objective == len(row.routes[0]) >= 5
     assert min(row.routes[0]) >= 1
     out = tmp_path / "plan.json"
-    assert script.main([*options, "--plan", NAME, "--out", str(out)]) == 0
+    assert script.main([*there, "plan", NAME, "--out", str(out)]) == 0
     plan = adr_opt.load_plan(out)
     assert adr_opt.check(instance, plan) == ()
     assert plan.objective == row.objective
