@@ -40,7 +40,7 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     assert set(VERBS) == {
         "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
         "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
-        "warm-up", "schema",
+        "warm-up", "doctor", "schema",
     }  # fmt: skip
 
 
