@@ -65,7 +65,7 @@ class Installation:
     cache : Cache or None
         None where kernels cannot be compiled at all.
     archive : str
-        About the archive of compiled kernels, in a sentence.
+        State of the archive of compiled kernels.
     extras : mapping of str to tuple of str
         For each extra the packages that are missing.
     planners, bounds : tuple of str
@@ -92,9 +92,9 @@ def examine() -> Installation:
     needed = requirements()
     base = [each for each in needed if not each.extra]
     problems = [*_of_versions(needed), *_of_imports(base)]
-    cache = None
+    cache, brought = None, "not examined"
     if not problems:  # what is broken would break what follows, and not say why
-        cache = kernel_cache()
+        cache, brought = kernel_cache(), archive()
         problems += [] if cache.trouble is None else [cache.trouble]
         problems += _of_methods()
     shown = sorted({*(each.package for each in base), *OF_OTHERS})
@@ -114,7 +114,7 @@ def examine() -> Installation:
         cores=_cores(),
         memory_bytes=memory,
         cache=cache,
-        archive=archive(),
+        archive=brought,
         extras=_extras(needed),
         planners=names(PLANNERS),
         bounds=names(BOUNDS),
@@ -231,8 +231,14 @@ def _unwritable(folder: Path) -> str | None:
 
 
 def archive() -> str:
-    """About the archive of compiled kernels that may come with the package, in a sentence."""
-    return "no archive of kernels comes with this installation"
+    """State of the archive of compiled kernels that wheels bring, in words."""
+    from ..kernels.core import archive
+
+    if not archive.FILE.is_file():
+        return "none in this installation, so that kernels are compiled when first called"
+    if not archive.is_usable():
+        return f"for processors of level {archive.LEVEL}, which this one is not"
+    return f"{len(archive.names())} kernels for processors of level {archive.LEVEL}"
 
 
 def _extras(needed: tuple[Requirement, ...]) -> dict[str, tuple[str, ...]]:
