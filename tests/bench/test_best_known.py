@@ -34,6 +34,7 @@ from adr_opt.mission.result import Result
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.instance import Instance
 from adr_opt.run import methods
+from adr_opt.sources.generator import FAMILIES
 from adr_opt.sources.library import Entry, Library
 
 ROOT = Path(__file__).parents[2]
@@ -170,9 +171,10 @@ def test_the_committed_rows_of_small_fields_are_verified(
 
 
 @pytest.mark.slow
-def test_every_committed_row_is_verified(script: ModuleType) -> None:
-    """Plans, gaps and certificates of the whole table."""
-    assert script.main(["verify"]) == 0
+@pytest.mark.parametrize("family", [*FAMILIES, "hand-made"])
+def test_every_committed_row_is_verified(script: ModuleType, family: str) -> None:
+    """Plans, gaps and certificates of all families."""
+    assert script.main(["verify", family]) == 0
 
 
 def test_only_a_better_plan_replaces_a_plan(
