@@ -22,7 +22,8 @@ def policy(*scripts: str) -> str:
 
 
 ROOMS = (
-    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "burns", "main",
+    "state", "look", "charts", "time", "motion", "earth", "moving", "ground", "closeup", "burns",
+    "main",
 )  # fmt: skip
 """The rooms of the script, in the order in which they are put together."""
 
