@@ -3,8 +3,8 @@
     npm pack world-atlas@2.0.2 && tar xzf world-atlas-2.0.2.tgz
     python docs/make_coastline.py package/land-110m.json    # into adr_opt/ui/report/coast
 
-The file is a TopoJSON of the land at 1:110 million, with rings that run through the antimeridian. Each
-ring is cut there, and rounded to tenths of a degree, 11 km, finer than the data are.
+The file is a TopoJSON of the land at 1:110 million, with rings that run through the antimeridian.
+Each ring is cut there, and rounded to tenths of a degree, 11 km, finer than the data are.
 """
 
 from __future__ import annotations
