@@ -226,7 +226,7 @@ def headline(found: Facts) -> str:
     """The figures that are asked for first."""
     bound, gap = NOTHING, NOTHING
     if found.upper_bound is not None:
-        bound = number(found.upper_bound, 2)
+        bound = _figure(found.upper_bound)
     if found.gap is not None:
         gap = f"{100.0 * found.gap:.1f}\u202f%"
     days = found.used_s / DAY_S
@@ -246,13 +246,18 @@ def headline(found: Facts) -> str:
     if not found.counts_visits:
         cards.insert(
             1 + (found.chasers > 1),
-            ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}"),
+            ("prize collected", _figure(found.prize), f"of {_figure(found.total_prize)}"),
         )
     return "".join(
         f"<div><dt>{title}</dt><dd><b{' class=long' if len(value) > ROOM else ''}>{value}</b> "
         f"<span>{note}</span></dd></div>"
         for title, value, note in cards
     )
+
+
+def _figure(value: float) -> str:
+    """A prize as a tile holds it: of large ones no fraction."""
+    return number(value, 2 if abs(value) < 1e4 else 0)
 
 
 def certificate(plan: Plan, found: Facts) -> str:
