@@ -261,7 +261,10 @@ def test_a_refined_plan_on_eccentric_orbits_is_flown_on_the_true_ones() -> None:
     said = words(page(instance, plan, refined))
     assert "not flown on the true ones" not in said
     assert "Refined and flown in numerically integrated motion" in said
-    assert "Targets on eccentric orbits are met on them. Orbits, map and timeline show" in said
+    assert (
+        "Targets on eccentric orbits are met there. Orbits, map, timeline and ΔV left show" in said
+    )
+    assert f"; refined {refined.flown_delta_v_m_s:.0f} " in said.replace("\u202f", "")
 
 
 def test_segments_and_tracks_fill_the_mission() -> None:

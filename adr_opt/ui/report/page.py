@@ -212,7 +212,7 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
             known.refined_flight,
             plan.own_flight,
         ),
-        headline=sections.headline(found),
+        headline=sections.headline(found, refined),
         crew=sections.crew(instance, plan, refined),
         flight=space.flight(instance, plan),
         budget_note=sections.budget_note(instance),

@@ -128,9 +128,9 @@ def _refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | N
         '<p class="verdict good"><span aria-hidden="true">✓</span> Checked against the instance: '
         "no violations. Refined and flown in numerically integrated motion, in the field "
         f"{escape(refined.gravity)}: every tank holds, and {met}."
-        + (" Targets on eccentric orbits are met on them." * instance.is_approximate)
-        + " Orbits, map and timeline show the plan in the model; tables of burns and of refined "
-        "legs have what is to be flown.</p>"
+        + (" Targets on eccentric orbits are met there." * instance.is_approximate)
+        + " Orbits, map, timeline and ΔV left show the plan as modelled; the tables of burns and "
+        "of refined legs have what is to be flown.</p>"
     )
 
 
@@ -222,8 +222,11 @@ def _box(title: str, said: str, found: Iterable[object]) -> str:
     )
 
 
-def headline(found: Facts) -> str:
-    """The figures that are asked for first."""
+def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
+    """The figures that are asked for first; with a refined plan what that takes, too."""
+    taken = f"of {number(found.budgets_m_s, 0)} m/s"
+    if refined is not None and not refined.missing:
+        taken += f"; refined {number(refined.flown_delta_v_m_s, 0)}"
     bound, gap = NOTHING, NOTHING
     if found.upper_bound is not None:
         bound = _figure(found.upper_bound)
@@ -234,7 +237,7 @@ def headline(found: Facts) -> str:
         ("targets visited", number(found.visits), f"of {number(found.targets)}"),
         ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
         ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
-        ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
+        ("ΔV used", number(found.delta_v_m_s, 0), taken),
         ("duration used", number(days, 2 if days < LONG_DAYS else 1),
          f"of {in_days(found.duration_s)}"),
     ]  # fmt: skip

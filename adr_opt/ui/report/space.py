@@ -23,8 +23,8 @@ def flight(instance: Instance, plan: Plan) -> str:
     return (
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
         f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
-        "at most one revolution of each. Drag to turn, pinch or scroll to come nearer. Marks are "
-        "where all are at the time of the slider, to which the Earth is turned.</p>\n"
+        "at most one revolution of each. Drag to turn, pinch or scroll to come nearer. Marks and "
+        "the Earth are as they are at the time of the slider.</p>\n"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
