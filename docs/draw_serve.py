@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[1]
 WIDTH, HEIGHT = 1280, 900
 LIMIT_S = 30
 
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path.insert(0, str(ROOT / "tests/oracles"))
 
 from browser import Browser  # noqa: E402
 

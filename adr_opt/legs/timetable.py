@@ -35,6 +35,9 @@ from .timetable_size import too_large
 SLICE_ENTRIES = 20_000
 """Entries computed in one go: some 20 ms, after which a build can be broken off."""
 
+SLICE_SAMPLES = 1_000_000
+"""Entries of matrices looked up in one go, after which Ctrl-C is heard."""
+
 
 class Timetable(Shown):
     """The transfers of an instance: the one chosen at every time, and all connections of a pair.
@@ -474,7 +477,10 @@ class Timetable(Shown):
         delta_v = np.empty((times.size, size, size))
         duration = np.empty_like(delta_v)
         if choose is None:
-            kernels.sample(self.table, times, delta_v, duration)
+            step = max(1, SLICE_SAMPLES // size**2)
+            for begin in range(0, times.size, step):
+                part = slice(begin, begin + step)
+                kernels.sample(self.table, times[part], delta_v[part], duration[part])
             self._without_spent(delta_v)
             words = f"{_words(self.time_value_m_s_per_h)}, service in time"
             return Matrices(times, self.names, delta_v, duration, words)

@@ -11,7 +11,9 @@
 DIR is the folder of all data, or that of the benchmark; without --data, what ADR_OPT_EXTERNAL_DATA
 names. Published solutions are scored again. Of kttsp nothing is planned or proven with a time limit
 of 0, and no round of the proof begins after it; the proof is kept in --cells, and gone on with.
-Exit status 0: done; 2: the call or a file is wrong, in one sentence.
+Every row is printed as soon as it is known, and with --out FILE it is there, too.
+Exit status 0: done; 2: the call or a file is wrong, in one sentence, before any work starts; 130:
+interrupted, what is printed is kept.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 # This script lies in the package that it runs.
@@ -28,10 +30,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from machine import heading
 
 from adr_opt.common.errors import InputError
+from adr_opt.common.files import check_writable
 from outside.gtoc9 import known as of_gtoc9
 from outside.kttsp import known as of_kttsp
 from outside.odrc import known as of_odrc
 from outside.optw import known as of_optw
+from outside.telling import Doing, nobody, tell
+
+DONE, WRONG, INTERRUPTED = 0, 2, 130
 
 FOLDERS = {"gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv"}
 """Where the data of each lie in the folder of all."""
@@ -49,7 +55,7 @@ BOUND_S = 1000.0
 """What the proof of a bound of gtoc9 gets where nothing else is asked for."""
 
 
-def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
+def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> Iterator[str]:
     """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
     limit = parsed.time_limit
     if limit is not None and not 0.0 < limit < 1e7:
@@ -59,10 +65,10 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
     if parsed.seed < 0 or not 1 <= parsed.chains <= 256:
         raise InputError("--seed is 0 or more, and --chains from 1 to 256")
     if parsed.flown is not None:
-        return of_gtoc9.judged_again(folder, parsed.flown)
+        return of_gtoc9.judged_again(folder, parsed.flown, doing)
     if parsed.fly is not None or parsed.fly_all is not None:
         plan = parsed.plan or folder / of_gtoc9.campaign.FILE
-        return of_gtoc9.flights(folder, plan, parsed.fly, parsed.fly_all)
+        return of_gtoc9.flights(folder, plan, parsed.fly, parsed.fly_all, doing)
     return of_gtoc9.report(
         folder,
         time_limit_s=parsed.time_limit,
@@ -70,6 +76,7 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
         chains=parsed.chains,
         write=parsed.write,
         bound_limit_s=parsed.bound_time_limit or None,
+        doing=doing,
     )
 
 
@@ -80,21 +87,22 @@ def report(
     time_limit_s: float | None = None,
     cells: Path | None = None,
     write: Path | None = None,
-) -> str:
-    """What is known of a benchmark, in Markdown."""
+    doing: Doing = nobody,
+) -> Iterator[str]:
+    """What is known of a benchmark, in Markdown, line by line."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
         raise InputError(
             f"--time-limit {time_limit_s:g}: only gtoc9 and kttsp take one, of 0 or more"
         )
     if name == "kttsp":
-        return of_kttsp.report(folder, solution, time_limit_s, cells, write)
+        return of_kttsp.report(folder, solution, time_limit_s, cells, write, doing)
     if cells is not None:
         raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
     if write is not None:
         raise InputError(f"--write {write}: only campaigns of gtoc9 and tours of kttsp are written")
     if solution is not None:
         raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
-    return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder)
+    return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder, doing=doing)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -131,23 +139,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="of gtoc9")
     parser.add_argument("--chains", type=int, default=2, help="of gtoc9: threads")
     parser.add_argument("--write", type=Path, help="of gtoc9 and kttsp: where our plan is written")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="keep there what is printed")
     parsed = parser.parse_args(arguments)
     try:
         if parsed.data is None:
             raise InputError("--data: no folder given; name that of the data")
         folder = folder_of(parsed.name, parsed.data)
-        if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
-            text = of_gtoc9_report(folder, parsed)
-        else:
-            text = report(
-                parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells, parsed.write
-            )
+        if parsed.out is not None:
+            check_writable(parsed.out)
+
+        def lines(doing: Doing) -> Iterator[str]:
+            if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
+                return of_gtoc9_report(folder, parsed, doing)
+            return report(
+                parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells,
+                parsed.write, doing,
+            )  # fmt: skip
+
+        tell(lines, heading(), parsed.out)
     except InputError as error:
         print(error, file=sys.stderr)
-        return 2
-    print(heading())
-    print(text)
-    return 0
+        return WRONG
+    except KeyboardInterrupt:
+        kept = "" if parsed.out is None else f" and kept in {parsed.out}"
+        print(f"interrupted: what was done is printed{kept}", file=sys.stderr, flush=True)
+        os._exit(INTERRUPTED)  # what was being done goes on in its threads
+    return DONE
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -39,21 +38,27 @@ def _cell(value: float, form: str) -> str:
     return "–" if math.isnan(value) else format(value, form)
 
 
-def table(rows: Sequence[Row], unit: str, form: str) -> str:
-    """The rows in Markdown; figures in a unit and as a format specification says.
+def head(unit: str, *, theirs: bool = False) -> str:
+    """The head of the table in Markdown; figures in a unit.
 
-    How long others took has a column if it is known of any row.
+    Parameters
+    ----------
+    unit : str
+    theirs : bool
+        Whether there is a column for how long others took.
     """
-    theirs = any(not math.isnan(row.published_s) for row in rows)
-    lines = [
+    return (
         f"| instance | published [{unit}] | re-scored | ours | bound | time |"
-        + " time of others |" * theirs,
-        "|---|---|---|---|---|---|" + "---|" * theirs,
-    ]
-    for row in rows:
-        figures = row.published, row.rescored, row.ours, row.bound
-        cells = [_cell(value, form) for value in figures]
-        times = (row.taken_s, row.published_s) if theirs else (row.taken_s,)
-        cells += ["–" if math.isnan(time) else f"{time:,.1f} s" for time in times]
-        lines.append(f"| {row.instance} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        + " time of others |" * theirs
+        + "\n|---|---|---|---|---|---|"
+        + "---|" * theirs
+    )
+
+
+def line(row: Row, form: str, *, theirs: bool = False) -> str:
+    """A row of it, figures as a format specification says."""
+    figures = row.published, row.rescored, row.ours, row.bound
+    cells = [_cell(value, form) for value in figures]
+    times = (row.taken_s, row.published_s) if theirs else (row.taken_s,)
+    cells += ["–" if math.isnan(time) else f"{time:,.1f} s" for time in times]
+    return f"| {row.instance} | {' | '.join(cells)} |"

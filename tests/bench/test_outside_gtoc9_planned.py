@@ -178,14 +178,14 @@ def test_missions_are_flown_written_and_judged_again(close, tmp_path):
     path, flown = tmp_path / "campaign.json", tmp_path / "flown.json"
     path.write_text(json.dumps({"start_mjd2000": [23600.0], "missions": [mission]}))
     rows, debris = read_debris(close), read_ephemeris(close)
-    text = report_flights(close, path, rows, None, flown)
+    text = "\n".join(report_flights(close, path, rows, None, flown))
     assert "1 legs. J is" in text
     again = judged(read_flown(flown, len(debris)), debris)
     assert again.legs[0][0].miss_m < CLOSE_M
     assert [said for said in again.violations if "removed 0" not in said] == []
-    assert "| 2 | 3 |" in report_flights(close, path, rows, 0, None)
+    assert "| 2 | 3 |" in "\n".join(report_flights(close, path, rows, 0, None))
     with pytest.raises(InputError, match="missions 0 to 0"):
-        report_flights(close, path, rows, 1, None)
+        next(report_flights(close, path, rows, 1, None))
 
 
 @pytest.mark.parametrize(

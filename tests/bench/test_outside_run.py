@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import re
+import signal
+import subprocess
 import sys
 
 import pytest
@@ -87,6 +90,81 @@ def test_wrong_calls_are_refused(command, capsys, tmp_path, monkeypatch):
         assert said.out == ""
         assert said.err.count("\n") == 1
         assert sentence in said.err
+
+
+@pytest.mark.parametrize("folder", [pytest.param("optw", marks=external("optw"))])
+def test_a_missing_file_is_said_before_any_row(command, capsys, tmp_path, folder):
+    """Travel times that the last instances need are missed before the first one is planned."""
+    for path in (DATA / folder).iterdir():
+        if path.name != "tt50.TXT":
+            (tmp_path / path.name).symlink_to(path.resolve())
+    assert command([folder, "--data", str(tmp_path)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "tt50.TXT: no such file" in said.err
+
+
+def test_a_place_that_cannot_be_written_is_said_before_any_row(command, capsys, tmp_path):
+    """A folder that is not there is no place for rows that take an hour."""
+    assert command(["odrc", "--data", str(tmp_path), "--out", str(tmp_path / "no" / "it")]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert f"{tmp_path / 'no' / 'it'}: " in said.err
+
+
+SLOW = """
+import signal, sys, time
+sys.path.insert(0, sys.argv[1])
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from outside import run
+
+def report(folder, doing):
+    yield "| one |"
+    doing("the second", 1, 2)
+    yield "| two |"
+    time.sleep(100)
+
+run.of_odrc.report = report
+sys.exit(run.main(sys.argv[2:]))
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
+def test_rows_are_printed_and_kept_as_they_are_done(tmp_path):
+    """Interrupted while the third row takes long: two are printed and in the file, status 130.
+
+    On a terminal a bar says what is being done, and leaves what is printed alone.
+    """
+    ours, theirs = os.openpty()
+    out = tmp_path / "kept.md"
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, str(BENCH), "odrc", "--data", str(tmp_path),
+         "--out", str(out)],
+        text=True, stdout=subprocess.PIPE, stderr=theirs,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "80"},
+    )  # fmt: skip
+    os.close(theirs)
+    assert process.stdout is not None
+    printed = []
+    while not printed or "| two |" not in printed[-1]:
+        printed.append(process.stdout.readline())
+        assert printed[-1], process.poll()
+    said = b""
+    while b"the second" not in said:
+        said += os.read(ours, 4096)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30.0) == 130
+    try:
+        while part := os.read(ours, 4096):
+            said += part
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    os.close(ours)
+    printed.append(process.stdout.read())
+    assert f"interrupted: what was done is printed and kept in {out}" in said.decode()
+    assert b"Traceback" not in said
+    assert "".join(printed) == out.read_text(encoding="utf-8")
+    assert out.read_text(encoding="utf-8").endswith("| one |\n| two |\n")
 
 
 def test_what_judges_shares_nothing_with_planners():

@@ -17,6 +17,7 @@ from adr_opt.kernels.legs import co_elliptic, sequences
 from adr_opt.kernels.orbits import columns, ephemeris
 from adr_opt.kernels.tables import stacked_timetables
 from adr_opt.kernels.tables import timetable as kernels
+from adr_opt.legs import timetable
 from adr_opt.problem.settings import KeepOutZone
 
 
@@ -213,6 +214,14 @@ def test_matrices_are_lookups(table):
                 assert sampled.delta_v[d, i, j] == delta_v
                 assert sampled.duration[d, i, j] == arrival - ready
     assert np.isinf(sampled.delta_v[3][~np.eye(size, dtype=bool)]).all()
+
+
+def test_matrices_are_the_same_slice_by_slice(table, monkeypatch):
+    """However many ready times are looked up in one go, the last and odd ones too."""
+    times = np.linspace(0.0, 2e5, 7)
+    whole = table.matrices(times)
+    monkeypatch.setattr(timetable, "SLICE_SAMPLES", 3 * len(table.names) ** 2)
+    assert table.matrices(times) == whole
 
 
 @pytest.mark.parametrize("bad", [[-1.0], [math.nan], [math.inf]])

@@ -185,3 +185,82 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     assert process.returncode in (0, 1)
     assert b"Traceback" not in said
     assert b"of 150 destinations" in said or b"no time to begin" in said
+
+
+def on_terminal(code: str, arguments: list[str], folder: Path) -> tuple[subprocess.Popen[str], int]:
+    """A verb as a process with a terminal for standard error; the end of it that is read."""
+    ours, theirs = os.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", code + CHILD, *arguments], cwd=folder, text=True,
+        stdout=subprocess.PIPE, stderr=theirs,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "80"},
+    )  # fmt: skip
+    os.close(theirs)
+    return process, ours
+
+
+def read_until(ours: int, wanted: bytes = b"\0") -> bytes:
+    """What a terminal shows until something is there, or until nobody writes to it any more."""
+    said = b""
+    try:
+        while wanted not in said and (part := os.read(ours, 4096)):
+            said += part
+    except OSError:  # Linux says EIO when the other end is closed
+        pass
+    return said
+
+
+SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "
+
+
+@posix
+@pytest.mark.parametrize(
+    ("slowed", "call", "shown"),
+    [
+        (
+            "import adr_opt.judge.verify as judge, adr_opt.plan.certificate as certificate; "
+            "certificate.load_certificate = lambda path: None; judge.verify = slow; ",
+            "verify tiny.json certificate.json", b"verifying",
+        ),
+        (
+            "from adr_opt.mission.mission import Mission; "
+            "Mission.build = lambda self, pairs, enough: (enough(0.37), slow()); ",
+            "matrix tiny.json --at 0 --out matrix.npz", b"37/100",
+        ),
+        (
+            "import adr_opt.sources.catalogue as catalogue; catalogue.read = slow; ",
+            "import objects.tle --out instance.json", b"reading objects",
+        ),
+    ],
+    ids=["verify", "matrix", "import"],
+)  # fmt: skip
+def test_long_verbs_have_a_bar_and_end_at_once(
+    tmp_path: Path, slowed: str, call: str, shown: bytes
+) -> None:
+    """On a terminal something moves; Ctrl-C ends it: exit 130, a word, and no file."""
+    adr_opt.generate("tiny", 0).save(tmp_path / "tiny.json")
+    process, ours = on_terminal(SLEEP + slowed, call.split(), tmp_path)
+    said = read_until(ours, shown)
+    assert shown in said, said
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=30.0) == 130
+    said += read_until(ours)
+    os.close(ours)
+    assert said.replace(b"\r", b"").endswith(b"adr-opt: aborted\n")
+    assert b"Traceback" not in said
+    assert [path.name for path in tmp_path.iterdir()] == ["tiny.json"]
+
+
+@posix
+def test_a_tradeoff_counts_proven_points(tmp_path: Path) -> None:
+    """The bar is on the terminal beside the lines on single points, and not in what is printed."""
+    adr_opt.generate("tiny", 0).save(tmp_path / "tiny.json")
+    call = ["tradeoff", "tiny.json", "--vary", "delta-v=2000,3000", "--time-limit", "5"]
+    process, ours = on_terminal("", call, tmp_path)
+    said = read_until(ours)
+    os.close(ours)
+    out, _ = process.communicate(timeout=60.0)
+    assert process.returncode == 0
+    assert b"proven points" in said
+    assert b"2 of 2 points proven" in said
+    assert "proven points" not in out

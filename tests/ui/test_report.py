@@ -17,6 +17,7 @@ from plans import solved, with_legs
 
 import adr_opt
 from adr_opt.fly.flight import fly
+from adr_opt.fly.flight.mean_flight import fly_mean
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
@@ -256,6 +257,10 @@ def test_no_tick_without_a_flight_on_the_true_orbits(eccentric, mission, monkeyp
     text = page(instance, plan)
     assert "✓" not in text
     assert "not flown on the true ones" in text
+    record = fly_mean(instance, plan).record.replace(how="refined", gravity="j2", holds=True)
+    text = page(instance, plan.replace(flown=record))
+    assert "not flown on the true ones" not in text
+    assert "it was refined in the field j2, and every tank held" in text
     assert "[astro]" in text
     assert "✓" in page(*mission)
 

@@ -182,9 +182,12 @@ def test_every_page_says_whether_the_plan_was_flown_refined_or_neither(monkeypat
     record = flight.record.replace(how="refined", gravity="j4")
     said = words(page(instance, plan.replace(flown=record)))
     assert "When it was planned, refined in the field j4: 1 short leg planned with" in said
+    assert "When it was planned, it was refined in the field j4, and every tank held." in said
     # Once legs are others, what the file says of them is nothing.
     stale = record.replace(legs_sha256="0" * 64)
-    assert "; not refined." in words(page(instance, plan.replace(flown=stale)))
+    said = words(page(instance, plan.replace(flown=stale)))
+    assert "; not refined." in said
+    assert "every tank held" not in said
     refined = refine(instance, plan, jobs=1)
     assert "Refined in the field j2: 2 legs, as told below." in words(page(instance, plan, refined))
     leg = plan.legs[0]
@@ -258,6 +261,10 @@ def test_a_refined_plan_on_eccentric_orbits_is_flown_on_the_true_ones() -> None:
     said = words(page(instance, plan, refined))
     assert "not flown on the true ones" not in said
     assert "Refined and flown in numerically integrated motion" in said
+    assert (
+        "Targets on eccentric orbits are met there. Orbits, map, timeline and ΔV left show" in said
+    )
+    assert f"; refined {refined.flown_delta_v_m_s:.0f} " in said.replace("\u202f", "")
 
 
 def test_segments_and_tracks_fill_the_mission() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,10 @@ ONE_DEPARTURE = (".tsp", ".vrp", ".oplib")
 
 ONE_DEPOT = (".vrp", ".oplib")
 """Formats of routes that begin and end at node 1."""
+
+
+Building = Callable[[float], None]
+"""Hears of the share of the timetable that is built."""
 
 
 def whole_suffixes() -> tuple[str, ...]:
@@ -55,6 +59,7 @@ def write_matrix(
     quantity: str = "delta_v",
     scale: float | None = None,
     choose: Choice | None = None,
+    building: Building = lambda share: None,
 ) -> Matrices:
     """Sample the timetable at ready times and write it, whole or not at all.
 
@@ -74,6 +79,8 @@ def write_matrix(
         to 1000 for which every weight fits into 31 bits.
     choose : {"earliest", "cheapest"} or float, optional
         As in :meth:`adr_opt.Timetable.matrices`.
+    building : callable
+        Hears of the share of the timetable that is built.
 
     Returns
     -------
@@ -114,6 +121,7 @@ def write_matrix(
     if suffix in ONE_DEPOT:
         check_one_depot(mission.instance, Path(path))
         check_no_kits(mission.instance, Path(path))
+    _build(mission, building)
     matrices = mission.timetable.matrices(times, choose)
 
     def write(temporary: Path) -> None:
@@ -132,7 +140,12 @@ def write_matrix(
     return matrices
 
 
-def write_timetable(instance_or_mission: Instance | Mission, path: str | os.PathLike[str]) -> None:
+def write_timetable(
+    instance_or_mission: Instance | Mission,
+    path: str | os.PathLike[str],
+    *,
+    building: Building = lambda share: None,
+) -> None:
     """Write every connection of every pair, whole or not at all.
 
     Parameters
@@ -142,6 +155,8 @@ def write_timetable(instance_or_mission: Instance | Mission, path: str | os.Path
     path : path
         The suffix chooses the format: ``.parquet`` (extra ``[io]``), or an installed model such as
         ``.lp`` and ``.mps`` (extra ``[mip]``), see :mod:`.models`.
+    building : callable
+        Hears of the share of the timetable that is built.
 
     Raises
     ------
@@ -165,6 +180,7 @@ def write_timetable(instance_or_mission: Instance | Mission, path: str | os.Path
     mission = _mission(instance_or_mission)
     if write_model is not None:
         check_no_kits(mission.instance, Path(path))
+    _build(mission, building)
 
     def write(temporary: Path) -> None:
         if write_model is None:
@@ -173,6 +189,17 @@ def write_timetable(instance_or_mission: Instance | Mission, path: str | os.Path
             write_model(mission, temporary)
 
     write_whole(path, write)
+
+
+def _build(mission: Mission, building: Building) -> None:
+    """Build the timetable, if a mission has none."""
+
+    def enough(share: float) -> bool:
+        building(share)
+        return False
+
+    if not mission.has_timetable:
+        mission.build(None, enough)
 
 
 def _mission(instance_or_mission: Instance | Mission) -> Mission:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...fly.dispersion import Dispersion, Quantile
     from ...fly.refine import RefinedPlan
     from ...problem.instance import Instance
-    from .leg_bar import Show
+    from .bars import Show
 
 OPTIONS = (
     ("--samples", int, "N", "Fly a refined plan N times with errors as well."),

@@ -29,7 +29,7 @@ def fly_and_tell(
     from ...fly.flight import fly_refined
     from ...fly.refine import load_refined
     from ...problem.instance import load
-    from .leg_bar import leg_bar
+    from .bars import counting_bar
     from .live import wanted
 
     instance, refined = load(instance_path), load_refined(refined_path)
@@ -37,9 +37,9 @@ def fly_and_tell(
     with about(refined_path):
         if sampling.samples is not None:
             # First, because it is quick: what is wrong with the errors is said at once.
-            with leg_bar(wanted(as_json, quiet), "sampling") as show:
+            with counting_bar(wanted(as_json, quiet), "sampling legs") as show:
                 dispersion = sampling.fly(instance, refined, show)
-        with leg_bar(wanted(as_json, quiet), "flying") as show:
+        with counting_bar(wanted(as_json, quiet), "flying legs") as show:
             flight = fly_refined(instance, refined, show)
     if out is not None:
         kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))

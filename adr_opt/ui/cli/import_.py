@@ -98,6 +98,8 @@ def command(
     from ...common.records import LARGEST_DURATION_S
     from ...sources import catalogue
     from ...sources.catalogue.filters import parse_range
+    from .bars import busy_bar
+    from .live import wanted
 
     check_out(out, *files, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
@@ -124,17 +126,18 @@ def command(
         epoch=epoch, duration_s=DAY_S * duration_days, dynamics=dynamics, transfer=transfer,
         refuelling=not no_refuelling,
     )  # fmt: skip
-    found = catalogue.read(files, skip_bad=skip_bad)
-    made = catalogue.to_instance(
-        found,
-        filters=filters,
-        max_targets=max_targets,
-        station=station,
-        skip_bad=skip_bad,
-        mission=mission,
-        crew=crew,
-        demands=demands,
-    )
+    with busy_bar(wanted(as_json, quiet), "reading objects"):
+        found = catalogue.read(files, skip_bad=skip_bad)
+        made = catalogue.to_instance(
+            found,
+            filters=filters,
+            max_targets=max_targets,
+            station=station,
+            skip_bad=skip_bad,
+            mission=mission,
+            crew=crew,
+            demands=demands,
+        )
     write_text(out, made.instance.to_json())
     if as_json:
         emit_json({"path": out, "formats": found.formats, **made.to_dict()})

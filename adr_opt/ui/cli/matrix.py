@@ -73,6 +73,8 @@ def command(
     from ...export.tables.write import suffix_of, whole_suffixes
     from ...legs.connections import weights_of
     from ...problem.instance import load
+    from .bars import percent_bar
+    from .live import wanted
 
     if choose is not None:
         weights_of(choose)
@@ -93,14 +95,19 @@ def command(
     if not quiet:
         _announce(instance)
     written: dict[str, Any] = {"instance": instance.name, "path": out}
-    if is_whole:
-        write_timetable(instance, out)
-        what = "every connection"
-    else:
-        departures = _departures(instance, every_s, at_s)
-        write_matrix(instance, out, departures, quantity=quantity, scale=scale, choose=choose)
+    with percent_bar(wanted(as_json, quiet), "timetable") as building:
+        if is_whole:
+            write_timetable(instance, out, building=building)
+            what = "every connection"
+        else:
+            departures = _departures(instance, every_s, at_s)
+            write_matrix(
+                instance, out, departures, quantity=quantity, scale=scale, choose=choose,
+                building=building,
+            )  # fmt: skip
+            what = counted(departures.size, "ready time")
+    if not is_whole:
         written |= {"quantity": quantity, "choose": choose, "departures_s": departures.tolist()}
-        what = counted(departures.size, "ready time")
     if as_json:
         emit_json(written | {"bodies": list(instance.names)})
     say(f"wrote {out}: {what}, {counted(len(instance.names), 'body', 'bodies')}", unless=quiet)

@@ -62,12 +62,12 @@ def command(
     reached in time or no trajectory was found.
     """
     from ...fly.refine import refine
-    from .leg_bar import leg_bar
+    from .bars import counting_bar
     from .live import wanted
 
     check_out(out, instance_path, plan_path)
     (instance, plan), stopped = mission_of(instance_path, plan_path), threading.Event()
-    bar = leg_bar(wanted(as_json, quiet), "refining")
+    bar = counting_bar(wanted(as_json, quiet), "refining legs")
     with about(plan_path), signals_to(stopped.set), bar as show:
         refined = refine(
             instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,

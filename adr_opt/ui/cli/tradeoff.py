@@ -70,6 +70,8 @@ def command(
     from ...run import front
     from ..report.plain import check_page, write_page
     from ..report.traded import traded_page
+    from .bars import counting_bar
+    from .live import wanted
     from .work import work
 
     axes = [parse_axis(text) for text in varied]
@@ -87,8 +89,9 @@ def command(
         check_out(plot_path, instance_path, results=(out, page_path))
 
     def told(point: Point, board: KnownPoints) -> None:
+        proven = sum(each.proven for each in board.points.values())
+        show(proven, len(board.points))
         if not quiet:
-            proven = sum(each.proven for each in board.points.values())
             say(
                 f"{_called(point)}: {point.methods[-1]} {point.prize:g}, bound "
                 f"{board.points[point.limits].upper_bound:g}; {proven} of {len(board.points)} "
@@ -107,7 +110,8 @@ def command(
         heard = (lambda text: None) if quiet else say
         return made, frontier(made, time_limit=limit, seed=seed, stop=stop, told=heard)
 
-    made, endings = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
+    with counting_bar(wanted(as_json, quiet), "proven points") as show:
+        made, endings = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
     if frontier_path is not None:
         write_frontier(frontier_path, endings)
     if page_path is not None:

@@ -38,7 +38,7 @@ def command(
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
     By a program of its own, which shares with planners and proofs the connections alone. Without
-    PLAN the bound is verified alone. Exit status 1: refused.
+    PLAN the bound is verified alone. Ctrl-C leaves at once. Exit status 1: refused.
     """
     if not 1 <= len(paths) <= 2:
         raise InputError("verify takes an instance, a plan and a certificate; name all three")
@@ -47,6 +47,8 @@ def command(
     from ...plan.certificate import load_certificate
     from ...plan.plan import load_plan
     from ...problem.instance import load
+    from .live import wanted
+    from .work import attend
 
     instance = load(instance_path)
     plan = load_plan(paths[0]) if len(paths) == 2 else None
@@ -54,7 +56,10 @@ def command(
     certificate = load_certificate(path)
     tried = CONNECTIONS if connections is None else connections
     with about(path):
-        verdict = verify(instance, plan, certificate, seed=seed, connections=tried)
+        verdict = attend(
+            lambda: verify(instance, plan, certificate, seed=seed, connections=tried),
+            "verifying", live=wanted(as_json, quiet=False),
+        )  # fmt: skip
     if as_json:
         told = {name: getattr(verdict, name) for name in TOLD}
         emit_json({"instance": instance.name, **told})

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import signal
 import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeVar
 
 from .live import live_line, wanted
 from .output import emit_json, say
-from .signals import signals_to
+from .signals import Aborted, signals_to
 
 if TYPE_CHECKING:
     from ...common.stop import Stop
@@ -104,6 +105,47 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
         raise errors[0]
     if stop.is_set and not quiet:
         say("interrupted: this is the best result until then")
+    return results[0]
+
+
+def attend(task: Callable[[], Found], what: str, *, live: bool) -> Found:
+    """Do in a thread what writes nothing, so that Ctrl-C does not wait for kernels.
+
+    Parameters
+    ----------
+    task : callable
+    what : str
+        What is said of it.
+    live : bool
+        Show a bar on standard error.
+
+    Raises
+    ------
+    Aborted
+        On the first Ctrl-C. The thread is still running then.
+    """
+    from .bars import busy_bar
+
+    done = threading.Event()
+    results: list[Found] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(task())
+        except BaseException as error:
+            errors.append(error)
+        finally:
+            done.set()
+
+    with busy_bar(live, what):
+        threading.Thread(target=run, name="work", daemon=True).start()
+        try:
+            done.wait()
+        except KeyboardInterrupt:
+            raise Aborted(signal.SIGINT) from None
+    if errors:
+        raise errors[0]
     return results[0]
 
 

@@ -22,7 +22,8 @@ def policy(*scripts: str) -> str:
 
 
 ROOMS = (
-    "state", "look", "charts", "time", "motion", "moving", "ground", "closeup", "burns", "main",
+    "library", "state", "look", "charts", "time", "motion", "earth", "moving", "ground", "closeup",
+    "files", "burns", "pictures", "main",
 )  # fmt: skip
 """The rooms of the script, in the order in which they are put together."""
 
@@ -30,7 +31,7 @@ ROOMS = (
 def page_script() -> str:
     """The script of the page, one function, so that its rooms share their names and nobody else."""
     rooms = "\n".join(asset(f"script/{name}.js") for name in ROOMS)
-    return f'"use strict";\n(() => {{\n{rooms}}})();\n'
+    return f'"use strict";\n(async () => {{\n{rooms}}})();\n'
 
 
 def asset(name: str) -> str:

@@ -13,10 +13,8 @@ LONGEST_OPTION = 18
 SPEEDS = {
     60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s", 86400: "1 d/s", 864000: "10 d/s",
 }  # fmt: skip
-"""How fast time may be played: seconds of the mission a second."""
-
-USUAL_SPEED = 600
-"""A revolution in ten seconds."""
+"""How fast time may be played: seconds of the mission a second. The page begins with the slowest
+that plays all of it within twenty minutes."""
 
 
 def phases(shown: list[str]) -> str:
@@ -42,10 +40,7 @@ def leg_options(plan: Plan) -> str:
 
 def timebar() -> str:
     """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
-    speeds = "".join(
-        f'<option value="{speed}"{" selected" if speed == USUAL_SPEED else ""}>{said}</option>'
-        for speed, said in SPEEDS.items()
-    )
+    speeds = "".join(f'<option value="{speed}">{said}</option>' for speed, said in SPEEDS.items())
     return (
         '<div class="timebar" role="group" aria-label="Time">'
         '<button type="button" id="play" aria-label="play">▶</button>'

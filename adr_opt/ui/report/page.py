@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from dataclasses import dataclass
 from datetime import UTC
@@ -209,11 +210,13 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
             flights.complaints(instance, refined, known.refined_flight),
             refined,
             known.refined_flight,
+            plan.own_flight,
         ),
-        headline=sections.headline(found),
+        headline=sections.headline(found, refined),
         crew=sections.crew(instance, plan, refined),
         flight=space.flight(instance, plan),
-        step="burn" if instance.transfer.given is None else "arrival",
+        budget_note=sections.budget_note(instance),
+        ends="service or refuelling" if instance.stations else "service",
         gantt_note=sections.gantt_note(instance),
         leg_options=controls.leg_options(plan),
         timebar=controls.timebar(),
@@ -239,14 +242,14 @@ def _data(
     instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """What the script of the page draws from."""
-    drawn = known.drawn
+    drawn, is_given = known.drawn, instance.transfer.given is not None
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),
         "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
-    if instance.transfer.given is None:
+    if not is_given:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
         charts["orbits"] = figures.orbits(instance, plan, drawn)
     if instance.has_orbits:
@@ -259,7 +262,8 @@ def _data(
     return {
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
-        "motion": motion(instance, plan, drawn) if instance.transfer.given is None else None,
+        "motion": None if is_given else motion(instance, plan, drawn),
+        "coast": None if is_given else json.loads(asset("coast/coastline.json")),
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],

@@ -12,6 +12,7 @@ from ...fly.flight.result import Flight
 from ...judge.check.violation import Violation
 from ...plan.leg_kinds import GIVEN
 from ...plan.plan import Plan
+from ...plan.plan_flight import PlanFlight
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
@@ -21,6 +22,12 @@ from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
 
+LONG_DAYS = 100.0
+"""From here on a duration used has one decimal."""
+
+ROOM = 6
+"""Longer figures are smaller in the headline, so that a tile holds them."""
+
 
 def verdict(
     instance: Instance,
@@ -29,6 +36,7 @@ def verdict(
     complaints: tuple[str, ...] = (),
     refined: RefinedPlan | None = None,
     refined_flight: RefinedFlight | None = None,
+    own: PlanFlight | None = None,
 ) -> str:
     """What the check and a flight on the true orbits, or in the mean dynamics, found.
 
@@ -46,8 +54,11 @@ def verdict(
     refined : RefinedPlan, optional
     refined_flight : RefinedFlight, optional
         Its flight by another integrator.
+    own : PlanFlight, optional
+        How the plan was flown when it was made.
     """
     drifts = instance.nodes_drift
+    held = _held(own)
     if refined is not None:
         flown = None
     boxes = ""
@@ -69,8 +80,8 @@ def verdict(
             f"{'When flown' if drifts else 'On the true orbits'} this plan breaks "
             + counted(len(flown.broken_tanks), "tank"),
             f"{'In the model too it is not legal.' if violations else 'It is legal in the model.'} "
-            f"{why} Figures below are those of the model; <code>solve --refine</code> plans until "
-            "the plan holds.",
+            f"{why}{held} Figures below are those of the model; <code>solve --refine</code> plans "
+            "until the plan holds.",
             flown.broken_tanks,
         )
     if complaints:
@@ -82,23 +93,32 @@ def verdict(
     if boxes:
         return boxes
     if refined is not None:
-        return _refined(refined, refined_flight)
+        return _refined(instance, refined, refined_flight)
     if drifts:
-        return _drifting(instance, flown)
+        return _drifting(instance, flown, held)
     if isinstance(flown, str):
+        not_flown = "this page has not flown the plan there" if held else (
+            "the plan was not flown on the true ones"
+        )  # fmt: skip
         return (
-            '<p class="verdict">Checked against the instance: no violations in the model. Some '
-            "orbits are eccentric, and the plan was not flown on the true ones: "
-            f"{escape(flown)}.</p>"
+            f'<p class="verdict">Checked against the instance: no violations in the model.{held} '
+            f"Some orbits are eccentric, and {not_flown}: {escape(flown)}.</p>"
         )
-    held = "" if flown is None else " Flown on the true orbits: every tank holds."
+    arrives = "" if flown is None else " Flown on the true orbits: every tank holds."
     return (
         '<p class="verdict good"><span aria-hidden="true">✓</span> '
-        f"Checked against the instance: no violations.{held}</p>"
+        f"Checked against the instance: no violations.{arrives}{held}</p>"
     )
 
 
-def _refined(refined: RefinedPlan, flight: RefinedFlight | None) -> str:
+def _held(own: PlanFlight | None) -> str:
+    """That a plan held when it was refined as it was made, if it did."""
+    if own is None or own.how != "refined" or not own.holds:
+        return ""
+    return f" When it was planned, it was refined in the field {own.gravity}, and every tank held."
+
+
+def _refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
     """The same of a plan that is refined, with which nothing is wrong."""
     left_m = max((leg.residual_m for leg in refined.legs), default=0.0)
     met = f"the stand-offs are met to {length(left_m)}"
@@ -107,17 +127,20 @@ def _refined(refined: RefinedPlan, flight: RefinedFlight | None) -> str:
     return (
         '<p class="verdict good"><span aria-hidden="true">✓</span> Checked against the instance: '
         "no violations. Refined and flown in numerically integrated motion, in the field "
-        f"{escape(refined.gravity)}: every tank holds, and {met}.</p>"
+        f"{escape(refined.gravity)}: every tank holds, and {met}."
+        + (" Targets on eccentric orbits are met there." * instance.is_approximate)
+        + " Orbits, map, timeline and ΔV left show the plan as modelled; the tables of burns and "
+        "of refined legs have what is to be flown.</p>"
     )
 
 
-def _drifting(instance: Instance, flown: Flight | str | None) -> str:
+def _drifting(instance: Instance, flown: Flight | str | None, held: str) -> str:
     """The same of a plan under J2 with which nothing is wrong as far as is known."""
     checked = "Checked against the instance: no violations"
     if not isinstance(flown, Flight):
         return (
-            f'<p class="verdict">{checked} in the model. No independent program has flown it: '
-            f"{escape(flown)}.</p>"
+            f'<p class="verdict">{checked} in the model.{held} No independent program has flown '
+            f"it here: {escape(flown)}.</p>"
         )
     arrives = (
         "Flown in the mean dynamics of J2: every tank holds, and the stand-offs are met to "
@@ -128,7 +151,9 @@ def _drifting(instance: Instance, flown: Flight | str | None) -> str:
             " Some orbits are eccentric: the stand-offs are those of circles, and the tanks are "
             "judged by burns that are aimed at the true ones."
         )
-    return f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}</p>'
+    return (
+        f'<p class="verdict good"><span aria-hidden="true">✓</span> {checked}. {arrives}{held}</p>'
+    )
 
 
 def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
@@ -136,16 +161,29 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
     if not several(instance):
         load = tables.loads(instance, plan)
         return load and f"<section><h2>What the chaser carries</h2>{load}</section>"
+    title, said, traffic = "Chasers", "A lane for each chaser, coloured by phase.", ""
+    if instance.stations:
+        title = "Chasers and stations"
+        said = (
+            "A lane for each chaser, coloured by phase, and one for each station, coloured by the "
+            "chaser that is there."
+        )
+        traffic = "<h3>Station traffic</h3>" + tables.traffic(instance, plan)
     return (
-        "<section><h2>Chasers and stations</h2><p>A lane for each chaser, coloured by phase, and "
-        "one for each station, coloured by the chaser that is there. In other charts a chaser has "
-        'the colour that it has at stations.</p><div class="chart own" id="lanes"></div>'
+        f"<section><h2>{title}</h2><p>{said} In other charts a chaser has the colour of its dot in "
+        'the table.</p><div class="chart own" id="lanes"></div>'
         + tables.chasers(instance, plan, refined)
         + ("<h3>What they carry</h3>" + load if (load := tables.loads(instance, plan)) else "")
-        + "<h3>Station traffic</h3>"
-        + tables.traffic(instance, plan)
+        + traffic
         + "</section>"
     )
+
+
+def budget_note(instance: Instance) -> str:
+    """What the steps of the chart of budgets are."""
+    step = "burn" if instance.transfer.given is None else "arrival"
+    refills = ", back to the full budget at every refuelling (▲)" if instance.stations else ""
+    return f"A step down at every {step}{refills}."
 
 
 def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
@@ -184,37 +222,45 @@ def _box(title: str, said: str, found: Iterable[object]) -> str:
     )
 
 
-def headline(found: Facts) -> str:
-    """The figures that are asked for first."""
+def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
+    """The figures that are asked for first; with a refined plan what that takes, too."""
+    taken = f"of {number(found.budgets_m_s, 0)} m/s"
+    if refined is not None and not refined.missing:
+        taken += f"; refined {number(refined.flown_delta_v_m_s, 0)}"
     bound, gap = NOTHING, NOTHING
     if found.upper_bound is not None:
-        bound = number(found.upper_bound, 2)
+        bound = _figure(found.upper_bound)
     if found.gap is not None:
         gap = f"{100.0 * found.gap:.1f}\u202f%"
-    where = "the station" if found.stations == 1 else counted(found.stations, "station")
+    days = found.used_s / DAY_S
     cards = [
-        ("targets visited", str(found.visits), f"of {found.targets}"),
+        ("targets visited", number(found.visits), f"of {number(found.targets)}"),
         ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
         ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
-        ("ΔV used", f"{number(found.delta_v_m_s, 0)}", f"of {number(found.budgets_m_s, 0)} m/s"),
-        ("refuellings", str(found.refuellings), f"at {where}"),
-        (
-            "duration used",
-            f"{found.used_s / DAY_S:.2f}",
-            f"of {in_days(found.duration_s)}",
-        ),
-    ]
+        ("ΔV used", number(found.delta_v_m_s, 0), taken),
+        ("duration used", number(days, 2 if days < LONG_DAYS else 1),
+         f"of {in_days(found.duration_s)}"),
+    ]  # fmt: skip
+    if found.stations:
+        where = "the station" if found.stations == 1 else counted(found.stations, "station")
+        cards.insert(-1, ("refuellings", number(found.refuellings), f"at {where}"))
     if found.chasers > 1:
-        cards.insert(0, ("chasers that fly", str(found.flying), f"of {found.chasers}"))
+        cards.insert(0, ("chasers that fly", number(found.flying), f"of {found.chasers}"))
     if not found.counts_visits:
         cards.insert(
             1 + (found.chasers > 1),
-            ("prize collected", number(found.prize, 2), f"of {number(found.total_prize, 2)}"),
+            ("prize collected", _figure(found.prize), f"of {_figure(found.total_prize)}"),
         )
     return "".join(
-        f"<div><dt>{title}</dt><dd><b>{value}</b> <span>{note}</span></dd></div>"
+        f"<div><dt>{title}</dt><dd><b{' class=long' if len(value) > ROOM else ''}>{value}</b> "
+        f"<span>{note}</span></dd></div>"
         for title, value, note in cards
     )
+
+
+def _figure(value: float) -> str:
+    """A prize as a tile holds it: of large ones no fraction."""
+    return number(value, 2 if abs(value) < 1e4 else 0)
 
 
 def certificate(plan: Plan, found: Facts) -> str:

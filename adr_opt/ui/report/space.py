@@ -19,11 +19,12 @@ def flight(instance: Instance, plan: Plan) -> str:
     if instance.transfer.given is not None:
         return ""
     flies = "the chasers fly" if several(instance) else "the chaser flies"
+    bodies = f"{'station, ' if instance.stations else ''}visited and unvisited targets"
     return (
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
-        "<p>To scale, in the inertial frame of the elements: station, visited and unvisited "
-        f"targets, and the arcs that {flies}, at most one revolution of each. Drag to turn, pinch "
-        "or scroll to come nearer. Marks are where all are at the time of the slider.</p>\n"
+        f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
+        "at most one revolution of each. Drag to turn, pinch or scroll to come nearer. Marks and "
+        "the Earth are as they are at the time of the slider.</p>\n"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
@@ -48,11 +49,20 @@ def _ground(instance: Instance, plan: Plan) -> str:
     return (
         f"<section>\n<h2>Over the ground</h2>\n<p>Where {who} is above the turning Earth at the "
         "time of the slider, with the way of the revolution before it and, dotted, of the next. "
-        "Latitudes are those of a sphere. Longitudes take the elements to count from the equinox "
-        "of date, as those of TLEs do; from that of J2000 they would be some tenths of a degree "
-        'further east.</p>\n<div class="chart map" id="ground"></div>\n'
+        f"Latitudes are those of a sphere. {_longitudes(instance)} Coastlines are those of Natural "
+        'Earth.</p>\n<div class="chart map" id="ground"></div>\n'
         + table("Where chasers are at the time of the slider", headings, rows)
         + "\n</section>"
+    )
+
+
+def _longitudes(instance: Instance) -> str:
+    """From where longitudes count."""
+    if instance.frame is not None:
+        return f"Longitudes are those of elements in {instance.frame}."
+    return (
+        "Longitudes take the elements to count from the equinox of date, as those of TLEs do; from "
+        "that of J2000 they would be some tenths of a degree further east."
     )
 
 

@@ -147,7 +147,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
             ("", f'<i class="dot" style="background:{colours[name]}"></i><b>{escape(name)}</b>'),
             ("", escape(_where(flown.chaser, since[flown.chaser.name]))),
             ("n", str(len(flown.legs) - refuellings)),
-            ("n", str(refuellings)),
+            *([("n", str(refuellings))] if instance.stations else []),
             ("n", fixed(flown.delta_v_m_s, 1)),
             *([("n", fixed(burned.get(name, 0.0), 1))] if refined else []),
             ("n", number(tank, 1)),
@@ -157,7 +157,8 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         )
         rows.append(row(cells))
     headings = (
-        ("chaser", ""), ("starts", ""), ("targets", "n"), ("refuellings", "n"), ("ΔV m/s", "n"),
+        ("chaser", ""), ("starts", ""), ("targets", "n"),
+        *([("refuellings", "n")] if instance.stations else []), ("ΔV m/s", "n"),
         *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
         ("leaves", "n"), ("done", "n"),
     )  # fmt: skip

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
+from adr_opt.common.files import check_writable
 from adr_opt.fly.refine.leg import NoWay
 
 from ..reading import FloatArray
+from ..telling import Doing, nobody
 from .campaign import Removals, Stop, read_campaign
 from .campaigns import better_times
 from .ephemeris import Debris, read_ephemeris
@@ -30,13 +33,11 @@ STEP_D, ROUNDS = 0.1, 1
 LATER_D = 0.0, 0.02, 0.05, 0.1, 0.2, 0.4
 """By so much later a leg departs for which no impulses were found: a longer stay breaks no rule."""
 
-Tell = Callable[[str], None]
-
 
 def fly(
-    missions: Sequence[Removals], debris: Sequence[Debris], jobs: int = 2, tell: Tell | None = None
-) -> tuple[FlownMission, ...]:
-    """Fly missions at their times, each leg in its turn.
+    missions: Sequence[Removals], debris: Sequence[Debris], jobs: int = 2, doing: Doing = nobody
+) -> Iterator[FlownMission]:
+    """Fly missions at their times, each leg in its turn; a mission comes when its legs are flown.
 
     Parameters
     ----------
@@ -44,35 +45,28 @@ def fly(
     debris : sequence of Debris
     jobs : int
         Threads.
-    tell : callable, optional
-        Is told of every leg.
+    doing : callable
+        Hears of every leg.
 
     Raises
     ------
     NoWay
         For a leg no impulses were found, nor when it departs a little later.
     """
-    places = [(m, k) for m, mission in enumerate(missions) for k in range(len(mission.stops) - 1)]
-
-    def flown(place: tuple[int, int]) -> tuple[Flight, float]:
-        number, k = place
-        one, other = missions[number].stops[k : k + 2]
-        found = _leg(debris, one, other)
-        if tell is not None:
-            size = sum(float((impulse @ impulse) ** 0.5) for impulse in found[0].impulses_m_s)
-            tell(f"mission {number}, from {one.debris} to {other.debris}: {size:.1f} m/s")
-        return found
-
+    places = [(one, other) for mission in missions for one, other in pairwise(mission.stops)]
     with ThreadPoolExecutor(jobs) as threads:
-        results = dict(zip(places, threads.map(flown, places), strict=True))
-    whole = []
-    for number, mission in enumerate(missions):
-        legs = [results[number, k] for k in range(len(mission.stops) - 1)]
-        departures = [departure for _, departure in legs] + [mission.end_d]
-        stops = zip(mission.stops, departures, strict=True)
-        removals = Removals(tuple(stop._replace(departure_d=then) for stop, then in stops))
-        whole.append(FlownMission(removals, tuple(flight for flight, _ in legs)))
-    return tuple(whole)
+        results = threads.map(lambda place: _leg(debris, *place), places)
+        done = 0
+        for mission in missions:
+            legs = []
+            for one, other in pairwise(mission.stops):
+                doing(f"from {one.debris} to {other.debris}", done, len(places))
+                legs.append(next(results))
+                done += 1
+            departures = [departure for _, departure in legs] + [mission.end_d]
+            stops = zip(mission.stops, departures, strict=True)
+            removals = Removals(tuple(stop._replace(departure_d=then) for stop, then in stops))
+            yield FlownMission(removals, tuple(flight for flight, _ in legs))
 
 
 def _leg(debris: Sequence[Debris], one: Stop, other: Stop) -> tuple[Flight, float]:
@@ -104,9 +98,9 @@ def in_phase(
 
 def report_flights(
     debris_file: Path, campaign: Path, rows: FloatArray, number: int | None, write: Path | None,
-    jobs: int = 2, tell: Tell | None = None,
-) -> str:  # fmt: skip
-    """Fly a campaign, or one mission of it, and judge it; in Markdown.
+    jobs: int = 2, doing: Doing = nobody,
+) -> Iterator[str]:  # fmt: skip
+    """Fly a campaign, or one mission of it, and judge it; in Markdown, mission by mission.
 
     Parameters
     ----------
@@ -116,27 +110,38 @@ def report_flights(
     number : int, optional
         Of the mission, from 0; all without.
     write : Path, optional
-        Where a whole campaign is written with its impulses.
+        Where a whole campaign is written with its impulses, as far as it is flown.
     jobs : int
-    tell : callable, optional
+    doing : callable
+        Hears of every leg.
     """
     missions = read_campaign(campaign)
     if number is not None:
         if not 0 <= number < len(missions):
             raise InputError(f"--fly {number}: {campaign} has missions 0 to {len(missions) - 1}")
         missions = missions[number : number + 1]
+    if write is not None:
+        check_writable(write)
     debris, since = read_ephemeris(debris_file), time.process_time()
+
+    def flown() -> Iterator[FlownMission]:
+        known: list[FlownMission] = []
+        doing("phasing", 0, 1)
+        for mission in fly(in_phase(missions, rows, debris), debris, jobs, doing):
+            known.append(mission)
+            if write is not None and number is None:
+                write_flown(write, known)
+            yield mission
+
     try:
-        flown = fly(in_phase(missions, rows, debris), debris, jobs, tell)
+        if number is not None:
+            (mission,) = flown()
+            yield leg_table(mission, judged((mission,), debris), rows)
+        else:
+            yield from mission_table(flown(), debris, rows)
     except NoWay as error:
         raise InputError(f"{campaign}: {error}; give another campaign") from None
-    spent = f"\n\nFlown in {time.process_time() - since:.0f} s of processors."
-    found = judged(flown, debris)
-    if number is not None:
-        return leg_table(flown[0], found, rows) + spent
-    if write is not None:
-        write_flown(write, flown)
-    return mission_table(flown, found, rows) + spent
+    yield f"\nFlown in {time.process_time() - since:.0f} s of processors."
 
 
 def leg_table(mission: FlownMission, found: Judged, rows: FloatArray) -> str:
@@ -166,29 +171,40 @@ def leg_table(mission: FlownMission, found: Judged, rows: FloatArray) -> str:
     return "\n".join([*lines, *(said for said in found.violations if "removed 0" not in said)])
 
 
-def mission_table(missions: Sequence[FlownMission], found: Judged, rows: FloatArray) -> str:
-    """The missions of a campaign that was judged, in Markdown."""
-    lines = [
+def mission_table(
+    missions: Iterable[FlownMission], debris: Sequence[Debris], rows: FloatArray
+) -> Iterator[str]:
+    """Missions judged, in Markdown, each as it comes, and all of them together.
+
+    Parameters
+    ----------
+    missions : iterable of FlownMission
+    debris : sequence of Debris
+    rows : (debris, columns) float64
+        Elements for the estimate.
+    """
+    yield (
         "| mission | begins [MJD2000] | debris | estimate [M€] | flown [M€] | propellant [kg] "
-        "| off [m] | off [m/s] | lowest perigee [km] |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    estimates = [
-        expense_meur(launched_kg(legs_m_s(mission.removals, rows))) for mission in missions
-    ]
-    for number, (mission, legs) in enumerate(zip(missions, found.legs, strict=True)):
-        lines.append(
+        "| off [m] | off [m/s] | lowest perigee [km] |\n|---|---|---|---|---|---|---|---|---|"
+    )
+    known, estimates = [], []
+    for number, mission in enumerate(missions):
+        known.append(mission)
+        estimates.append(expense_meur(launched_kg(legs_m_s(mission.removals, rows))))
+        alone = judged((mission,), debris)
+        (legs,), found = alone.legs, alone.score
+        yield (
             f"| {number} | {mission.removals.begin_d:.1f} | {len(mission.removals.stops)} "
-            f"| {estimates[number]:.2f} | {found.score.missions_meur[number]:.2f} "
-            f"| {found.score.propellant_kg[number]:.0f} "
+            f"| {estimates[number]:.2f} | {found.missions_meur[0]:.2f} "
+            f"| {found.propellant_kg[0]:.0f} "
             f"| {max((leg.miss_m for leg in legs), default=0.0):.1e} "
             f"| {max((leg.miss_m_s for leg in legs), default=0.0):.1e} "
             f"| {min((leg.perigee_m for leg in legs), default=float('nan')) / 1e3:.0f} |"
         )
-    count = sum(len(legs) for legs in found.legs)
-    lines += [
-        "",
-        f"{count} legs. J is {sum(estimates):.2f} M€ by the estimate at these times and "
-        f"{found.score.total_meur:.2f} M€ flown; {len(found.violations)} rules broken.",
-    ]
-    return "\n".join([*lines, *found.violations])
+    whole = judged(known, debris)
+    count = sum(len(legs) for legs in whole.legs)
+    yield (
+        f"\n{count} legs. J is {sum(estimates):.2f} M€ by the estimate at these times and "
+        f"{whole.score.total_meur:.2f} M€ flown; {len(whole.violations)} rules broken."
+    )
+    yield from whole.violations

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adr_opt.common.errors import InputError
+from adr_opt.common.files import write_text
 
 from ..reading import FloatArray, floats_of, read_object, sequence_of
 from .campaign import Removals, Stop
@@ -66,7 +67,7 @@ def write_flown(path: Path, missions: Sequence[FlownMission]) -> None:
         legs = ",\n   ".join(json.dumps(leg) for leg in mission["legs"])
         lines.append(f'{{"stops": [\n   {stops}],\n  "legs": [\n   {legs}]}}')
     text = '{"missions": [\n ' + ",\n ".join(lines) + "]}\n"
-    path.write_text(text, encoding="utf-8")
+    write_text(path, text)
 
 
 def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:

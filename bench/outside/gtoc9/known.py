@@ -5,12 +5,16 @@ J of the estimate, J re-timed and J of a campaign that was flown are different t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ..tables import Row, table
+from adr_opt.common.files import check_writable
+
+from ..tables import Row, head, line
+from ..telling import Doing, nobody
 from . import campaign, debris
 from .ephemeris import read_ephemeris
 from .estimate import legs_m_s
@@ -45,17 +49,20 @@ FLOWN = Path(__file__).parent / "flown.json"
 """A campaign of ours with all its impulses."""
 
 
-def flights(folder: Path, plan: Path, number: int | None, write: Path | None) -> str:
+def flights(
+    folder: Path, plan: Path, number: int | None, write: Path | None, doing: Doing = nobody
+) -> Iterator[str]:
     """A campaign as flown, or one mission of it, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
-    return report_flights(folder / debris.FILE, plan, rows, number, write)
+    yield from report_flights(folder / debris.FILE, plan, rows, number, write, doing=doing)
 
 
-def judged_again(folder: Path, flown: Path) -> str:
+def judged_again(folder: Path, flown: Path, doing: Doing = nobody) -> Iterator[str]:
     """A campaign with its impulses flown once more and scored, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
     missions = read_flown(flown, len(rows))
-    return mission_table(missions, judged(missions, read_ephemeris(folder / debris.FILE)), rows)
+    doing("flying", 0, 1)
+    yield from mission_table(missions, read_ephemeris(folder / debris.FILE), rows)
 
 
 def report(
@@ -66,8 +73,9 @@ def report(
     chains: int = 2,
     write: Path | None = None,
     bound_limit_s: float | None = None,
-) -> str:
-    """The tables, in Markdown.
+    doing: Doing = nobody,
+) -> Iterator[str]:
+    """The tables, in Markdown, each line as soon as it is known.
 
     Parameters
     ----------
@@ -82,61 +90,66 @@ def report(
         Where our campaign is written, in the form of the winner's file.
     bound_limit_s : float, optional
         Processor time in which prices are raised [s]; nothing is proven without.
+    doing : callable
+        Hears of each part before it is done.
     """
     rows = debris.read_debris(folder / debris.FILE)
     missions = campaign.read_campaign(folder / campaign.FILE)
+    if write is not None:
+        check_writable(write)
+    count = len(missions) + 3
     flown = score(missions, [mission.flown_m_s for mission in missions], len(rows), ROUNDED_D)
     as_planned = score(
         missions, [legs_m_s(mission, rows) for mission in missions], len(rows), ROUNDED_D
     )
-    better = [retimed(mission, rows, step_d) for mission in missions]
-    best = score(better, [legs_m_s(mission, rows) for mission in better], len(rows), ROUNDED_D)
     legs = sum(len(mission.stops) - 1 for mission in missions)
-    ours, row = [], Row("GTOC9", PUBLISHED_MEUR, flown.total_meur)
+    yield f"{len(rows)} debris; the winner's {len(missions)} missions with {legs} legs.\n"
+    yield "| sequences | J [M€] | most propellant [kg] | rules broken |\n|---|---|---|---|"
+    yield _line("the winner's, ΔV as flown", flown)
+    yield _line("the winner's, ΔV of the estimate, at its times", as_planned)
+    better = []
+    for number, mission in enumerate(missions):
+        doing("re-timing the winner's", number, count)
+        better.append(retimed(mission, rows, step_d))
+    best = score(better, [legs_m_s(mission, rows) for mission in better], len(rows), ROUNDED_D)
+    yield _line(
+        f"the winner's, ΔV of the estimate, re-timed within each mission to {step_d:g} d", best
+    )
+    row = Row("GTOC9", PUBLISHED_MEUR, flown.total_meur)
     broken = [*flown.violations, *as_planned.violations, *best.violations]
+    doing("planning", count - 3, count)
     if time_limit_s is not None:
         found = planned(rows, seed, chains, step_d, time_limit_s)
         if write is not None:
             write_campaign(write, found.missions, rows)
         name = f"from nothing, {len(found.missions)} missions, re-timed to {step_d:g} d"
-        ours.append(_line(f"ours {name}, ΔV of the estimate", found.judged))
+        yield _line(f"ours {name}, ΔV of the estimate", found.judged)
         row = replace(row, ours=found.judged.total_meur, taken_s=found.processor_s)
         broken += found.judged.violations
     elif BEST.is_file():
         kept = campaign.read_campaign(BEST)
         known = score(kept, [legs_m_s(mission, rows) for mission in kept], len(rows))
         name = f"kept in `{BEST.name}`, {len(kept)} missions"
-        ours.append(_line(f"ours {name}, ΔV of the estimate", known))
+        yield _line(f"ours {name}, ΔV of the estimate", known)
         row = replace(row, ours=known.total_meur)
         broken += known.violations
+    doing("flying", count - 2, count)
     if FLOWN.is_file():
         whole = judged(read_flown(FLOWN, len(rows)), read_ephemeris(folder / debris.FILE))
-        ours.append(_line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score))
+        yield _line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score)
         broken += whole.violations
     if bound_limit_s is not None:
+        doing("proving", count - 1, count)
         below = proven(rows, bound_limit_s)
-        ours.append(f"| no campaign by the estimate is below | {below.value:.2f} | – | – |")
+        yield f"| no campaign by the estimate is below | {below.value:.2f} | – | – |"
         for number, value in enumerate(below.by_missions, start=1):
             more = " or more" if number == len(below.by_missions) else ""
-            ours.append(f"| none of {number} missions{more} | {value:.2f} | – | – |")
+            yield f"| none of {number} missions{more} | {value:.2f} | – | – |"
         spent = f"{below.processor_s:.0f} s of one processor, {below.rounds} rounds"
-        ours += ["", f"The bound took {spent} of prices."]
+        yield f"\nThe bound took {spent} of prices."
         taken = np.nansum([row.taken_s, below.processor_s]).item()
         row = replace(row, bound=below.value, taken_s=taken)
-    lines = [
-        f"{len(rows)} debris; the winner's {len(missions)} missions with {legs} legs.",
-        "",
-        "| sequences | J [M€] | most propellant [kg] | rules broken |",
-        "|---|---|---|---|",
-        _line("the winner's, ΔV as flown", flown),
-        _line("the winner's, ΔV of the estimate, at its times", as_planned),
-        _line(
-            f"the winner's, ΔV of the estimate, re-timed within each mission to {step_d:g} d", best
-        ),
-        *ours,
-        "",
-        "Time is that of all processors together.",
-        "",
-        table([row], "M€", ".2f"),
-    ]
-    return "\n".join([*lines, *dict.fromkeys(broken)])
+    yield "\nTime is that of all processors together.\n"
+    yield head("M€")
+    yield line(row, ".2f")
+    yield from dict.fromkeys(broken)

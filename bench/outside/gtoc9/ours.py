@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from adr_opt.common.files import write_text
 from solvers.tours.costs import TimeGrid, TourExpense
 from solvers.tours.planner import Annealing, Tour, plan
 
@@ -115,4 +116,4 @@ def write_campaign(path: Path, missions: tuple[Removals, ...], rows: FloatArray)
             for mission in missions
         ],
     }
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(content, indent=1) + "\n")

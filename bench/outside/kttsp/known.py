@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ..tables import Row, table
+from adr_opt.common.files import check_writable, write_text
+
+from ..tables import Row, head, line
+from ..telling import Doing, nobody
 from .ours import plan
 from .proof import bound
 from .reading import FILE, Problem, Tour, read_problem, read_tour
@@ -38,7 +42,7 @@ def write_tour(path: Path, problem: Problem, tour: Tour) -> None:
     """Write a tour as it is submitted."""
     figures = [*tour.departures_d.tolist(), *tour.flights_d.tolist(), *tour.order.tolist()]
     content = [{"challenge": "spoc-4-tomato", "problem": problem.name, "decisionVector": figures}]
-    path.write_text(json.dumps(content) + "\n", encoding="utf-8")
+    write_text(path, json.dumps(content) + "\n")
 
 
 def best_known(problem: Problem) -> Tour | None:
@@ -49,36 +53,15 @@ def best_known(problem: Problem) -> Tour | None:
     return None if score(problem, tour).violations else tour
 
 
-def _made(
-    problem: Problem, time_limit_s: float, cells: Path | None, write: Path | None
-) -> tuple[list[str], Row]:
-    """Plan from nothing and prove; what there is to say, and the row of the table."""
-    made = plan(problem)
-    judged = score(problem, made.tour)
-    if judged.violations:
-        raise RuntimeError(f"{problem.name}: {judged.violations[0]}")
-    if write is not None:
-        write_tour(write, problem, made.tour)
-    proven = bound(problem, judged.duration_d, time_limit_s=time_limit_s, path=cells)
-    lines = [
-        *_said("ours, from nothing", judged),
-        f"Planned in {made.time_s:.0f} s ({made.processor_s:.0f} s of processors). No tour is "
-        f"shorter than {proven.duration_d:.4f} d: {proven.rounds} rounds in {proven.time_s:.0f} s "
-        f"({proven.processor_s:.0f} s of processors).",
-        "",
-    ]
-    taken = made.time_s + proven.time_s
-    return lines, Row(problem.name, ours=judged.duration_d, bound=proven.duration_d, taken_s=taken)
-
-
 def report(
     folder: Path,
     solution: Path | None = None,
     time_limit_s: float | None = None,
     cells: Path | None = None,
     write: Path | None = None,
-) -> str:
-    """The tables, in Markdown.
+    doing: Doing = nobody,
+) -> Iterator[str]:
+    """The tables, in Markdown, each figure as soon as it is known.
 
     Parameters
     ----------
@@ -92,28 +75,51 @@ def report(
         Where the proof is kept, and gone on with.
     write : Path, optional
         Where the tour that is planned is written, as it is submitted.
+    doing : callable
+        Hears of planning and of proving.
     """
     problem = read_problem(folder / FILE)
+    tour = None if solution is None else read_tour(solution, problem.targets)
+    for path in (cells, write):
+        if path is not None:
+            check_writable(path)
     axes = problem.elements[:, 0]
-    lines = [
+    yield (
         f"{problem.targets} targets about the Moon, semi-major axes from {axes.min() / 1e3:.0f} to "
         f"{axes.max() / 1e3:.0f} km; legs up to {problem.most_m_s:g} m/s, {problem.exceptions} "
-        f"of them up to {problem.most_exception_m_s:g} m/s, within {problem.longest_d:g} d.",
-        "",
-    ]
-    row = Row(problem.name)
-    if solution is not None:
-        found = score(problem, read_tour(solution, problem.targets))
+        f"of them up to {problem.most_exception_m_s:g} m/s, within {problem.longest_d:g} d.\n"
+    )
+    row = Row(problem.name, published=PUBLISHED_D)
+    if solution is not None and tour is not None:
+        found = score(problem, tour)
         row = replace(row, rescored=found.duration_d)
-        lines += _said(solution.name, found)
+        yield from _said(solution.name, found)
     kept = best_known(problem)
     if kept is not None:
         found = score(problem, kept)
         row = replace(row, ours=found.duration_d)
-        lines += _said(BEST_KNOWN.name, found)
+        yield from _said(BEST_KNOWN.name, found)
     limit = PROVING_S if time_limit_s is None else time_limit_s
     if limit:
-        said, made = _made(problem, limit, cells, write)
-        lines += said
-        row = replace(made, rescored=row.rescored)
-    return "\n".join([*lines, table([replace(row, published=PUBLISHED_D)], "d", ".4f")])
+        doing("planning", 0, 2)
+        made = plan(problem)
+        judged = score(problem, made.tour)
+        if judged.violations:
+            raise RuntimeError(f"{problem.name}: {judged.violations[0]}")
+        if write is not None:
+            write_tour(write, problem, made.tour)
+        yield from _said("ours, from nothing", judged)
+        spent = f"{made.time_s:.0f} s ({made.processor_s:.0f} s of processors)"
+        yield f"Planned in {spent}."
+        doing("proving", 1, 2)
+        proven = bound(problem, judged.duration_d, time_limit_s=limit, path=cells)
+        yield (
+            f"No tour is shorter than {proven.duration_d:.4f} d: {proven.rounds} rounds in "
+            f"{proven.time_s:.0f} s ({proven.processor_s:.0f} s of processors).\n"
+        )
+        row = replace(
+            row, ours=judged.duration_d, bound=proven.duration_d,
+            taken_s=made.time_s + proven.time_s,
+        )  # fmt: skip
+    yield head("d")
+    yield line(row, ".4f")

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
-from ..tables import Row, table
+from ..tables import Row, head, line
+from ..telling import Doing, nobody
 from .ours import NAME, plan
 from .published import PLAN, TOTAL_M_S
 from .reading import FILE, read_debris, with_centroid
@@ -18,28 +20,38 @@ STEPS, FINER, CHASERS = 365, 10, 3
 TIME_LIMIT_S = 60.0
 
 
-def report(folder: Path, steps: int = STEPS, finer: int = FINER) -> str:
-    """The tables, in Markdown."""
+def report(
+    folder: Path, steps: int = STEPS, finer: int = FINER, doing: Doing = nobody
+) -> Iterator[str]:
+    """The tables, in Markdown, row by row.
+
+    Parameters
+    ----------
+    folder : Path
+    steps, finer : int
+    doing : callable
+        Hears of each grid before it is planned on.
+    """
     bodies = with_centroid(read_debris(folder / FILE))
     published = score(bodies, PLAN)
+    doing("all subsets", 0, 3)
     total, routes = cheapest(bodies, steps, CHASERS)
     checked = score(bodies, routes)
-    rows, wrong = [], [*published.violations, *checked.violations]
-    for grid in (steps, steps * finer):
+    wrong = [*published.violations, *checked.violations]
+    yield (
+        f"{len(bodies) - 1} debris, at most {CHASERS} chasers. The best plan with departures at "
+        f"{steps} equal parts of the year, by all subsets: {total:.1f} m/s, "
+        f"{checked.total_m_s:.1f} by the scorer, {len(routes)} chasers.\n"
+    )
+    yield head("m/s")
+    for number, grid in enumerate((steps, steps * finer), 1):
+        doing(f"{grid} departures", number, 3)
         ours = plan(bodies, grid, CHASERS, TIME_LIMIT_S)
         scored = score(bodies, ours.routes)
         wrong += scored.violations
-        rows.append(
-            Row(
-                f"{NAME}, {grid} departures", TOTAL_M_S, published.total_m_s, scored.total_m_s,
-                math.nan if ours.least_m_s is None else ours.least_m_s, ours.time_s,
-            )
+        row = Row(
+            f"{NAME}, {grid} departures", TOTAL_M_S, published.total_m_s, scored.total_m_s,
+            math.nan if ours.least_m_s is None else ours.least_m_s, ours.time_s,
         )  # fmt: skip
-    lines = [
-        f"{len(bodies) - 1} debris, at most {CHASERS} chasers. The best plan with departures at "
-        f"{steps} equal parts of the year, by all subsets: {total:.1f} m/s, "
-        f"{checked.total_m_s:.1f} by the scorer, {len(routes)} chasers.",
-        "",
-        table(rows, "m/s", ".1f"),
-    ]
-    return "\n".join([*lines, *wrong])
+        yield line(row, ".1f")
+    yield from wrong

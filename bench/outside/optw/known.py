@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ..tables import Row, table
+from ..tables import Row, head, line
+from ..telling import Doing, nobody
 from .ours import plan
 from .reading import Optimum, Places, instance_files, read_optima, read_places, travel_of
 from .scoring import score
@@ -16,25 +17,37 @@ TIME_LIMIT_S = 120.0
 """For each instance; all are proven long before on the machine of the tables in the pages."""
 
 
-def report(folder: Path, time_limit_s: float = TIME_LIMIT_S) -> str:
-    """The tables, in Markdown: static first, then time-dependent."""
+def report(
+    folder: Path, time_limit_s: float = TIME_LIMIT_S, doing: Doing = nobody
+) -> Iterator[str]:
+    """The tables, in Markdown, row by row: static first, then time-dependent.
+
+    Parameters
+    ----------
+    folder : Path
+    time_limit_s : float
+        For each instance.
+    doing : callable
+        Hears of each instance before it is planned.
+    """
+    files = instance_files(folder)
     published = read_optima(folder / "optima.csv")
-    lines = []
+    for path in files:  # what is missing or broken is said before the first of them is planned
+        for varying in (False, True):
+            travel_of(path, read_places(path), varying=varying)
     for varying in (False, True):
-        rows = [
-            _row(path, None if varying else published.get(path.stem), varying, time_limit_s)
-            for path in instance_files(folder)
-        ]
-        lines += [
+        yield (
             f"{'Time-dependent' if varying else 'Static'} travel times; re-scored are tours of the "
-            "optimum by all subsets, which are no plans of ours, and others are CPLEX 12.6:",
-            "",
-            table(rows, "score", "g"),
-            "",
-            _sums(rows),
-            "",
-        ]
-    return "\n".join(lines)
+            "optimum by all subsets, which are no plans of ours, and others are CPLEX 12.6:\n"
+        )
+        yield head("score", theirs=not varying)
+        rows = []
+        for number, path in enumerate(files, len(files) * varying):
+            doing(path.stem, number, 2 * len(files))
+            known = None if varying else published.get(path.stem)
+            rows.append(_row(path, known, varying, time_limit_s))
+            yield line(rows[-1], "g", theirs=not varying)
+        yield f"\n{_sums(rows)}\n"
 
 
 def _row(path: Path, known: Optimum | None, varying: bool, time_limit_s: float) -> Row:
@@ -61,14 +74,14 @@ def _sums(rows: Sequence[Row]) -> str:
     """How many are proven, and in which time altogether."""
     proven = sum(row.ours == row.bound for row in rows)
     ours = sum(row.taken_s for row in rows)
-    line = f"{proven} of {len(rows)} proven, in {ours:.1f} s"
+    said = f"{proven} of {len(rows)} proven, in {ours:.1f} s"
     closed = [row for row in rows if "(" not in row.instance and not math.isnan(row.published_s)]
     if not closed:
-        return f"{line}."
+        return f"{said}."
     same = sum(row.published == row.ours == row.bound for row in closed)
     taken, theirs = sum(row.taken_s for row in closed), sum(row.published_s for row in closed)
     return (
-        f"{line}. Of the {len(closed)} that CPLEX proved, {same} have the same score and are "
+        f"{said}. Of the {len(closed)} that CPLEX proved, {same} have the same score and are "
         f"proven, in {taken:.1f} s where CPLEX took {theirs:,.1f} s, {theirs / taken:,.0f} times "
         "as long."
     )

@@ -15,9 +15,9 @@ from ....plan.routes import owners
 from ....problem.instance import Instance
 from ...plot.chart import KM_M, Chart, ChartAxis, Line, Marks
 from ...plot.space import in_km, on_earth, path_lines, rings_of
-from ...plot.tracks import POINTS_OF_A_RING, Track, joined
+from ...plot.tracks import POINTS_OF_A_RING, Track
 from ..text import clock, in_chart
-from .parts import SILENT, Figure, column, leg_title, named, of_arcs, said, trace
+from .parts import Figure, column, leg_title, named, of_arcs, said, trace
 
 MOST_RINGS = 200
 """More orbits than this are one another's shade; the first of those that are not visited go."""
@@ -38,7 +38,6 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
     lines = path_lines(instance, plan, tracks, 3.0, by_chaser=True)
     traces: list[dict[str, Any]] = [
         _earth(),
-        _graticule(),
         _rings(rings_of(instance, "orbits not visited", missed, UNVISITED, 1.0), 0.45),
         _rings(rings_of(instance, "orbits visited", seen, VISITED, 1.0), 0.55),
         _rings(rings_of(instance, "station's orbit", homes, STATION, 4.0), 1.0),
@@ -114,22 +113,9 @@ def _earth() -> dict[str, Any]:
         **{corner: corners[:, at].tolist() for at, corner in enumerate("ijk")},
         "color": "#8ba6bd",
         "hoverinfo": "skip",
-        "meta": {"role": "earth"},
         "showlegend": False,
         "lighting": {"ambient": 0.72, "diffuse": 0.45, "specular": 0.05, "roughness": 0.9},
     }
-
-
-def _graticule() -> dict[str, Any]:
-    """Meridians and parallels every 30°, a little above the ground."""
-    around = np.linspace(0.0, 2.0 * np.pi, 61)
-    lines = [
-        *(on_earth(np.full(61, at), around) for at in np.radians(np.arange(-60.0, 61.0, 30.0))),
-        *(on_earth(around, np.full(61, at)) for at in np.radians(np.arange(0.0, 180.0, 30.0))),
-    ]
-    x, y, z = 1.01 * joined([line.T for line in lines]).T
-    line = Line(name="graticule", colour="#b4c7d6", width=1.5, x=x, y=y, z=z, in_legend=False)
-    return trace(line, SPACE) | SILENT | {"meta": {"role": "earth"}}
 
 
 def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:

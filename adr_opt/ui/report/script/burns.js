@@ -15,11 +15,5 @@ function burnsFile() {
 }
 
 function listenToBurns() {
-  box("csv")?.addEventListener("click", () => {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([burnsFile()], { type: "text/csv" }));
-    link.download = `${document.querySelector("h1").textContent.replace(/[^\w.-]+/g, "-")}-burns.csv`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-  });
+  box("csv")?.addEventListener("click", () => offer(burnsFile(), "text/csv", "burns.csv"));
 }

@@ -9,7 +9,7 @@ function only(trace, leg) {
 
 function traces(name) {
   const shown = tracesOf(name);
-  return name === "orbits" && motion ? [...shown, ...moving()] : shown;
+  return name === "orbits" && motion ? [...shown, ...earthLines(), ...moving()] : shown;
 }
 
 function tracesOf(name) {
@@ -48,7 +48,7 @@ function drawsWith() {
   return means;
 }
 
-// Without WebGL, the scene is seen from its camera as a flat drawing.
+// Without WebGL, the scene is seen from its camera as a flat drawing, without the Earth's far side.
 function flat(data) {
   const { eye } = figures.orbits.layout.scene.camera;
   const length = Math.hypot(eye.x, eye.y, eye.z);
@@ -60,9 +60,11 @@ function flat(data) {
     n[2] * right[0] - n[0] * right[2],
     n[0] * right[1] - n[1] * right[0],
   ];
+  const seen = (trace, x, at) =>
+    x !== null && !(trace.meta?.earth && x * n[0] + trace.y[at] * n[1] + trace.z[at] * n[2] < 0);
   const along = (trace, way) =>
     trace.x.map((x, at) =>
-      x === null ? null : x * way[0] + trace.y[at] * way[1] + trace.z[at] * way[2]);
+      seen(trace, x, at) ? x * way[0] + trace.y[at] * way[1] + trace.z[at] * way[2] : null);
   return data
     .filter((trace) => trace.type === "scatter3d")
     .map((trace) => ({

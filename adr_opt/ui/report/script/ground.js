@@ -33,7 +33,10 @@ function way(chaser, from, until) {
 }
 
 function groundTraces() {
-  const made = [];
+  const made = [{
+    type: "scatter", mode: "lines", name: "coastlines", x: coast.longitude, y: coast.latitude,
+    hoverinfo: "skip", line: { color: colour("line-strong"), width: 1 },
+  }];
   const chasers = present();
   for (const which of chasers) {
     const { chaser, arc } = which;

@@ -73,7 +73,7 @@ const pause = () => new Promise((done) => setTimeout(done));
 const mark = (what) => {
   document.documentElement.dataset[what] = String(Math.round(performance.now()));
 };
-(async () => {
+async function begin() {
   for (const name of quick) {
     await draw(name);
     await pause();
@@ -84,6 +84,7 @@ const mark = (what) => {
   listenToTime();
   listenToCloseup();
   listenToBurns();
+  listenToPictures();
   sides();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {
@@ -100,4 +101,5 @@ const mark = (what) => {
     draw("orbits").then(() => mark("complete"));
   }, { rootMargin: "300px" });
   near.observe(box("orbits"));
-})();
+}
+await begin();

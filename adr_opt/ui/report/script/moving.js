@@ -55,14 +55,14 @@ function moving() {
 function moveInOrbits() {
   const chart = box("orbits");
   const count = chart.data.length;
-  let moved = moving();
+  let moved = [...earthLines(), ...moving()];
   if (drawsWith() === "") moved = flat(moved);
   const update = { x: moved.map(({ x }) => x), y: moved.map(({ y }) => y) };
   if (drawsWith() !== "") update.z = moved.map(({ z }) => z);
   update.text = moved.map(({ text }) => text);
-  update["marker.color"] = moved.map(({ marker }) => marker.color);
-  update["marker.size"] = moved.map(({ marker }) => marker.size);
-  return Plotly.restyle(chart, update, [count - 2, count - 1]);
+  update["marker.color"] = moved.map(({ marker }) => marker?.color);
+  update["marker.size"] = moved.map(({ marker }) => marker?.size);
+  return Plotly.restyle(chart, update, moved.map((_, at) => count - moved.length + at));
 }
 
 // Lengths in metres below ten kilometres.

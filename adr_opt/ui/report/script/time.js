@@ -102,9 +102,16 @@ function setTime(seconds) {
   return show();
 }
 
-// A thousandth of what the slider runs over, rounded up to what people count in.
+// A thousandth of what the slider runs over, rounded up to what people count in. Until the reader
+// chooses a speed it is the slowest one that plays that in time.
+const LONGEST_PLAY_S = 1200;
+let paced = false;
+
 function fitSlider() {
   const [start, end] = reach();
+  const speeds = [...box("speed").options].map(({ value }) => value);
+  const enough = speeds.find((speed) => end - start <= LONGEST_PLAY_S * Number(speed));
+  if (!paced) box("speed").value = enough ?? speeds.at(-1);
   const steps = [1, 10, 60, 300, 600, 1800, 3600, 7200, 21600, 43200, 86400];
   const slider = box("time");
   slider.min = String(start);
@@ -153,6 +160,7 @@ function listenToTime() {
     event.preventDefault();
     box("play").click();
   });
+  box("speed").addEventListener("change", () => { paced = true; });
   box("play").addEventListener("click", () => (playing === null ? play() : pausePlay()));
   document.addEventListener("visibilitychange", () => {
     if (document.hidden && playing !== null) pausePlay();

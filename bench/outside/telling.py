@@ -1,0 +1,98 @@
+"""What a benchmark comes to, line by line as it is known: printed, kept, and a bar meanwhile."""
+
+from __future__ import annotations
+
+import queue
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TextIO
+
+Doing = Callable[[str, int, int], None]
+"""Hears what is done now, the parts that are done, and how many there are."""
+
+Lines = Callable[[Doing], Iterable[str]]
+"""What gives the lines; anything wrong with the call is raised before the first of them."""
+
+
+def nobody(what: str, done: int, total: int) -> None:
+    """A :data:`Doing` that does not listen."""
+
+
+def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
+    """Print lines when they come, and write them to a file; the heading before the first.
+
+    They come from a thread of their own, so that Ctrl-C does not wait for what it does.
+
+    Parameters
+    ----------
+    lines : callable
+    heading : str
+    out : Path, optional
+        Every line is there as soon as it is printed.
+    """
+    said: queue.SimpleQueue[Any] = queue.SimpleQueue()
+
+    def run(doing: Doing) -> None:
+        try:
+            for line in lines(doing):
+                said.put(line)
+            said.put(None)
+        except BaseException as error:
+            said.put(error)
+
+    kept: TextIO | None = None
+    try:
+        with _bar() as (doing, hidden):
+            threading.Thread(target=run, args=(doing,), name="benchmark", daemon=True).start()
+            while (line := said.get()) is not None:
+                if isinstance(line, BaseException):
+                    raise line
+                if kept is None and out is not None:
+                    kept = out.open("w", encoding="utf-8")
+                with hidden():
+                    # What is printed is kept: the file comes first.
+                    for stream in (*([kept] if kept else []), sys.stdout):
+                        text = (heading, line) if heading else (line,)
+                        print(*text, sep="\n", file=stream, flush=True)
+                heading = ""
+    finally:
+        if kept is not None:
+            kept.close()
+
+
+@contextmanager
+def _bar() -> Iterator[tuple[Doing, Callable[[], Any]]]:
+    """A bar on standard error if that is a terminal, and what hides it for a while."""
+
+    @contextmanager
+    def shown() -> Iterator[None]:
+        yield
+
+    if not sys.stderr.isatty():
+        yield nobody, shown
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+    )  # fmt: skip
+    bar = Progress(
+        *columns, console=Console(stderr=True), transient=True, redirect_stdout=False
+    )  # fmt: skip
+    task = bar.add_task("reading", total=None)
+
+    def doing(what: str, done: int, total: int) -> None:
+        bar.update(task, description=what, completed=done, total=total)
+
+    @contextmanager
+    def hidden() -> Iterator[None]:
+        bar.stop()
+        yield
+        bar.start()
+
+    with bar:
+        yield doing, hidden
