@@ -1,10 +1,10 @@
-"""When transfers of a pair may leave, how long they may take, and what they may cost."""
+"""Limits on the departures, durations and costs of a pair's transfers."""
 
 from typing import NamedTuple
 
 
 class Times(NamedTuple):
-    """When transfers may leave, and how long they may take.
+    """Departure times of transfers and limits on their duration.
 
     Attributes
     ----------
