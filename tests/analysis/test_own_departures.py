@@ -184,7 +184,7 @@ def test_rules_of_the_whole_plan_are_said_too() -> None:
     instance = adr_opt.generate("tiny", 0)
     *others, last = instance.targets
     lacking = instance.replace(targets=(*others, last.replace(required=True)))
-    assert f"the best one lacks '{last.name}'" in refused(lacking, ["debris-003"])
+    assert f"the best attempt misses '{last.name}'" in refused(lacking, ["debris-003"])
     pair = adr_opt.generate("tiny", 0, chasers=2)
     twice = [["debris-003"], ["debris-003"]]
     assert "'debris-003' is visited twice" in refused(pair, twice)

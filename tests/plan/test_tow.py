@@ -350,10 +350,10 @@ def test_what_makes_no_sense_is_refused(change, words):
 
 
 def test_given_connections_know_no_tows():
-    """Where connections are given nobody knows where a tow leads, and it is refused."""
+    """A tow is refused with given connections, which do not say where it leads."""
     instance = field()
     costs = np.ones((1, len(instance.names), len(instance.names)))
-    with pytest.raises(InputError, match="connections are given"):
+    with pytest.raises(InputError, match="given connections hold no costs"):
         adr_opt.Timetable.from_matrices(instance, [0.0], costs, costs)
 
 

@@ -211,7 +211,7 @@ def two_services(content: Content) -> None:
         (two_services, "service_s"),
         (lambda c: c["stations"].append(c["stations"][0]), "'station'"),
         (lambda c: c.update(stations=[]), "'station'"),
-        (lambda c: c.update(objective={"cost": "expense"}), "no chaser says what it takes"),
+        (lambda c: c.update(objective={"cost": "expense"}), "no chaser has one"),
     ],
 )
 def test_what_makes_no_sense_is_refused(cli: Cli, change: Change, named: str) -> None:

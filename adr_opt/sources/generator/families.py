@@ -1,4 +1,4 @@
-"""The families: everything about an instance but the seed."""
+"""Families of instances: everything but the seed."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ FAMILIES = {
 
 
 def family(name: str) -> Family:
-    """The family of a name.
+    """The family with a name.
 
     Raises
     ------
