@@ -26,7 +26,7 @@ ROUNDING = 1e-6
 """Distance below a multiple of the step at which a bound counts as that multiple [steps]."""
 
 WHOLE = 1e-12
-"""Tolerance for prizes as multiples of a step found by division [steps]."""
+"""Relative tolerance for prizes as multiples of a step found by division."""
 
 NOISY = 1e-6
 """Smallest such step, as a share of the sum of all prizes."""

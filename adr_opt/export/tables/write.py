@@ -1,4 +1,4 @@
-"""Write matrices, or the whole timetable, in the format that the suffix of the file asks for."""
+"""Writing of matrices, or of the whole timetable, in the format given by the file's suffix."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def write_matrix(
     scale: float | None = None,
     choose: Choice | None = None,
 ) -> Matrices:
-    """Sample the timetable at ready times and write it, whole or not at all.
+    """Sample the timetable at ready times and write it, completely or not at all.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def write_matrix(
 
 
 def write_timetable(instance_or_mission: Instance | Mission, path: str | os.PathLike[str]) -> None:
-    """Write every connection of every pair, whole or not at all.
+    """Write every connection of every pair, completely or not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a chaser has aboard besides its tank, and what the services of targets make of both.
+"""Cargo of a chaser, and the effect of services on cargo and tank.
 
 What is left is counted as ΔV: what the propellant gives to the mass there is. A leg takes its ΔV
 off that, whatever is aboard. A kit that stays behind leaves the propellant p and takes its mass off
@@ -28,7 +28,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Cargo(NamedTuple):
-    """What is aboard, where it makes a difference; else it is nothing, and no service changes it.
+    """Cargo where it makes a difference; otherwise empty, and unchanged by services.
 
     Attributes
     ----------
@@ -58,13 +58,13 @@ class Cargo(NamedTuple):
 
 @inlined
 def changes(cargo, body, kits):
-    """Whether the service of a body changes what is left."""
+    """Whether the service of a body changes the remaining ΔV."""
     return cargo.share[body, kits] != 1.0 or cargo.lost[body, kits] > 0.0
 
 
 @inlined
 def after_service(cargo, body, kits, left):
-    """What is left after a service that is begun with so many kits; less than 0 if too little.
+    """ΔV left after a service begun with a number of kits; negative if infeasible.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ def after_service(cargo, body, kits, left):
 
 @inlined
 def is_unused(cargo, kits):
-    """Whether there are kits aboard that should not have been taken along."""
+    """Whether kits are aboard that should not have been taken along."""
     return cargo.heavy and kits > 0
 
 
 def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Cargo:
-    """What a chaser may have aboard.
+    """Cargo that a chaser may carry.
 
     Parameters
     ----------
