@@ -99,10 +99,10 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
     plan = result.plan
     if plan is None:
         said = result.notes[-1] if result.notes else "the mission has to end at a station"
-        raise InputError(f"the departures are no plan: {said}")
+        raise InputError(f"the departures do not form a plan: {said}")
     violations = check(problem.instance, plan)
     if violations:
-        raise InputError(f"the departures are no plan: {violations[0]}")
+        raise InputError(f"the departures do not form a plan: {violations[0]}")
     return plan
 
 
@@ -119,7 +119,7 @@ def _routes(problem: Problem, legs: Any) -> list[list[Any]]:
         unknown = [name for name in legs if name not in names]
         if unknown:
             raise InputError(
-                f"legs: {unknown[0]!r} is no chaser of {problem.instance.name!r}, which has "
+                f"legs: {unknown[0]!r} is not a chaser of {problem.instance.name!r}, which has "
                 f"{', '.join(map(repr, names))}"
             )
         return [list(legs.get(name, ())) for name in names]

@@ -213,7 +213,7 @@ def _check(instance: Instance, orders: Mapping[str, tuple[str, ...]]) -> None:
     whose: dict[str, str] = {}
     for chaser, order in orders.items():
         if chaser not in chasers:
-            raise InputError(f"{chaser!r} is no chaser of {instance.name!r}")
+            raise InputError(f"{chaser!r} is not a chaser of {instance.name!r}")
         for name in order:
             if name not in bodies:
                 raise InputError(f"{name!r} is not a body of {instance.name!r}")

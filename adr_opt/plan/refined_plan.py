@@ -1,4 +1,4 @@
-"""The refined plan file ``adr-opt-refined/1``: a plan that holds in full dynamics."""
+"""The refined plan file ``adr-opt-refined/1``: a plan that holds in true dynamics."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class RefinedState(Record):
 
 
 class RefinedTow(Record):
-    """Tow of an object in full dynamics: from its own orbit, by two burns.
+    """Tow of an object in true dynamics: from its own orbit, by two burns.
 
     They are made at the plan's times and as large, against the motion that there is. ``released``
     is where chaser and object are after the second one.
@@ -111,7 +111,7 @@ class RefinedTow(Record):
 
 
 class RefinedLeg(Record):
-    """One leg in full dynamics.
+    """One leg in true dynamics.
 
     It begins docked with the origin, before the first burn; at ``standoff_s`` it is where the plan
     wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
@@ -211,7 +211,7 @@ class Missing(Record):
 
 
 class RefinedPlan(Shown, Record):
-    """A plan in full dynamics: burns that meet every stand-off, with states at every event.
+    """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
     begins docked with its origin.

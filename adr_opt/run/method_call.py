@@ -238,7 +238,7 @@ def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> T
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"method {name!r} is declared, but cannot be imported ({error}); "
-            "install the package that declares it anew"
+            "reinstall the package that declares it"
         ) from error
 
 

@@ -166,7 +166,7 @@ def test_what_is_wrong_is_one_sentence() -> None:
     assert "which was visited before" in refused(instance, [first, second, first])
     assert "no target was visited since" in refused(instance, [("station", 0.0)])
     assert "'debris-999' is not a body of" in refused(instance, [("debris-999", 0.0)])
-    assert "'nobody' is no chaser of 'tiny-000'" in refused(instance, {"nobody": [first]})
+    assert "'nobody' is not a chaser of 'tiny-000'" in refused(instance, {"nobody": [first]})
 
 
 @pytest.mark.parametrize(

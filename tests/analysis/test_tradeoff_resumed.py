@@ -97,7 +97,7 @@ def test_what_routes_collect_is_worked_out_anew(
         ({"duration_s": "-1"}, "row 3: duration_s = -1.0 is no result"),
         ({"cpu_s": "1e999"}, "row 3: cpu_s = inf is no result"),
         ({"visits": "many"}, "row 3: not a row of results"),
-        ({"method": "magic"}, "row 3: 'magic' is no method of this trade-off"),
+        ({"method": "magic"}, "row 3: 'magic' is not a method of this trade-off"),
     ],
 )
 def test_rows_that_cannot_be_true_are_refused(

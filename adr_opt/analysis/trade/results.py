@@ -163,7 +163,7 @@ class ResultsFile:
             ("cpu_s", point.cpu_s, 0.0 <= point.cpu_s < math.inf),
         ):
             if not holds:
-                raise InputError(f"{where}: {name} = {value!r} is no result; name another file")
+                raise InputError(f"{where}: {name} = {value!r} is not a result; name another file")
         return point
 
 

@@ -60,7 +60,7 @@ def take_in(
             continue
         strange = [method for method in point.methods if method not in methods]
         if strange:
-            raise InputError(f"{where}: {strange[0]!r} is no method of this trade-off; {OTHER}")
+            raise InputError(f"{where}: {strange[0]!r} is not a method of this trade-off; {OTHER}")
         try:
             board.add(flown(point, problem(point.limits)))
         except Impossible:

@@ -47,7 +47,7 @@ def origin(instance: Instance, plan: Plan, axes: Axes) -> list[str]:
             + (
                 " by what adr-opt fly reports."
                 if instance.dynamics == "two-body"
-                else ", by how much has not been worked out."
+                else ", by an amount that has not been computed."
             )
         )
     return said
@@ -68,7 +68,7 @@ def _motion(instance: Instance) -> str:
     return (
         f"Mean motion under J2 = {J2:.8e} ({gravity}, R = {EARTH_RADIUS_M / 1e3:.3f} km): nodes "
         "and latitudes advance at their secular rates; short-period variations, some kilometres, "
-        "are left out, so that these are no osculating states"
+        "are left out, so these are not osculating states"
     )
 
 

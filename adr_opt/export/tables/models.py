@@ -41,6 +41,6 @@ def writer(suffix: str) -> WriteModel:
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"format {suffix!r} is declared, but cannot be imported ({error}); "
-            "install the package that declares it anew"
+            "reinstall the package that declares it"
         ) from error
     return found

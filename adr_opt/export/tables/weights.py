@@ -169,7 +169,7 @@ def check_no_kits(instance: Instance, path: Path) -> None:
     """Raise :class:`InputError` if kits or tows matter, which the formats cannot express."""
     if loads_of(instance, instance.chaser, 0.0) is not None:
         raise InputError(
-            f"{path}: a {path.suffix.lower()} file knows no {what_counts(instance)}, and those of "
+            f"{path}: a {path.suffix.lower()} file has no {what_counts(instance)}, and those of "
             f"{instance.name!r} count; write transfers alone, as .npz, .nc or .parquet"
         )
 

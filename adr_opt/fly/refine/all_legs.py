@@ -1,4 +1,4 @@
-"""Refinement of a plan: all legs guided to their stand-offs in full dynamics, in parallel."""
+"""Refinement of a plan: all legs guided to their stand-offs in true dynamics, in parallel."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def refine(
     enough: Callable[[], bool] = lambda: False,
     report: Report = lambda done, total: None,
 ) -> RefinedPlan:
-    """Turn a plan into a trajectory in full dynamics, leg by leg.
+    """Turn a plan into a trajectory in true dynamics, leg by leg.
 
     Each leg begins docked with its origin on the origin's true orbit at its first burn, keeps the
     plan's times of stand-off and arrival, and ends docked with its destination on the

@@ -1,4 +1,4 @@
-"""Bodies in full dynamics: from mean elements to osculating states, propagated numerically.
+"""Bodies in true dynamics: from mean elements to osculating states, propagated numerically.
 
 An instance keeps mean elements. They are a fit to the truth, and the secular rates of docs/model.md
 section 1 are of first order: an orbit that begins at osculating elements of first order leaves
@@ -49,7 +49,7 @@ def moved(state: Array, duration_s: float, gravity: Gravity) -> Array:
 
 
 class TrueBodies:
-    """States of an instance's bodies in full dynamics.
+    """States of an instance's bodies in true dynamics.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One leg in full dynamics: impulses of least ΔV between two states.
+"""One leg in true dynamics: impulses of least ΔV between two states.
 
 Successive convex steps. Misses are measured in equinoctial elements in the frame of the goal, and
 the longitude counts whole revolutions: so they are nearly linear in the impulses, even where weeks

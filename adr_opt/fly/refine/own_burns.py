@@ -1,4 +1,4 @@
-"""The plan's own burns in full dynamics: at their times, and close to their planned values.
+"""The plan's own burns in true dynamics: at their times, and close to their planned values.
 
 A leg of four burns leaves six numbers free. Of all burns at the plan's times that meet the goal
 those are flown for which

@@ -1,4 +1,4 @@
-"""Tows in full dynamics: two burns against the motion, with the plan's size and times.
+"""Tows in true dynamics: two burns against the motion, with the plan's size and times.
 
 The plan's burns are those between circles, of which the first is half a revolution before the
 second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object on
@@ -22,7 +22,7 @@ from .states import recorded
 def towed(
     bodies: TrueBodies, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
 ) -> RefinedTow:
-    """Tow an object in full dynamics.
+    """Tow an object in true dynamics.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class Axes:
         """A sentence describing the axes."""
         if self.own is None:
             return (
-                "The reference frame is named by whoever exports: the instance says only that its "
+                "The reference frame was named on export: the instance says only that its "
                 "elements are inertial, and nothing was transformed."
             )
         if self.matrix is None:

@@ -1,4 +1,4 @@
-"""``--certificate``: write what a proof rests on, beside a plan or a bound."""
+"""``--certificate``: write the evidence for a plan or a bound."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def check_certificate(
     refine: bool = False,
     group: str | None = None,
 ) -> None:
-    """Raise :class:`InputError` before any work if there could be no certificate.
+    """Raise :class:`InputError` in advance if no certificate is possible.
 
     Parameters
     ----------

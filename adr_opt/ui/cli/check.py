@@ -1,4 +1,4 @@
-"""``check``: judge a plan, independently of every planner."""
+"""``check``: judge a plan, independently of all planners."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
 
 VIOLATED, UNASKED = "it has violations", "nobody asked for it"
-"""Why there is no flight."""
+"""Reasons for not flying."""
 
 
 @click.command("check")
@@ -27,9 +27,9 @@ VIOLATED, UNASKED = "it has violations", "nobody asked for it"
 def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> int:
     """List all violations of PLAN on INSTANCE.
 
-    A plan without any is flown in mean motion on the true orbits, unless it says that it was
-    refined when it was made; what that came to is said and changes no verdict. Exit status 1: there
-    are violations.
+    A plan without violations is flown in mean motion on the true orbits, unless it states that it
+    was refined when made; the outcome is printed and does not change the verdict. Exit status 1:
+    there are violations.
     """
     from ...judge.check.verdict import check
 

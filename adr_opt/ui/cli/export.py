@@ -1,4 +1,4 @@
-"""``export``: write the flight of a plan in a format of other programs."""
+"""``export``: write the flight of a plan in another program's format."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ def command(
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    Of a refined plan, an OEM, OPM or script file of its osculating states is written. Where there
-    are several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
+    A refined plan is written as an OEM, OPM or script file of its osculating states. With several
+    chasers, a file holds the flight of one; only a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
@@ -115,14 +115,14 @@ def command(
 
 
 def _frame(axes: Axes) -> dict[str, Any]:
-    """What --json says of the frame of the file."""
+    """The frame of the file, for --json."""
     told: dict[str, Any] = axes.frame.model_dump(mode="json")
     told = {"frame": told.pop("name"), **told}
     return told | {"instance_frame": None if axes.own is None else axes.own.name}
 
 
 def _in_frame(axes: Axes) -> str:
-    """The same in words."""
+    """The frame of the file, in words."""
     if axes.own is None:
         return f"called {axes.frame}: the instance names no frame"
     turned = "" if axes.frame == axes.own else f", turned from {axes.own}"
@@ -140,7 +140,7 @@ def _refined(
     body: str | None,
     chaser: str | None,
 ) -> tuple[Instance, Axes, dict[str, Any]]:
-    """Write a refined plan, and what --json says of it."""
+    """Write a refined plan; returns its part of --json."""
     from ...export.flights.refined_oem import write_refined
     from ...export.flights.write import axes_in
     from ...fly.refine import load_refined

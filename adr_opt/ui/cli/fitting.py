@@ -1,4 +1,4 @@
-"""What ``generate`` and ``import`` have for tanks, kits and tows."""
+"""Options of ``generate`` and ``import`` for tanks, kits and tows."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
-    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank that nobody speaks of."""
+    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
     return take.together(
         take.number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
         take.number("--dry-mass", "KG", "Instead: mass without it,"),
@@ -28,7 +28,7 @@ def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
 
 
 class Fitting(NamedTuple):
-    """These options as they were given; None is for what was not."""
+    """Values of these options; None if not given."""
 
     delta_v: float | None
     dry_mass: float | None
@@ -41,16 +41,16 @@ class Fitting(NamedTuple):
 
     @property
     def disposal_altitude_m(self) -> float | None:
-        """In metres."""
+        """The disposal altitude [m]."""
         return None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
 
     def check(self, *, kits: bool = False, by_mass: bool = False) -> None:
-        """Refuse what is out of range, or of no use without another option.
+        """Refuse values out of range, or without effect unless another option is given.
 
         Parameters
         ----------
         kits, by_mass : bool
-            Whether there are kits, and tanks by mass, where nobody speaks of them.
+            Whether there are kits, and tanks by mass, by default.
 
         Raises
         ------
@@ -84,12 +84,12 @@ class Fitting(NamedTuple):
             )
 
     def tank(self) -> AnyTank | None:
-        """The tank that was asked for; None if nobody speaks of it.
+        """The requested tank; None if not given.
 
         Raises
         ------
         InputError
-            It is said by half, or twice.
+            It is incomplete, or given twice.
         """
         from pydantic import ValidationError
 
@@ -113,14 +113,14 @@ class Fitting(NamedTuple):
 
 
 def check_positive(**given: float | None) -> None:
-    """Raise :class:`InputError` for an option that is given and is no positive number."""
+    """Raise :class:`InputError` for a given option that is not a positive number."""
     for name, value in given.items():
         if value is not None and not 0.0 < value < math.inf:
             raise InputError(f"{_option(name)} = {value:g}: must be a positive number")
 
 
 def check_not_negative(**given: float | None) -> None:
-    """Raise :class:`InputError` for an option that is given and is negative or not finite."""
+    """Raise :class:`InputError` for a given option that is negative or not finite."""
     for name, value in given.items():
         if value is not None and not 0.0 <= value < math.inf:
             raise InputError(f"{_option(name)} = {value:g}: must be a finite number of at least 0")

@@ -1,4 +1,4 @@
-"""``fly --samples``: the options, and what is printed of flights with errors."""
+"""``fly --samples``: options and output of flights with errors."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OPTIONS = (
 
 
 class Sampling(NamedTuple):
-    """What the command line says about errors; None where it says nothing."""
+    """Error options of the command line; None if not given."""
 
     samples: int | None
     seed: int | None
@@ -38,7 +38,7 @@ class Sampling(NamedTuple):
     navigation_velocity_error: float | None
 
     def refuse_stray(self) -> None:
-        """Raise :class:`InputError` for errors that nothing is flown with."""
+        """Raise :class:`InputError` for error options without flights."""
         if self.samples is not None:
             return
         for (name, *_), value in zip(OPTIONS, self, strict=True):
@@ -46,7 +46,7 @@ class Sampling(NamedTuple):
                 raise InputError(f"{name} goes with --samples N: say how many flights")
 
     def refuse_unrefined(self, plan_path: str) -> None:
-        """Raise :class:`InputError` where flights with errors are asked of a plan as solved."""
+        """Raise :class:`InputError` if flights with errors are requested of an unrefined plan."""
         if self.samples is not None:
             raise InputError(
                 f"{plan_path}: flights with errors are those of a refined plan; make one with "
@@ -54,7 +54,7 @@ class Sampling(NamedTuple):
             )
 
     def fly(self, instance: Instance, refined: RefinedPlan, show: Show) -> Dispersion:
-        """Fly as often as was asked for."""
+        """Fly the requested number of times."""
         from ...fly.dispersion import FlightErrors, sample_flights
 
         assert self.samples is not None
@@ -79,14 +79,14 @@ error_options = take.together(
 
 
 def tell(dispersion: Dispersion) -> None:
-    """Print what flights with errors came to."""
+    """Print the outcome of flights with errors."""
     _tell_legs(dispersion)
     for sentence in said(dispersion):
         emit(sentence)
 
 
 def said(dispersion: Dispersion) -> list[str]:
-    """What came of them, in sentences."""
+    """The outcome of flights with errors, in sentences."""
     from ...fly.flight.result import tank_name
 
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"

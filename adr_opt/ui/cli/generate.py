@@ -38,9 +38,9 @@ def command(
 ) -> int:
     """Draw an instance of FAMILY.
 
-    One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
-    sso, rocket-bodies, removal and fragment-cloud. With other tanks than the family's, with kits
-    or with tows the same field is drawn, and the name ends in -fitted.
+    FAMILY is tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large, sso,
+    rocket-bodies, removal or fragment-cloud. With other tanks, kits or tows the same field is
+    drawn, and its name ends in -fitted.
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass

@@ -1,4 +1,4 @@
-"""``import``: make an instance of a catalogue of real objects."""
+"""``import``: make an instance from a catalogue of real objects."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from ...sources.catalogue import Imported
 
 LEAST_STEP_DAYS = 0.01
-"""Of the grid of long transfers: finer ones are typing errors."""
+"""Least step of the grid of long transfers; smaller ones are taken for typing errors."""
 
 MOST_LISTED = 20
-"""Bad rows listed on standard error; --json lists all."""
+"""Maximum number of bad rows listed on standard error; --json lists all."""
 
 FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
-"""Reasons that the user asked for, which are counted and not listed."""
+"""Reasons due to user-requested filters, which are counted but not listed."""
 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
@@ -89,10 +89,10 @@ def command(
     quiet: bool,
     **crew_given: Any,
 ) -> int:
-    """Make an instance of the objects in FILE..., by SGP4, at one epoch.
+    """Make an instance of the objects in FILE..., propagated by SGP4 to one epoch.
 
-    TLE, three-line, OMM as XML, KVN, JSON or CSV, recognised by content. The orbits are mean
-    elements in TEME.
+    Formats are recognised by content: TLE, three-line sets, and OMM as XML, KVN, JSON or CSV.
+    Orbits are mean elements in TEME.
     """
     from ...common.files import write_text
     from ...common.records import LARGEST_DURATION_S
@@ -150,7 +150,7 @@ def _transfer(
     departure_spacing_days: float | None,
     resolution: float | None,
 ) -> dict[str, float | None]:
-    """The transfer settings that a call names; the others, None, follow from the mission.
+    """Transfer settings given in the call; the others, None, are derived from the mission.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def _seconds(days: float | None) -> float | None:
 
 
 def parse_epoch(text: str) -> datetime:
-    """A time in ISO 8601, UTC unless it says another zone.
+    """A time in ISO 8601, UTC unless it states another zone.
 
     Raises
     ------
@@ -232,7 +232,7 @@ def _tell(made: Imported, out: str) -> None:
 
 
 def _placed(made: Imported, orbit: Orbit) -> str:
-    """Where the station is, or where the chaser starts."""
+    """Position of the station, or of the chaser's start."""
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
     return (
         f"{'station' if made.instance.stations else 'start'} {made.station}: altitude "

@@ -1,4 +1,4 @@
-"""What ``import`` has for chasers and single objects: launches, expenses, deadlines."""
+"""Options of ``import`` for chasers and single objects: launches, expenses, deadlines."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...sources.catalogue import Crew, Demands
 
 DELTA_V_M_S = 3000.0
-"""A full tank, where nobody says what is in it."""
+"""Default ΔV of a full tank."""
 
 
 crew_options = take.together(
@@ -67,7 +67,7 @@ crew_options = take.together(
 
 
 class CrewOptions(NamedTuple):
-    """These options as they were given; None is for what was not."""
+    """Values of these options; None if not given."""
 
     fitting: Fitting
     launches: int | None
@@ -83,7 +83,7 @@ class CrewOptions(NamedTuple):
 
     @classmethod
     def of(cls, given: dict[str, Any]) -> CrewOptions:
-        """The options as the command line gives them."""
+        """The options from the command line."""
         fitting = Fitting(**{name: given.pop(name) for name in Fitting._fields})
         return cls(fitting=fitting, **given)
 
@@ -153,7 +153,7 @@ class CrewOptions(NamedTuple):
         return expense
 
     def demands(self) -> Demands:
-        """What is asked of single objects.
+        """Requirements on single objects.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class CrewOptions(NamedTuple):
 
 
 def told(instance: Instance) -> str | None:
-    """The launches of an instance in a sentence; None if there are none."""
+    """A sentence on the launches of an instance; None if there are none."""
     if not instance.launches:
         return None
     days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())

@@ -1,4 +1,4 @@
-"""How many legs are done, on a terminal."""
+"""Progress bar over legs, on a terminal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Show = Callable[[int, int], None]
 
 @contextmanager
 def leg_bar(shown: bool, verb: str) -> Iterator[Show]:
-    """Yields what hears of the legs done and of how many there are.
+    """Yield a callback for the numbers of finished legs and of all legs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""``matrix``: write the timetable, sampled or whole, into a file that other programs read."""
+"""``matrix``: write the timetable, sampled or whole, in another program's format."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 MOST_BYTES = 2**34
-"""Larger matrices are refused before the system runs out of memory."""
+"""Size above which matrices are refused, before memory runs out."""
 
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
@@ -108,7 +108,7 @@ def command(
 
 
 def _announce(instance: Instance) -> None:
-    """Say how large the timetable is going to be, if that is much."""
+    """Announce the size of a large timetable."""
     from ...legs.connection_finder import estimate
 
     size = estimate(instance)
@@ -117,7 +117,7 @@ def _announce(instance: Instance) -> None:
 
 
 def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ...]) -> FloatArray:
-    """The ready times asked for [s]."""
+    """The requested ready times [s]."""
     import numpy as np
 
     end_s = instance.mission.duration_s

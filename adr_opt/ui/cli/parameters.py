@@ -1,4 +1,4 @@
-"""Parameters that several verbs share."""
+"""Parameters shared by several verbs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ run_options = take.together(
 
 
 def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
-    """The instance and the plan that a verb is called with."""
+    """The instance and the plan given to a verb."""
     from ...plan.plan import load_plan
     from ...problem.instance import load
 
@@ -44,7 +44,7 @@ def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
 
 @contextmanager
 def about(path: str) -> Iterator[None]:
-    """Have an :class:`InputError` begin with the file that it is about.
+    """Prefix an :class:`InputError` with the file that it concerns.
 
     A package that is missing is no fault of the file.
     """
@@ -57,7 +57,7 @@ def about(path: str) -> Iterator[None]:
 
 
 def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, Any]:
-    """The values of ``--option NAME=VALUE``, by the types of the method's defaults.
+    """Values of ``--option NAME=VALUE``, by the types of the method's defaults.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, 
 
 
 def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None] = ()) -> None:
-    """Raise :class:`InputError` before any work if the result could not be written to ``out``.
+    """Raise :class:`InputError` in advance if the result could not be written to ``out``.
 
     ``inputs`` are what the call reads, and ``results`` what else it writes; these need not be there
     yet.
@@ -97,7 +97,7 @@ def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None
 
 
 def is_same_file(one: str, other: str) -> bool:
-    """Whether two paths lead to one file, which links may hide and which need not exist."""
+    """Whether two paths lead to the same file, which may be linked or absent."""
     first, second = Path(one), Path(other)
     if first.exists() and second.exists():
         return first.samefile(second)

@@ -56,10 +56,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Lead each leg of PLAN to its stand-off and its target in numerically integrated motion.
+    """Guide each leg of PLAN to its stand-off and its target in numerically integrated motion.
 
-    Ctrl-C writes the legs that are done. Exit status 1: some leg is missing, because it was not
-    reached in time or no trajectory was found.
+    Ctrl-C stops and writes the finished legs. Exit status 1: a leg is missing, for lack of time or
+    of a trajectory.
     """
     from ...fly.refine import refine
     from .leg_bar import leg_bar
@@ -103,7 +103,7 @@ def _is_free(refined: RefinedPlan) -> bool:
 
 
 def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
-    """What the legs of each of several chasers take."""
+    """ΔV of the legs of each of several chasers."""
     for chaser in dict.fromkeys(leg.chaser for leg in refined.legs if leg.chaser is not None):
         legs = [leg for leg in refined.legs if leg.chaser == chaser]
         yield (

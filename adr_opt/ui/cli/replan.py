@@ -1,4 +1,4 @@
-"""``replan``: plan the rest of a mission anew, from where its chasers are."""
+"""``replan``: plan the rest of a mission from its chasers' current states."""
 
 from __future__ import annotations
 
@@ -70,10 +70,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Take the state of PLAN on INSTANCE at a time, and plan what is left of it anew.
+    """Take the state of PLAN on INSTANCE at a time, and plan the rest of the mission.
 
-    Legs that have begun are finished. What is written is the rest: an instance that begins where
-    the chasers are then, and its plan. Exit status 1: there is no plan of the rest.
+    Legs that have begun are finished. The output is the rest: an instance that begins with the
+    chasers' states at that time, and its plan. Exit status 1: the rest has no plan.
     """
     from ...analysis.orders import BodyNames
     from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
@@ -125,7 +125,7 @@ def command(
 
 
 def parse_time(text: str, instance: Instance) -> float:
-    """A time as seconds after the epoch: days, or with a unit, or a date.
+    """A time in seconds after the epoch, from days, a number with a unit, or a date.
 
     Raises
     ------
@@ -147,13 +147,13 @@ def parse_time(text: str, instance: Instance) -> float:
 
 
 def _span_s(text: str) -> float | None:
-    """Days, or with a unit, as seconds; None for something else."""
+    """A duration in seconds, from days or a number with a unit; None for other texts."""
     found = re.fullmatch(r"([+-]?\d+\.?\d*(?:e[+-]?\d+)?) *([dhs]?)", text.strip(), re.IGNORECASE)
     return None if found is None else float(found[1]) * UNITS[found[2].lower()]
 
 
 def parse_span(text: str, option: str) -> float:
-    """A time that something takes as seconds: days, or with a unit.
+    """A duration given for an option, in seconds, from days or a number with a unit.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def parse_span(text: str, option: str) -> float:
 
 
 def parse_cost(text: str) -> tuple[int, float]:
-    """The number of a leg and what it took [m/s].
+    """Number of a leg and its actual ΔV [m/s].
 
     Raises
     ------
@@ -192,7 +192,7 @@ def _pair_of(option: str, form: str) -> Callable[[str], tuple[str, str]]:
 
 
 def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
-    """A value for each key.
+    """One value for each key.
 
     Raises
     ------
@@ -208,7 +208,7 @@ def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
 
 
 def read_zones(path: str) -> tuple[KeepOutZone, ...]:
-    """The keep-out zones of a file: a list of them, or an instance.
+    """Keep-out zones from a file: a list of them, or an instance.
 
     Raises
     ------

@@ -67,11 +67,11 @@ def command(
 ) -> int:
     """Plan the mission of INSTANCE and show its timeline.
 
-    When it ends, the plan is flown in mean motion on the true orbits, after the time limit: the
-    last line says what its legs took and what each tank has left.
+    After the time limit, the plan is flown in mean motion on the true orbits: the last line gives
+    the ΔV of its legs and the remainder of each tank.
 
-    Ctrl-C asks for the best plan so far; twice, it aborts. Exit status 1: no plan, or with --refine
-    none that holds.
+    Ctrl-C stops with the best plan so far; a second one aborts. Exit status 1: no plan, or with
+    --refine none that holds.
     """
     from ...analysis.grids import grid_advice
     from ...mission.problem import problem_of
@@ -179,7 +179,7 @@ def _save_plan(plan: Plan, out: str | None, quiet: bool) -> None:
 
 
 def _first_trouble(*steps: Callable[[], None]) -> InputError | None:
-    """Take all steps, and tell what was wrong with the first one with which something was."""
+    """Run all steps, and raise the first error at the end."""
     trouble: InputError | None = None
     for step in steps:
         try:

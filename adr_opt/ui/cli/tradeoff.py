@@ -1,4 +1,4 @@
-"""``tradeoff``: what budgets and durations buy, as a curve or a surface of plans and bounds."""
+"""``tradeoff``: the value of budgets and durations, as a curve or surface of plans and bounds."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Plan INSTANCE for every budget or duration, and prove how good that is.
+    """Plan INSTANCE for a range of budgets or durations, and prove bounds.
 
-    Plans count for all larger points and bounds for all smaller ones. Ctrl-C asks for what there
-    is so far; with --out the same call goes on later. Exit status 1: a point has no plan.
+    Plans also count for all larger points, and bounds for all smaller ones. Ctrl-C stops with the
+    results so far; with --out the same call resumes later. Exit status 1: a point has no plan.
     """
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.frontier import check_frontier, write_frontier

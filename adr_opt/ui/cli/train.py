@@ -54,7 +54,7 @@ def command(
 ) -> int:
     """Train a policy into DIR, from its last checkpoint if DIR holds one.
 
-    Ctrl-C ends the training with a checkpoint; the same command goes on.
+    Ctrl-C ends the training with a checkpoint; the same command resumes it.
     """
     from ...learning.trainer import get
 

@@ -1,4 +1,4 @@
-"""``verify``: find out whether a plan is as good as its certificate says."""
+"""``verify``: verify a plan's quality by its certificate."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .output import emit, emit_json
 from .parameters import about
 
 MOST_CONNECTIONS = 1_000_000
-"""As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
+"""As in :mod:`adr_opt.judge.verify`, which takes long to import."""
 
 
 TOLD = (
     "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
     "reasons",
 )  # fmt: skip
-"""What --json says of a verdict, by the same names."""
+"""Fields of a verdict printed by --json under the same names."""
 
 
 @click.command("verify")
@@ -37,8 +37,8 @@ def command(
 ) -> int:
     """Recompute the bound of CERTIFICATE for INSTANCE, and judge PLAN by it.
 
-    By a program of its own, which shares with planners and proofs the connections alone. Without
-    PLAN the bound is verified alone. Exit status 1: refused.
+    An independent program does so, which shares only the connections with planners and proofs.
+    Without PLAN, only the bound is verified. Exit status 1: refused.
     """
     if not 1 <= len(paths) <= 2:
         raise InputError("verify takes an instance, a plan and a certificate; name all three")

@@ -1,4 +1,4 @@
-"""Run a method where it can be watched and interrupted."""
+"""Runs of a method that can be watched and interrupted."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ POLL_S = 0.1
 
 
 class Watch:
-    """A progress that remembers the best incumbent and bound it has heard of."""
+    """A progress callback that records the best incumbent and bound."""
 
     def __init__(self) -> None:
         self.incumbent = -math.inf
@@ -34,7 +34,7 @@ class Watch:
         self.size: Size | None = None
 
     def sizing(self, size: Size) -> None:
-        """Hear of the size of a large timetable before it is built."""
+        """Receive the size of a large timetable before it is built."""
         self.size = size
 
     def building(self, share: float) -> None:
@@ -49,7 +49,7 @@ class Watch:
 
 
 def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Found:
-    """Run a method in a thread, so that signals and the live line do not wait for kernels.
+    """Run a method in a thread, so that signals and the live line need not wait for kernels.
 
     The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
 
@@ -116,7 +116,7 @@ def run_method(
     as_json: bool,
     quiet: bool,
 ) -> Result:
-    """Run a planner or a bound, and say its notes."""
+    """Run a planner or a bound, and print its notes."""
     from ...run import front
 
     result = work(
@@ -131,12 +131,12 @@ def run_method(
 
 
 def say_notes(result: Result, quiet: bool) -> None:
-    """Say the notes of a result, each in a line."""
+    """Print the notes of a result, one per line."""
     for note in result.notes:
         say(f"note: {note}", unless=quiet)
 
 
 def emit_result(instance: Instance, margin: float, result: Result) -> None:
-    """Print a result as one JSON object, with what it is of."""
+    """Print a result as one JSON object, with its instance and settings."""
     reference = {"name": instance.name, "sha256": instance.sha256}
     emit_json({"instance": reference, "margin": margin, **result.to_dict()})

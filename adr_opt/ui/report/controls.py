@@ -1,4 +1,4 @@
-"""What the reader chooses with: a leg, phases, and the time that is shown."""
+"""Controls of the page: leg, phases and displayed time."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from ...plan.plan import Plan
 from .text import escape
 
 LONGEST_OPTION = 18
-"""Longer names are cut in the list of legs, which has the width of a phone."""
+"""Length beyond which names are cut in the list of legs, to fit a phone."""
 
 SPEEDS = {
     60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s", 86400: "1 d/s", 864000: "10 d/s",
 }  # fmt: skip
-"""How fast time may be played: seconds of the mission a second."""
+"""Playback speeds, in seconds of the mission per second."""
 
 USUAL_SPEED = 600
-"""A revolution in ten seconds."""
+"""Default speed: ten seconds per revolution."""
 
 
 def phases(shown: list[str]) -> str:
@@ -29,7 +29,7 @@ def phases(shown: list[str]) -> str:
 
 
 def leg_options(plan: Plan) -> str:
-    """What the list of legs offers."""
+    """Entries of the list of legs."""
     legs = plan.legs
     short = shortened((n for leg in legs for n in (leg.origin, leg.destination)), LONGEST_OPTION)
     options = "".join(
@@ -41,7 +41,7 @@ def leg_options(plan: Plan) -> str:
 
 
 def timebar() -> str:
-    """The time that is shown: a slider, a button that plays it, how fast, and what it comes to."""
+    """Time controls: a slider, a play button, the speed, and the displayed state."""
     speeds = "".join(
         f'<option value="{speed}"{" selected" if speed == USUAL_SPEED else ""}>{said}</option>'
         for speed, said in SPEEDS.items()

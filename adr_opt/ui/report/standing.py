@@ -1,4 +1,4 @@
-"""Whether the plan was flown, refined, or neither: a paragraph that every page has."""
+"""Whether the plan was flown, refined, or neither: a paragraph of every page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .text import escape
 
 
 def paragraph(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
-    """What is known of the plan beyond the model; it is flown in mean motion for that.
+    """Knowledge of the plan beyond the model, from a flight in mean motion.
 
     Parameters
     ----------
