@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 MENDED = {
     "leave-out": "mended without",
-    "refuel": "mended by refuelling before",
-    "swap": "mended by going later to",
+    "refuel": "repaired by refuelling before",
+    "swap": "repaired by going later to",
 }
 MOST_MENDINGS = 3
 

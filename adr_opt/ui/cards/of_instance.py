@@ -44,7 +44,7 @@ def of_instance(instance: Instance) -> Card:
         ("epoch", f"{instance.epoch:%Y-%m-%d %H:%M:%S} UTC"),
         ("sum of prizes", f"{prizes:g}"),
         ("required", ", ".join(required[:8]) + (" …" if len(required) > 8 else "") or "none"),
-        ("least of equal plans", _cost_of(instance)),
+        ("least, among equal plans", _cost_of(instance)),
         ("stations", ", ".join(instance.station_names) or "none: nobody refuels"),
     ]
     if instance.frame is not None:

@@ -46,5 +46,5 @@ def of_matrices(matrices: Matrices) -> Card:
     rows = [
         (name, *(f"{value:,.0f}" for value in row)) for name, row in zip(names, costs, strict=True)
     ]
-    details.append(("below", f"ΔV in m/s for who is ready on day {days(float(first))}"))
+    details.append(("below", f"ΔV [m/s] when ready on day {days(float(first))}"))
     return Card("Matrices", "", tuple(facts), tuple(details), (CardTable(("from", *names), rows),))

@@ -15,8 +15,8 @@ from .parameters import parse_assignments, run_options
 
 @click.command("bound")
 @take.instance
-@take.word("--method", "NAME", "Bound; 'methods' lists them and the default.")
-@take.number("--time-limit", "S", "Wall time, the timetable included; 60 s.")
+@take.word("--method", "NAME", "Bound method; see 'methods' for the list and the default.")
+@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 60 s.")
 @run_options
 @certificate_option
 @take.as_json

@@ -15,7 +15,7 @@ from .parameters import about, mission_of
 if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
 
-VIOLATED, UNASKED = "it has violations", "nobody asked for it"
+VIOLATED, UNASKED = "it has violations", "not requested"
 """Reasons for not flying."""
 
 
@@ -60,11 +60,11 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
         legs = counted(len(plan.legs), "leg")
         emit(f"{plan_path}: no violations, objective {plan.objective:g}, {legs}")
         if refined is not None:
-            emit(f"{plan_path}: as it says of itself, {refined}")
+            emit(f"{plan_path}: according to the plan, {refined}")
         elif not isinstance(flight, str):
             emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
         else:
             emit(f"{plan_path}: neither flown nor refined: {flight}")
         if plan.flown is not None and plan.own_flight is None:
-            emit(f"{plan_path}: what it says of a flight is of other legs")
+            emit(f"{plan_path}: the flight that it records is of other legs")
     return 1 if violations else 0

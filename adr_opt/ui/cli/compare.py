@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from ...analysis.comparison import Difference
 
 
-@click.command("compare", short_help="Lay plans side by side, leg by leg.")
+@click.command("compare", short_help="Compare plans, leg by leg.")
 @take.instance
 @click.argument("plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...")
-@take.file("--page", "HTML file to write as well.", name="page_path")
-@take.flag("--all", "List the legs too that are the same.", name="tell_all")
+@take.file("--page", "HTML file to write.", name="page_path")
+@take.flag("--all", "Also list equal legs.", name="tell_all")
 @take.as_json
 @take.quiet
 def command(

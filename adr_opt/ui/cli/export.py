@@ -27,29 +27,29 @@ if TYPE_CHECKING:
     "--format",
     "format_",
     type=click.Choice(["oem", "opm", "czml", "script"]),
-    help="Whatever the suffix of the file.",
+    help="Format, regardless of the file's suffix.",
 )
 @click.option(
     "--frame",
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="Turn all to this frame from that of INSTANCE; where it names none, call it so. By "
-    "default its own, else EME2000.",
+    help="Frame to rotate to, or the name of the frame if INSTANCE states none; by default its "
+    "own, or else EME2000.",
 )
 @take.number(
     "--step",
     "S",
-    "Longest time between two states of .oem and .czml; by default 60, and 300 on arcs of "
-    "more than a day.",
+    "Longest time between states in .oem and .czml; by default 60, or 300 on arcs longer than a "
+    "day.",
     name="step_s",
 )
-@take.count("--leg", "N", "Only this leg, counted from 1.")
-@take.word("--body", "NAME", "Of a refined plan: this visited body instead of the chaser.")
-@take.word("--chaser", "NAME", "Whose flight; needed where there are several, but for .czml.")
+@take.count("--leg", "N", "Only this leg, counting from 1.")
+@take.word("--body", "NAME", "For a refined plan: a visited body instead of the chaser.")
+@take.word("--chaser", "NAME", "Chaser to write; required if there are several, except for .czml.")
 @take.word(
     "--object-id",
     "ID",
-    "International designator of what is written, like 2026-001A; else UNKNOWN, or that "
-    "which INSTANCE has of a --body.",
+    "International designator of the object, like 2026-001A; by default UNKNOWN, or for a --body "
+    "that in INSTANCE.",
 )
 @take.as_json
 @take.quiet
@@ -90,7 +90,7 @@ def command(
         )
     else:
         if body is not None:
-            raise InputError(f"--body {body}: only of a refined plan bodies are exported")
+            raise InputError(f"--body {body}: bodies are exported from refined plans only")
         instance, plan = mission_of(instance_path, plan_path)
         with about(plan_path):
             written = flown(instance, plan, step_s, leg, chaser, together=file.format in TOGETHER)

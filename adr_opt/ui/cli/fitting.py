@@ -17,13 +17,15 @@ def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
     """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
     return take.together(
         take.number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
-        take.number("--dry-mass", "KG", "Instead: mass without it,"),
-        take.number("--propellant", "KG", "what a full tank holds,"),
-        take.number("--isp", "S", "and its specific impulse."),
-        take.count("--kits", "K", "A kit for each target, at most K aboard."),
-        take.number("--kit-mass", "KG", "Of each kit; 0."),
-        take.number("--tow", "KG", "Mass of each target, which is towed,"),
-        take.number("--disposal-altitude", "KM", "down to a circle there."),
+        take.number("--dry-mass", "KG", "For a tank by mass: mass without propellant."),
+        take.number("--propellant", "KG", "For a tank by mass: propellant when full."),
+        take.number("--isp", "S", "For a tank by mass: specific impulse."),
+        take.count("--kits", "K", "Each target needs a kit; at most K aboard."),
+        take.number("--kit-mass", "KG", "Mass of a kit; default 0."),
+        take.number("--tow", "KG", "Mass of each target, which is to be towed."),
+        take.number(
+            "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
+        ),
     )
 
 
@@ -58,28 +60,28 @@ class Fitting(NamedTuple):
         """
         check_positive(**self._asdict())
         if self.kit_mass is not None and self.kits is None and not kits:
-            raise InputError("--kit-mass: there are no kits; say how many with --kits")
+            raise InputError("--kit-mass: there are no kits; give their number with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
         counted = self.delta_v is not None or not by_mass
         self._check_tow(knows_masses=masses != (None, None, None) or not counted)
         if self.kit_mass is not None and masses == (None, None, None) and counted:
             raise InputError(
-                "--kit-mass: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--kit-mass: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 
     def _check_tow(self, *, knows_masses: bool) -> None:
         if self.tow is None and self.disposal_altitude is not None:
-            raise InputError("--disposal-altitude: nothing is towed; say what mass with --tow")
+            raise InputError("--disposal-altitude: nothing is towed; give the mass with --tow")
         if self.tow is None:
             return
         if self.disposal_altitude is None:
-            raise InputError("--tow: where to is not said; give --disposal-altitude")
+            raise InputError("--tow: no disposal orbit; give --disposal-altitude")
         if self.kits is not None:
             raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
         if not knows_masses:
             raise InputError(
-                "--tow: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--tow: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 

@@ -29,7 +29,7 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
 @take.instance
 @take.plan
-@take.file("--out", "Write the plan again with the result in its notes.")
+@take.file("--out", "Plan file to write, with the result in its notes.")
 @error_options
 @take.as_json
 @take.quiet
@@ -103,7 +103,7 @@ def _truth(flight: Flight) -> str:
     planned = sum(leg.planned_delta_v_m_s for leg in legs)
     told = (
         f"{counted(len(legs), 'leg')} planned with {planned:.1f} m/s, and flown with "
-        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by burns aimed anew"
+        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by retargeted burns"
     )
     if flight.eccentric:
         miss = _or_unknown(flight.worst_true_miss_m, ".4g")

@@ -16,13 +16,18 @@ if TYPE_CHECKING:
     from .leg_bar import Show
 
 OPTIONS = (
-    ("--samples", int, "N", "Fly a refined plan N times with errors as well."),
-    ("--seed", int, "N", "Of the errors; 0 by default. Same seed, same flights."),
-    ("--corrections", int, "N", "Burns for corrections alone after each burn; 2 by default."),
-    ("--burn-magnitude-error", float, "SHARE", "1-sigma, of each burn's size; 0.005 by default."),
-    ("--burn-pointing-error", float, "DEG", "1-sigma, about each axis; 0.5 by default."),
-    ("--navigation-position-error", float, "M", "1-sigma, per axis at departure; 10 by default."),
-    ("--navigation-velocity-error", float, "M_S", "1-sigma, likewise; 0.01 by default."),
+    ("--samples", int, "N", "Also fly a refined plan N times with errors."),
+    ("--seed", int, "N", "Seed of the errors; default 0."),
+    ("--corrections", int, "N", "Number of pure correction burns after each burn; default 2."),
+    ("--burn-magnitude-error", float, "SHARE", "1-sigma error of each burn's size; default 0.005."),
+    ("--burn-pointing-error", float, "DEG", "1-sigma error about each axis; default 0.5."),
+    ("--navigation-position-error", float, "M", "1-sigma error per axis at departure; default 10."),
+    (
+        "--navigation-velocity-error",
+        float,
+        "M_S",
+        "1-sigma error per axis at departure; default 0.01.",
+    ),
 )
 
 
@@ -43,7 +48,7 @@ class Sampling(NamedTuple):
             return
         for (name, *_), value in zip(OPTIONS, self, strict=True):
             if value is not None:
-                raise InputError(f"{name} goes with --samples N: say how many flights")
+                raise InputError(f"{name} needs --samples N, the number of flights")
 
     def refuse_unrefined(self, plan_path: str) -> None:
         """Raise :class:`InputError` if flights with errors are requested of an unrefined plan."""
@@ -141,5 +146,5 @@ def _tell_legs(dispersion: Dispersion) -> None:
             ("waits\n%", lambda leg: f"{100.0 * leg.waits_share:.1f}"),
         ),
         whose(dispersion.tanks),
-        f"with errors; {asked} of the flights take, and miss the stand-off by, no more than",
+        f"with errors; upper limits of ΔV and stand-off miss in {asked} of the flights",
     )

@@ -32,19 +32,21 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 """Reasons due to user-requested filters, which are counted but not listed."""
 
 
-@click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
+@click.command("import", short_help="Make an instance from catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...")
 @take.file("--out", "Instance file to write.", required=True)
-@take.word("--epoch", "TIME", "ISO, UTC; else the latest of the elements.", name="epoch_text")
-@take.word("--altitude", "LO:HI", "Mean altitudes to keep, km.")
-@take.word("--inclination", "LO:HI", "Inclinations to keep, degrees.")
-@take.word("--raan", "LO:HI", "RAANs to keep, degrees; 350:10 goes through 0.")
-@take.many("--name", "PATTERN", "Names to keep; may be repeated.", name="names")
-@take.count("--max-targets", "N", "Keep N, nearest planes first.")
+@take.word(
+    "--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.", name="epoch_text"
+)
+@take.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
+@take.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
+@take.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
+@take.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
+@take.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
 @take.word(
     "--station",
     "ORBIT|OBJECT",
-    "ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+    "ALTITUDE_KM,INCLINATION,RAAN[,U], or an object; by default the densest plane.",
 )
 @click.option(
     "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
@@ -55,15 +57,21 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
     type=click.Choice(["j2", "two-body"]),
     default="j2",
     show_default=True,
-    help="How planes move: with J2 they drift.",
+    help="Motion of planes; with j2 they drift.",
 )
-@take.flag("--no-refuelling", "No station: the chaser starts where it would be.")
-@take.number("--drift-step-days", "D", "Grid of long transfers, instead of a 150th.")
-@take.number("--max-drift-days", "D", "Longest of them, 0 for none; the mission's.")
+@take.flag("--no-refuelling", "No station; the chaser starts in its place.")
+@take.number(
+    "--drift-step-days", "D", "Time step of long transfers; by default 1/150 of the mission."
+)
+@take.number(
+    "--max-drift-days",
+    "D",
+    "Maximum duration of long transfers, 0 for none; by default the mission's.",
+)
 @take.number("--departure-spacing-days", "D", "Least time between departures.")
-@take.number("--resolution", "M_S", "Transfers that save less are left out, m/s.")
-@take.flag("--criticality", "Prizes by mass, altitude and crowding, from 1 to 100: a ranking.")
-@take.flag("--skip-bad", "Keep the good rows and objects, list the rest.")
+@take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
+@take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
 @take.as_json
 @take.quiet
 def command(
@@ -171,7 +179,7 @@ def _transfer(
         ):  # fmt: skip
             if value:
                 raise InputError(
-                    f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
+                    f"{option} = {value:g}: no plane drifts in two-body motion; leave it out, or "
                     "--dynamics two-body"
                 )
     return {

@@ -23,20 +23,20 @@ MOST_BYTES = 2**34
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
 @take.instance
-@take.number("--every", "S", "Ready times, S apart, from 0.", name="every_s")
+@take.number("--every", "S", "Ready times at this interval, from 0.", name="every_s")
 @take.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
 @click.option(
     "--quantity",
     type=click.Choice(["delta_v", "duration"]),
     default="delta_v",
     show_default=True,
-    help="Weights of .tsp, .vrp and .oplib; the others hold both.",
+    help="Weights in .tsp, .vrp and .oplib; other formats hold both.",
 )
 @take.word(
     "--choose",
     "HOW",
-    "At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
-    "m/s that an hour is worth. By default 75 of those, and service in time.",
+    "Transfer chosen at a ready time among all departures: 'earliest', 'cheapest', or by the value "
+    "of an hour in m/s; by default 75 m/s, with service in time.",
 )
 @click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."

@@ -13,7 +13,7 @@ from . import take
 from .output import emit, emit_json
 
 
-@click.command("methods", short_help="List planners and bounds with their options.")
+@click.command("methods", short_help="List planners and bounds, with their options.")
 @click.argument("name", required=False)
 @take.as_json
 def command(name: str | None, as_json: bool) -> int:

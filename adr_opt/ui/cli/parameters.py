@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 run_options = take.together(
     take.seed,
-    take.count("--iterations", "N", "Most iterations, as the method counts."),
+    take.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
     take.number(
-        "--margin", "SHARE", "Share of each tank to keep back, as 0.1 for a tenth.", default=0.0
+        "--margin", "SHARE", "Share of each tank to hold in reserve, such as 0.1.", default=0.0
     ),
-    take.count("--jobs", "N", "Cores to use; 0 for all."),
-    take.word("--start", "PLAN", "A plan to begin from.", name="start_path"),
+    take.count("--jobs", "N", "Number of cores; 0 for all."),
+    take.word("--start", "PLAN", "Plan to start from.", name="start_path"),
     take.many(
         "--option",
         "NAME=VALUE",
-        "An option of the method, see 'methods'; may be repeated.",
+        "Option of the method, see 'methods'; repeatable.",
         name="assignments",
     ),
 )

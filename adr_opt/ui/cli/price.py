@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from ...analysis.mending import Mending, Shortfall
 
 
-@click.command("price", short_help="Time an order of bodies, and say what would mend it.")
+@click.command("price", short_help="Time an order of bodies, and suggest repairs.")
 @take.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
-@take.file("--file", "The order instead: a name a line.", name="file_path")
-@take.word("--out", "PLAN", "Plan file to write, if the order can be flown.")
+@take.file("--file", "File with the order, one name per line.", name="file_path")
+@take.word("--out", "PLAN", "Plan file to write if the order can be flown.")
 @take.as_json
 @take.quiet
 def command(

@@ -24,24 +24,24 @@ FREEDOMS = ("free", "planned")
 gravity_option = click.option(
     "--gravity",
     type=click.Choice(GRAVITIES),
-    help="Field to fly in, with zonal harmonics up to this one; by default that of INSTANCE.",
+    help="Gravity field, with zonal harmonics up to this one; by default that of INSTANCE.",
 )
 freedom_option = click.option(
     "--burns",
     "freedom",
     type=click.Choice(FREEDOMS),
-    help="free: least ΔV, at any times; planned: the plan's own, kept near what they were. By "
-    "default free, and planned where there are keep-out zones.",
+    help="free: least ΔV at any times; planned: the plan's own burns, changed little; by default "
+    "free, or planned where there are keep-out zones.",
 )
 
 
-@click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
+@click.command("refine", short_help="Turn PLAN into a trajectory in true dynamics.")
 @take.instance
 @take.plan
 @take.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
-@take.count("--jobs", "N", "Cores to use; 0 for all.")
+@take.count("--jobs", "N", "Number of cores; 0 for all.")
 @take.cluster
 @take.as_json
 @take.quiet

@@ -46,13 +46,13 @@ class Refining(NamedTuple):
 
 
 refine_options = take.together(
-    take.flag("--refine", "Refine the plan, and plan again until it holds in true dynamics."),
+    take.flag("--refine", "Refine the plan, and replan until it holds in true dynamics."),
     take.file("--refined-out", "Refined plan file to write."),
     gravity_option,
     freedom_option,
-    take.count("--rounds", "N", "Times to plan, at most, with --refine; 10."),
+    take.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
     take.flag(
-        "--spend-savings", "With --refine: spend what flown legs save; 'check' may refuse the plan."
+        "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
     ),
 )
 """The options of refining, for ``solve``."""

@@ -26,25 +26,31 @@ Key = TypeVar("Key", int, str)
 UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
-@click.command("replan", short_help="Plan the rest of a mission anew.")
+@click.command("replan", short_help="Replan the rest of a mission.")
 @take.instance
 @take.plan
-@take.word("--at", "TIME", "Days after the epoch; 36h, 900s; ISO.", name="at_text", required=True)
-@take.file("--zones", "JSON: new keep-out zones, a list.", name="zones_path")
-@take.many("--lost", "NAME[,NAME...]", "A target that is none any more.")
-@take.count("--failed", "LEG", "A leg that does not begin when planned.")
-@take.many("--missed", "NAME[,NAME...]", "A target come to, not serviced.")
-@take.flag("--retry", "What was missed may be tried again.")
+@take.word(
+    "--at",
+    "TIME",
+    "Time of replanning: days after the epoch, 36h, 900s, or ISO.",
+    name="at_text",
+    required=True,
+)
+@take.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
+@take.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
+@take.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
+@take.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
+@take.flag("--retry", "Allow missed targets to be tried again.")
 @take.many(
     "--service-took",
     "NAME=DAYS",
-    "How long a service, or the attempt, took; 36h, 900s.",
+    "Actual duration of a service or an attempt; also 36h, 900s.",
     name="services",
 )
-@take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
-@take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
-@take.word("--method", "NAME", "Planner of the rest; else a beam, of several auto.")
-@take.number("--time-limit", "S", "Wall time of a run; 2 s.")
+@take.many("--cost", "LEG=M_S", "Actual ΔV of a leg.", name="costs")
+@take.count("--keep", "N", "Number of further legs to keep as planned; default 0.", default=0)
+@take.word("--method", "NAME", "Planner of the rest; by default beam, or auto for several chasers.")
+@take.number("--time-limit", "S", "Wall-clock limit of a run; default 2 s.")
 @take.seed
 @take.file("--out", "Plan file of the rest to write.")
 @take.file("--out-instance", "Instance file of the rest to write.")
@@ -202,7 +208,7 @@ def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
     found = dict[Key, float]()
     for key, value in pairs:
         if key in found:
-            raise InputError(f"{key}: {found[key]:g} and {value:g} are told of it; tell one")
+            raise InputError(f"{key}: both {found[key]:g} and {value:g} are given; give one")
         found[key] = value
     return found
 

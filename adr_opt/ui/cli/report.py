@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 @take.file("--out", "HTML file to write.", required=True)
 @take.file(
     "--refined",
-    "PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+    "PLAN as refined by 'refine': flown ΔV is shown beside planned ΔV.",
     name="refined_path",
 )
 @take.flag(
     "--fly",
-    "Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+    "Fly PLAN, and its refined version, as 'fly' does, and show the miss of each leg ([astro]).",
     name="wants_flight",
 )
 @take.as_json

@@ -19,12 +19,12 @@ PATIENCE_S = 60.0
 """Longest wait for a stopped planner [s]."""
 
 
-@click.command("serve", short_help="Plan on a page of this machine, live.")
+@click.command("serve", short_help="Plan interactively on a local web page.")
 @take.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False)
-@take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
-@take.word("--folder", "DIR", "Working folder; INSTANCE-served, beside this call.")
-@take.flag("--no-open", "Open no browser.")
+@take.count("--port", "N", "Port on 127.0.0.1; by default any free one.", default=0)
+@take.word("--folder", "DIR", "Working folder; by default INSTANCE-served in the current folder.")
+@take.flag("--no-open", "Do not open a browser.")
 @take.as_json
 @take.quiet
 def command(

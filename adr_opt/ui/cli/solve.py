@@ -25,18 +25,18 @@ if TYPE_CHECKING:
 @click.command("solve")
 @take.instance
 @take.method
-@take.number("--time-limit", "S", "Wall time, the timetable included; 10 s.")
+@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
 @run_options
 @take.number(
     "--memory",
     "GIB",
-    "Most memory of the timetable; beyond it, the nearest pairs alone. 2 GiB.",
+    "Maximum memory for the timetable; beyond it, only the nearest pairs are used; default 2 GiB.",
     name="memory_gib",
 )
 @take.file("--policy", "Short for --option policy=FILE.")
 @take.word("--decode", "HOW", "Short for --option decode=HOW.")
-@take.flag("--repair", "Keep the legal beginning of an illegal --start.")
-@take.word("--bound", "NAME", "Bound to run beside the planner.", name="bound_name")
+@take.flag("--repair", "Use the legal beginning of an illegal --start.")
+@take.word("--bound", "NAME", "Bound to run alongside the planner.", name="bound_name")
 @take.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options

@@ -52,10 +52,10 @@ as_json = flag("--json", "Print one JSON object and nothing else.", name="as_jso
 cluster = word(
     "--cluster",
     "dask://HOST:PORT",
-    "Work on the workers of a Dask scheduler, in the place of --jobs.",
+    "Use the workers of a Dask scheduler instead of --jobs.",
 )
 quiet = flag("--quiet", "No messages and no progress.")
-method = word("--method", "NAME", "Planner; 'methods' lists them and the default.")
+method = word("--method", "NAME", "Planner; see 'methods' for the list and the default.")
 seed = click.option(
     "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
 )

@@ -16,17 +16,23 @@ from . import take
 from .output import emit_json, say
 
 
-@click.command("train", short_help="Train a policy for the planner ppo.")
-@take.word("--config", "NAME", "set, set-transfer or published.", name="config", required=True)
-@take.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
-@take.word("--out", "DIR", "Folder of the run; resumed.", required=True)
+@click.command("train", short_help="Train a policy for the ppo planner.")
+@take.word(
+    "--config",
+    "NAME",
+    "Configuration: set, set-transfer or published.",
+    name="config",
+    required=True,
+)
+@take.count("--steps", "N", "Least number of environment steps; rollouts are completed.")
+@take.word("--out", "DIR", "Folder of the run, which is resumed if it exists.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")
-@click.option("--device", default="cpu", show_default=True, help="Of PyTorch: cpu or cuda.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
+@click.option("--device", default="cpu", show_default=True, help="PyTorch device: cpu or cuda.")
 @take.count(
     "--evaluate-every",
     "N",
-    "Steps between evaluations on held fields.",
+    "Steps between evaluations on held-out fields.",
     default=200_000,
     show_default=True,
 )

@@ -96,14 +96,14 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
                 say(f"building {watch.size}")
                 sized = True
             if stop.is_set and not told and not quiet:
-                say("interrupted: waiting for the best result so far; once more to abort")
+                say("interrupted: waiting for the best result so far; interrupt again to abort")
                 told = True
     if trouble() is not None and not quiet:
         say(f"compiled kernels cannot be kept: {trouble()}")
     if errors:
         raise errors[0]
     if stop.is_set and not quiet:
-        say("interrupted: this is the best result until then")
+        say("interrupted: this is the best result so far")
     return results[0]
 
 
