@@ -1,4 +1,4 @@
-"""The time-expanded network with waiting arcs: every connection once, at its own departure.
+"""Time-expanded network with waiting arcs: every connection once, at its own departure.
 
 A chaser at a body waits from one departure event to the next one. So a *row* stands for a body at
 a departure event: its moves are the connections that leave there and then, all to one destination,
@@ -28,7 +28,7 @@ from .dominated_legs import RowLegs, mark_stale
 
 
 class Outgoing(NamedTuple):
-    """Rows and legs of one body, counted within it.
+    """Rows and legs of one body, with local indices.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Outgoing(NamedTuple):
 
 @kernel
 def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
-    """Keep the connections to j that fit into the mission at the beginning of their arrays.
+    """Keep the connections to j that fit into the mission, at the front of their arrays.
 
     Of those that leave together none is kept that costs no less than one that arrives no later:
     corrections of what short transfers and those that drift cost may have left some.
@@ -102,7 +102,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 
 @inlined
 def reachable(i, j, rules, is_start):
-    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
+    """Whether a move is possible: not to the same body or a start orbit, no unearned refuelling.
 
     Nor does he leave from where others start.
     """
@@ -115,7 +115,7 @@ def reachable(i, j, rules, is_start):
 
 @kernel
 def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
-    """The connections of a pair: worked out, or copied where they are listed.
+    """Connections of a pair: computed, or copied if listed.
 
     The same ones as schedules are made of: what a leg that comes too late dominates is gone.
     """
@@ -197,7 +197,7 @@ def _from_body(i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, 
 
 @kernel
 def _signpost(departure, start, duration, post):
-    """First row of its body at or after each of as many equal steps of time as it has rows."""
+    """First row of the body at or after equidistant times, as many as it has rows."""
     for i in range(start.size - 1):
         row, rows = start[i], start[i + 1] - start[i]
         for step in range(rows):
@@ -312,7 +312,7 @@ def build(
 
 
 class Listed(NamedTuple):
-    """The connections of one origin, destination after destination.
+    """Connections of one origin, destination after destination.
 
     Attributes
     ----------
@@ -331,7 +331,7 @@ class Listed(NamedTuple):
 
 
 def listed_of(mission: Mission, i: int) -> Listed | None:
-    """The connections of an origin that are listed; None where they are worked out one by one."""
+    """Listed connections of an origin; None if they are computed one by one."""
     connecting = mission.connecting
     if not connecting.is_listed:
         return None
