@@ -43,7 +43,7 @@ def write_onnx(
     targets: int | None,
     facts: dict[str, Any],
 ) -> None:
-    """Write a policy, whole or not at all.
+    """Write a policy, completely or not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Latest times at which a chaser can still collect what it has to, for kernels."""
+"""Latest times at which a chaser can still collect a required worth, for kernels."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Latest(NamedTuple):
 
 @inlined
 def latest_time(latest, body, left, rest):
-    """Latest time at which a chaser at a body can still collect a rest, between slots linearly.
+    """Latest time at which a chaser at a body can still collect a rest, interpolated between slots.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Longest walks over a stream of legs that know how much is left of a tank.
+"""Longest walks over packed legs that track the tank.
 
 See docs/model.md section 8.
 
@@ -32,16 +32,16 @@ from .sweeps import NEVER
 from .walks import LARGEST
 
 BYTES = 8
-"""Memory of each unit of ΔV at each body and step."""
+"""Memory per unit of ΔV at each body and step [bytes]."""
 
 
 def width_of(budget: float, unit: float) -> int:
-    """Numbers that a body takes at a step: one for each number of units left, in whole vectors."""
+    """Size of a body's entry at a step: one number per units left, padded to whole vectors."""
     return (units_of(budget, unit) // simd.LANES + 1) * simd.LANES
 
 
 class TankTerms(NamedTuple):
-    """What walks gain, and how their values are packed and laid out.
+    """Gains of walks, with the packing and layout of their values.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ def _trace(stream, terms, values, step, body, walk):
 
 
 class TankBound(StreamBound):
-    """Best walks of a mission for given multipliers, again and again.
+    """Repeated evaluation of a mission's best walks for given multipliers.
 
     Parameters
     ----------
@@ -204,15 +204,15 @@ class TankBound(StreamBound):
         return int(self.prize.size)
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with."""
+        """Initial multipliers."""
         return self._first_point.copy()
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         return self._within(point)
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there.
+        """Bound near a point, with its exact multipliers and its subgradient.
 
         −inf if there is no plan at all.
         """
