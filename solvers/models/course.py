@@ -189,7 +189,7 @@ class _Course:
         if rows.landing.size > SIFTED_FIRST:
             if self.remaining_s() < SIFTING_S_PER_LEG * rows.landing.size:
                 self.notes.append(
-                    f"the network of {rows.landing.size} connections was not handed to the solver: "
+                    f"the network of {rows.landing.size} connections was not passed to the solver: "
                     "too little time was left"
                 )
                 return
@@ -202,7 +202,7 @@ class _Course:
             if part.legs > most_arcs:
                 self.notes.append(
                     f"{part.legs} arcs may belong to a plan worth {goal:g}, which is more than "
-                    f"most_arcs = {most_arcs}: they were not handed to the solver"
+                    f"most_arcs = {most_arcs}: they were not passed to the solver"
                 )
                 return
             before = certificate.bound

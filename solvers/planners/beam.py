@@ -76,7 +76,7 @@ def beam(
     progress: Progress,
     options: BeamOptions = BeamOptions(),
 ) -> Result:
-    """Search level by level over visits, keeping the best partial plans of each level.
+    """Beam search, level by level over visits, keeping the best partial plans of each level.
 
     Deterministic as long as the time allows the whole width. A narrow search first tells how much
     it does allow; one that is late all the same is hurried to its end.

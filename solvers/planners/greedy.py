@@ -42,7 +42,7 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
 
     beta: float = option(
         -1.0,
-        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s an hour, and "
+        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s per hour, or "
         "less where planes drift.",
         unit="per s",
     )
@@ -93,7 +93,7 @@ def greedy_guarded(
     progress: Progress,
     options: GuardedOptions = GuardedOptions(),
 ) -> Result:
-    """Greedy planning with targets after which the chaser can still refuel, or no longer needs to.
+    """Greedy that takes only targets after which the chaser can refuel, or no longer needs to.
 
     The same rule as :func:`greedy` with one guard and, by default, a price on time, so that a
     cheap transfer is not waited for while a zone is closed; as quick.

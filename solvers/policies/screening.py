@@ -58,7 +58,7 @@ def parsed(data: bytes, path: Any) -> Any:
         model = onnx.ModelProto()
     if not model.graph.node:
         raise InputError(
-            f"{path}: not a whole ONNX file, so not a policy; give a file that train wrote"
+            f"{path}: not a complete ONNX file, so not a policy; give a file that train wrote"
         )
     # Readers may differ in what they take fields for that they do not know.
     model.DiscardUnknownFields()

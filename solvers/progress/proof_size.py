@@ -30,8 +30,8 @@ MEMORY_SHARE = 0.5
 
 
 TOO_LARGE = (
-    "the network of all connections takes too much memory, so the bound is that of walks whose "
-    "ΔV is paid for, or of least times"
+    "the network of all connections takes too much memory, so the bound is from walks that pay "
+    "for ΔV, or from least times"
 )
 """Note of a bound without a network."""
 

@@ -41,7 +41,7 @@ class MctsOptions(Options, method="mcts"):
         choices=("published", "tuned"),
     )
     simulations: int = option(
-        FROM_PRESET, "Simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
+        FROM_PRESET, "Number of simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
     )
     depth: int = option(
         FROM_PRESET, "Maximum length of a rollout, in moves.", least=1, unset=ITS_OWN
