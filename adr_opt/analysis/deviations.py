@@ -109,7 +109,7 @@ def refuse_not_begun(legs: Numbered, begun: int, fixed: int, at_s: float, went: 
     legs : tuple of (int, Leg)
         Of one chaser.
     begun, fixed : int
-        So many of them have begun, and so many are flown as planned.
+        Numbers of its first legs that have begun, and that are flown as planned.
     at_s : float
         [s].
 
@@ -196,7 +196,7 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
     flown : Flown
         With the kits aboard that were not left behind as a part of the chaser.
     fixed : int
-        So many legs.
+        Number of its first legs.
 
     Raises
     ------
@@ -228,9 +228,9 @@ def said_of(
     legs : tuple of (int, Leg)
         Of one chaser, as planned.
     begun, planned : int
-        So many have begun; so many would have by their times.
+        Number of legs that have begun, and that would have by their times.
     possible : int
-        So many can be flown as planned.
+        Number of legs that can be flown as planned.
     missed : sequence of str
     """
     notes = []

@@ -1,7 +1,7 @@
 """Start times of chasers that resume at an object they are still to tow.
 
-An instance does not say who has to be launched onto a target, so that times have to: its window is
-that of one service, and only one chaser is there in time.
+An instance cannot name the chaser for a target, so times have to: the target's window is that of
+one service, and only one chaser is there in time.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def in_order(zoned: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserSt
     """States in order of their starts, with launches kept apart and resumptions at distinct times.
 
     Chasers that start anywhere are launched in the order of the file. Of those that are put
-    somewhere no two begin at once: nobody else comes to the target of the first one in time, so
+    somewhere no two begin at once: no other chaser comes to the first one's target in time, so
     that it is put there, nor to that of the second one, and so on.
     """
     if not any(state.is_put for state in states):

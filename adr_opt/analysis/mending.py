@@ -33,13 +33,13 @@ class Shortfall:
     Attributes
     ----------
     delta_v_m_s : float or None
-        So much more in each full tank, and all else as it is; None where no tank of four times the
+        Additional ΔV of each full tank, all else unchanged; None where no tank of four times the
         size would do, or where it is not ΔV that is missing.
     time_s : float or None
-        So much more time before the mission or the availability of the chaser ends, likewise; None
+        Additional time before the mission or the chaser's availability ends, likewise; None
         where twice the time would not do.
     window_s : float or None
-        The window of the target where the order breaks open for so much longer, likewise.
+        Additional opening time of the target's window where the order breaks, likewise.
     both : bool
         Neither ΔV nor time alone is enough, and the two figures are together: the least time that
         would do with any tank, and the least tank for that time.

@@ -92,7 +92,7 @@ def remaining_instance(
             )
     put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
-        # What is still to be towed is worth nothing any more, and there for who is put onto it.
+        # A target still to be towed has no prize any more, and is there for its own chaser only.
         target.replace(prize=0.0, required=True, window_s=put[target.name])
         if target.name in put
         else target
@@ -100,7 +100,7 @@ def remaining_instance(
         if target.name in put or (target.name not in done and target.name not in gone)
     )
     chasers = tuple(going_on(zoned, state) for state in states)
-    # Launches are apart by their times then, and who is put somewhere is not launched.
+    # Launches are kept apart by their times, and a chaser put at a target is not launched.
     mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
     name = f"{zoned.name}-from-{at_s:.0f}s"
     stations = _stations_left(zoned, states)

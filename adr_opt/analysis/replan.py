@@ -68,8 +68,8 @@ def replan(  # noqa: PLR0913
     what the new one has to beat.
 
     A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
-    and one that has begun its last tow goes on from the disposal orbit. There nobody waits by the
-    rules of the whole mission, so a note says so.
+    and one that has begun its last tow goes on from the disposal orbit. The rules of the whole
+    mission allow no wait there, so a note says so.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def replan(  # noqa: PLR0913
         Number of a leg that has not begun, and does not begin when it was to. Those before it of
         its chaser are flown as planned, and the rest begins where it was to begin, later.
     keep : int
-        So many legs of each chaser that have not begun are flown as planned.
+        Number of further legs of each chaser, not yet begun, that are flown as planned.
     missed : iterable of str
         Targets to which the leg has begun, and that are not serviced: the chaser is there all the
         same, with the kit, and without a tow.

@@ -119,9 +119,9 @@ def states_at(
 ) -> tuple[ChaserState, ...]:
     """State of each chaser at a time.
 
-    A leg that has begun is finished: whoever has left cannot turn back. One that leaves a disposal
+    A leg that has begun is finished, as there is no way back. One that leaves a disposal
     orbit begins with the tow: it leaves as that ends. The legs after it that have not begun are
-    fixed too if ``keep`` says so, as many of each chaser. A leg that was to begin before a service
+    fixed too if ``keep`` says so, for each chaser. A leg that was to begin before a service
     was over that took longer has not begun.
 
     Parameters

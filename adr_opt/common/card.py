@@ -30,7 +30,7 @@ class CardTable(NamedTuple):
     heads : tuple of str
     rows : sequence of tuple of str
     texts : int
-        So many columns, from the first on, hold words; the others hold numbers.
+        Number of leading columns that hold words; the others hold numbers.
     """
 
     heads: tuple[str, ...]

@@ -31,7 +31,7 @@ SLACK_M_S = 2.0**-20
 SLACK_M = 2.0**-10
 """Slack of the model: times [s], ΔV [m/s] or radii [m] that differ by less than this are equal.
 
-Far above what rounding does to the figures of a mission, far below what anybody can fly. A chaser
+Far above what rounding does to the figures of a mission, far below what can be flown. A chaser
 that is ready a slack after a departure event still takes it; a tank and a mission may be overdrawn
 by a slack in all; of sequences whose costs are equal the first counts; phasing radii and zones are
 closed with a slack. Without it, rounding would decide wherever a chaser is ready exactly when an

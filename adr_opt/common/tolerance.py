@@ -2,8 +2,8 @@
 
 Prizes have a common step wherever they are written in so few digits that it can be told, and then
 objectives are compared exactly: by whole steps. Where they have none, objectives differ by as
-little as anybody likes, and the tolerance is what arithmetic leaves. `check` and `verify` work all
-this out again by themselves, on purpose.
+arbitrarily little, and the tolerance is what arithmetic leaves. `check` and `verify` derive all
+this again by themselves, on purpose.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ NOISY = 1e-6
 
 MOST_STEPS = 2**46
 """Largest sum of all prizes, in steps, that can be resolved with a margin: sums are off by at
-most 2⁻⁵⁰ of themselves.
-"""
+most 2⁻⁵⁰ of themselves."""
 
 DIGITS = 12
 """Maximum number of significant digits of a prize that is taken as exact."""
@@ -63,7 +62,7 @@ def common_step(prizes: Iterable[float], required: int = 0) -> float:
     ----------
     prizes : iterable of float
     required : int
-        So many targets are required, and each of them is worth all prizes more to a planner.
+        Number of required targets, each of which is worth all prizes more to a planner.
 
     Returns
     -------
@@ -115,7 +114,7 @@ def check_prizes(prizes: Iterable[float], required: int) -> None:
     ----------
     prizes : iterable of float
     required : int
-        So many targets are required: each is worth more to a planner than all prizes together.
+        Number of required targets, each worth more to a planner than all prizes together.
 
     Raises
     ------

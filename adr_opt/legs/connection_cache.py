@@ -16,8 +16,8 @@ Pair = tuple[int, int]
 class ConnectionCache:
     """Least-recently-used cache of the connections of pairs, bounded in bytes.
 
-    Beyond the room that there is those are dropped that nobody has asked for longest, and worked
-    out again should somebody ask. Threads may share it.
+    Beyond the bound, the least recently used connections are dropped, and computed again when
+    next needed. Threads may share it.
 
     Parameters
     ----------

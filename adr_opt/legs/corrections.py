@@ -26,7 +26,7 @@ class Corrections:
     ----------
     shares : mapping of (origin, destination, kind) to float
         What connections of a pair cost against others of their kind, by the names of the bodies;
-        positive, 1 by default, and +inf for those that nobody shall fly.
+        positive, 1 by default, and +inf for connections that must not be flown.
     factors : mapping of kind to float
         Positive; 1 by default.
     additions_m_s : mapping of kind to float

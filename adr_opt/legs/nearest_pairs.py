@@ -45,7 +45,7 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
         Bodies that are wanted before all others; the others come in order of their distance from
         where chasers start. The nearest of each are found by :func:`_places`.
     ranks : int
-        So many destinations of each body.
+        Number of destinations of each body.
 
     Returns
     -------

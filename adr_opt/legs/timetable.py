@@ -51,7 +51,7 @@ class Timetable(Shown):
     pairs : Pairs, optional
         Of which pairs, and in which order, where others need not be there; all by default.
     most : int, optional
-        Of so many of them, from the first on.
+        Maximum number of them, from the first on.
     enough : callable, optional
         Asked every few ten milliseconds with the share that is built of the table of all pairs.
         Once it says so, the table is that of the pairs that are there by then.
@@ -73,7 +73,7 @@ class Timetable(Shown):
     instance : Instance
     pairs : Pairs
     built : int
-        So many of the pairs are there, from the first on.
+        Number of pairs built, from the first on.
     table : adr_opt.kernels.tables.timetable.Table
         The read-only arrays, for kernels.
     limits : adr_opt.kernels.tables.timetable_making.ServiceLimits
@@ -238,7 +238,7 @@ class Timetable(Shown):
     ) -> Timetable:
         """A timetable from given connections as matrices by departure.
 
-        Who is ready between two departures waits for the next one.
+        A chaser ready between two departures waits for the next one.
 
         Parameters
         ----------
@@ -458,7 +458,7 @@ class Timetable(Shown):
             Times since the epoch at which the chaser is ready [s].
         choose : {"earliest", "cheapest"} or float, optional
             Choose one of all :meth:`connections` that depart at the ready time or later: the one
-            that arrives first, the one that costs least, or the one with the least ΔV plus so many
+            that arrives first, the one that costs least, or the one with the least ΔV plus this
             m/s per hour until arrival. Windows are not looked at. By default what :meth:`lookup`
             tells, which looks at them. Waiting counts to the duration.
 

@@ -66,7 +66,7 @@ def certify(  # noqa: PLR0913
     upper_bound : float
         Proven bound on what plans are worth to a planner (:attr:`Prizes.bonus`), +inf for none.
     cost_bound : float, optional
-        Proven: no plan that collects as much costs less. None if nobody asked.
+        Proven: no plan that collects as much costs less. None if not proven.
     evidence : Evidence, optional
         What the upper bound rests on.
     counters, notes

@@ -19,7 +19,7 @@ from .result import Result
 def certificate_of(instance: Instance, result: Result) -> Certificate:
     """The certificate of a method's proof.
 
-    Where the last step of a proof is one that nobody could verify more quickly than repeat, it is
+    Where the last step of a proof could only be verified by repeating it, the certificate is
     that of the bound before.
 
     Parameters

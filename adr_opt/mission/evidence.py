@@ -65,7 +65,7 @@ class Evidence:
     Attributes
     ----------
     multipliers : (bodies,) float64
-        At least 0, and 0 but for targets and for stations with so many refuellings only.
+        At least 0, and 0 but for targets and for stations with limited refuellings.
     walks : tuple of Walks
         Of all chasers, each once.
     delta_v_slot_m_s : float

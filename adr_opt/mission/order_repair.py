@@ -66,7 +66,7 @@ def _follow(mission: Mission, order: Iterable[int], guard: int) -> tuple[int, ..
     """Fly an order; where the next move is not legal, refuel, or else skip it.
 
     With ``guard`` a move to a target also counts as not legal if the station is out of reach
-    after it; at the end the guard is dropped, as nobody has to return.
+    after it; at the end the guard is dropped, as there is no need to return.
     """
     rules = mission.rules
     visited = np.zeros(len(mission.names), dtype=np.bool_)

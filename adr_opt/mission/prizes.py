@@ -18,8 +18,7 @@ GUARD, MOST_GUARD = 1e-9, 0.125
 
 MARGIN, MOST_MARGIN = 1e-3, 0.5
 """Distance below the next step at which better plans are sought, larger where steps are small
-compared with the sum: several times the effect of rounding [steps].
-"""
+compared with the sum: several times the effect of rounding [steps]."""
 
 
 class Prizes:
@@ -104,7 +103,7 @@ class Prizes:
     def prize_resolution(self) -> float:
         """Difference up to which objectives are equal: half a step, or else a share of all prizes.
 
-        That is, what arithmetic can tell apart, not what anybody would like to neglect.
+        That is, the resolution of arithmetic, not a tolerance of convenience.
         """
         return 0.5 * self.prize_step if self.prize_step else RELATIVE * (self.all_prize or 1.0)
 

@@ -111,7 +111,7 @@ class Scheduler:
     cost : {"delta-v", "duration", "expense"}
         What the best schedule of an order has least of.
     chaser : Chaser
-        Who flies.
+        The chaser.
     time_m_s_per_s : float
         Price of the time from when the chaser may fly to the end of an order [m/s per s].
     """
@@ -180,7 +180,7 @@ class Scheduler:
         order : tuple of int
             Bodies; its moves keep to the rules of the order.
         kits : int, optional
-            That are taken along; as many as are needed by default.
+            Number of kits taken along; by default the number needed.
         """
         rules = self._rules()
         if kits is None:

@@ -100,7 +100,7 @@ class Aboard(NamedTuple):
     mass_kg : float or None
         Of the chaser with propellant and kits; None where the tank is not one by mass.
     kits : int
-        So many more are left behind.
+        Number of further kits left behind.
     on_arrival_m_s : float
         What was left before the service [m/s].
     removal_kg, removal_m_s : float
@@ -147,7 +147,7 @@ def followed(
         elif destination in takers:
             takers.remove(destination)
             mass, kits = _mass_kg(chaser, kits, left), kits - 1
-            # What a tank lacks does not grow: nobody knows what masses would be then.
+            # What a tank lacks does not grow: masses would then be unknown.
             if mass is not None and chaser.kit_mass_kg > 0.0 and left > 0.0:
                 left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
         elif destination in tows:

@@ -34,7 +34,7 @@ class ProvenWalks(Record):
     back to a target that it has forgotten: when it comes to a body, it goes on remembering those of
     ``neighbourhoods`` there and the target that it comes from, and no others.
 
-    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays so much for ΔV,
+    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays that for ΔV,
     and collects the price of what is in the tank at the start and after each refuelling.
     """
 

@@ -59,8 +59,7 @@ _known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN)}
 
 _installed = [entry_points]
 """Pending lookup of installed families, done once: emptied before they are loaded, as
-loading may ask for kinds.
-"""
+loading may ask for kinds."""
 
 
 def _load_installed() -> None:

@@ -103,7 +103,7 @@ class Leg(Shown, Record):
     that of the transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose
     node moves otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns;
     ``launch`` puts a chaser that starts anywhere onto its first target, at once and for nothing;
-    ``given`` is a connection that somebody gave, which has no burns; other kinds are those of
+    ``given`` is a given connection, which has no burns; other kinds are those of
     families that were registered. ``mass_kg``, that of the
     chaser at ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there
     where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
@@ -198,8 +198,8 @@ class Unvisited(Record):
     The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
     connection to the target that leaves time for service, else ``duration`` if none from where the
     plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
-    chaser has no kit for it or services as many as it may, else ``not-worth-it``: one more leg
-    fits, and the plan does not fly it. ``not-considered`` is one to which nobody has looked for a
+    chaser has no kit for it or has reached its ``max_targets``, else ``not-worth-it``: one more leg
+    fits, and the plan does not fly it. ``not-considered`` is one without a search for a
     way from where the plan ends, because the time or the memory did not allow it; a note of the
     plan says more.
     """
@@ -213,7 +213,7 @@ class Plan(Shown, Record):
 
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
     ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
-    that collects as much; the three are null where nobody asked for them. ``model`` is the version
+    that collects as much; the three are null if not proven. ``model`` is the version
     of docs/model.md that its costs are of. ``flown`` says what came of flying it, where that was
     done; files say nothing of it where it was not.
     """

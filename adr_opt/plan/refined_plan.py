@@ -117,7 +117,7 @@ class RefinedLeg(Record):
     wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
     ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
-    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
+    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is its chaser, where there are several;
     where there is one, files say nothing of it. ``tow`` is that of the destination after its
     service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
     in neither sum. Where there are none, files say nothing of them. ``after_launch`` says that the

@@ -33,7 +33,7 @@ class StationLimits:
     most : (limits,) float64
         Supply of each: refuellings of a station, or propellant [kg].
     of_body : (bodies,) float64
-        How often each body may be gone to: targets once, a station for so many refuellings.
+        Maximum number of visits of each body: targets once, a station by its refuellings.
     """
 
     def __init__(self, instance: Instance) -> None:

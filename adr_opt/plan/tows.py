@@ -4,7 +4,7 @@ A tow is a Hohmann transfer of the chaser with the object from the circle that t
 on (docs/model.md section 1) to one at the disposal altitude, in the object's plane: two burns
 against the motion, half a revolution apart. The object is released after the second one. The chaser
 may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where there is
-none, plans have it follow the service at once, and it may be later. So who leaves a towed object at
+none, plans have it follow the service at once, and it may be later. So a chaser leaving a tow at
 a time t is on the disposal orbit then,
 
     u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,

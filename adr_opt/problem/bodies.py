@@ -48,8 +48,8 @@ class Station(Record):
 
     It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
     ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
-    it, nor is ``object_id``, as of a target. Whoever arrives there refuels, also at the end of its
-    route.
+    it, nor is ``object_id``, as of a target. Chasers refuel on every arrival, also at the end
+    of its route.
     """
 
     name: Name

@@ -180,7 +180,7 @@ def of_matrices(
     Parameters
     ----------
     departures : (departures,) float
-        Since the epoch, each later than the one before [s]. Who is ready in between waits for the
+        Since the epoch, each later than the one before [s]. A chaser ready in between waits for the
         next one.
     duration : (departures, bodies, bodies) float
         By (departure, origin, destination), +inf for no connection [s]. The diagonal is not

@@ -169,7 +169,7 @@ class Instance(Shown, InstanceFile):
             self.largest_tank_m_s,
             time_buys_delta_v=is_given or self.transfer.max_drift_s > 0.0,
             refuels=bool(self.stations),
-            # Of given costs nobody knows the unit, so no usual value is a limit.
+            # The unit of given costs is unknown, so no usual value is a limit.
             usual_is_a_limit=not is_given,
         )
 

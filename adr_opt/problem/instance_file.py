@@ -35,8 +35,8 @@ FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 class InstanceFile(Record):
     """The fields of an instance; :class:`adr_opt.Instance` is the plannable object.
 
-    ``frame``: the inertial frame that orbits and burns are in. Where it is null nobody knows which
-    one, and files say nothing of it.
+    ``frame``: the inertial frame that orbits and burns are in. Null means unknown,
+    and is not written to files.
     """
 
     format: Literal["adr-opt-instance/2"] = FORMAT
@@ -117,12 +117,12 @@ class InstanceFile(Record):
         """The same field for a mission of another duration or with other tanks.
 
         With ``delta_v_m_s`` all tanks are counted in ΔV; with ``propellant_kg`` those by mass hold
-        so much, and the rest of their masses stays.
+        that mass, and the rest of their masses stays.
 
         Raises
         ------
         InputError
-            A limit is not valid, or a tank that is to hold so much propellant knows no masses.
+            A limit is not valid, or a tank given in ΔV is to hold propellant.
         """
         if delta_v_m_s is not None and propellant_kg is not None:
             raise InputError("a tank is given by its ΔV or by its propellant; give one of the two")
@@ -146,7 +146,7 @@ class InstanceFile(Record):
         Raises
         ------
         InputError
-            There are several: whoever asks works with one.
+            There are several chasers.
         """
         if len(self.chasers) > 1:
             raise InputError(

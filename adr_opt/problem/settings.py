@@ -123,7 +123,7 @@ class TransferSettings(SequenceSettings):
     def may_drift(self) -> bool:
         """Whether legs may use drift orbits.
 
-        So they may where costs are given: nobody knows how they change with time.
+        So they may where costs are given, whose variation with time is unknown.
         """
         return self.max_drift_s > 0.0 or self.given is not None
 

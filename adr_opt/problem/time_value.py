@@ -9,8 +9,7 @@ from ..common.errors import InputError
 
 SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
 """Value of an hour where planes drift, as a multiple of a tank over the mission; the second
-number multiplies it where there are stations.
-"""
+number multiplies it where there are stations."""
 
 TIME_VALUE_M_S_PER_H = 75.0
 """Default value of an hour for missions of days."""

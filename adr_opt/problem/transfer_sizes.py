@@ -36,8 +36,7 @@ PHASE_SHARE = 0.25
 
 LEAST_STEP_S, MOST_PHASE_STEP_S = 0.5 * DAY_S, 2.0 * DAY_S
 """Limits of such steps. A short transfer after a wait saves as much as a drift of hours; and nearly
-equal orbits are no reason to leave a chaser waiting for weeks.
-"""
+equal orbits are no reason to leave a chaser waiting for weeks."""
 
 MOST_COMPARED = 500
 """Largest number of bodies whose pairs are all compared."""

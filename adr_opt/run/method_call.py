@@ -61,7 +61,7 @@ def _shown(problem: Problem, progress: Progress) -> Progress:
 class Prepared:
     """A method call with everything settled but the mission and the stopping criterion.
 
-    Whoever runs several methods side by side prepares each and gives them one stop.
+    To run several methods side by side, prepare each and give them one stop.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class Prepared:
         notes, routes = self.notes, []
         done: set[str] = set()
         for each, wanted in zip(problem.missions, destinations, strict=True):
-            # What was another chaser's is nobody else's; without repair it was refused.
+            # Targets of earlier chasers are dropped here; without repair this was refused.
             left = takewhile(lambda name: name not in done, wanted)
             sequence = legal_beginning(each, left, repair=repair)
             routes.append(sequence)

@@ -1,8 +1,8 @@
 """Problems of variants of an instance, on an existing timetable.
 
-What a transfer costs knows nothing of prizes, of who is required and of other bodies; and, where
+The cost of a transfer does not depend on prizes, on requirements or on other bodies; and, where
 connections are not listed for a tank (``ConnectionFinder.depends_on_tank``),
-nothing of tanks. So whoever changes those and plans again needs no other timetable: that of fewer
+not on tanks. So a change of those needs no other timetable: that of fewer
 targets is a part of that of more.
 """
 

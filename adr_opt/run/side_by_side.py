@@ -123,7 +123,7 @@ def together(
     limits : sequence of Stop
         A limit of the planner alone and one of the bound alone, or nothing. Where work is limited
         in this way and no other limit is reached, objective, bound and status do not depend on
-        who is quicker: a side is cut short only when nothing is left to gain. Which of several
+        their speed: a side is cut short only when nothing is left to gain. Which of several
         optimal plans is returned may.
 
     Returns
@@ -155,7 +155,7 @@ def together(
             errors.append(error)
             meeting.end()
 
-    # A daemon: somebody who interrupts twice does not wait for a bound that never asks.
+    # A daemon: a second interrupt must not wait for a bound that never asks.
     thread = threading.Thread(target=prove, name="bound", daemon=True)
     thread.start()
     try:

@@ -28,8 +28,7 @@ MOMENT_S = 0.5
 
 RANKS = 300
 """Number of nearest destinations examined per body when rows are computed on demand; required
-targets are always added.
-"""
+targets are always added."""
 
 LEAST_S = 1.0
 """Minimum build time, so that a short limit omits no pair of an ordinary field [s]."""
@@ -144,8 +143,7 @@ def looked_at(timetable: Timetable) -> float:
 
 MOST_EVENTS = 2000
 """Maximum number of departure events, about two months: beyond it, schedules of as many visits as a
-search finds at once would take longer than the search.
-"""
+search finds at once would take longer than the search."""
 
 
 def may_work_on_demand(whole: Problem) -> bool:
@@ -179,7 +177,7 @@ def candidates(
         Bodies that are wanted before all others, which come in order of their distance. None for
         those to whom some of the pairs are of no use: they may spend the whole limit.
     interrupted : callable
-        Whether somebody wants to leave at once.
+        Whether the user has interrupted.
     building : callable
         Told of the share of the timetable that is built.
     table_bytes : float
@@ -188,7 +186,7 @@ def candidates(
         Whether the timetable is of use if it is that of all pairs alone: otherwise it is given up
         as soon as that is known.
     on_demand : bool
-        Whether rows that are worked out when somebody asks will do where not all pairs can be
+        Whether rows on demand are an alternative where not all pairs can be
         built: then there are no others.
     """
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_on_demand):

@@ -1,6 +1,6 @@
 """Exchange rates between prize, time and ΔV in a mission, for comparing partial plans.
 
-A mission that services n targets in so many hours services one an hour of that: so an hour is worth
+A mission that services n targets in h hours services n / h in one of them: so an hour is worth
 n mean prizes over its duration. ΔV can be bought for time where there are stations, a tank for a
 refuelling stop, and is worth that time; elsewhere it is what limits the mission, and is worth the n
 prizes over the tank. How many targets n are serviced is learnt from the guarded greedy plan.

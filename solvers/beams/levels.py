@@ -250,7 +250,7 @@ def succeed(search, level, size, wanted, cand):
     Returns
     -------
     count : int
-        Candidates; at most so many that the best ``wanted`` are among them.
+        Number of candidates, just enough for the best ``wanted`` to be among them.
     priced : int
         Successors looked at.
     """

@@ -80,7 +80,7 @@ def static_costs(mission: Mission, enough: Callable[[], bool] = lambda: False) -
     mission : Mission
     enough : callable
         Asked at each pair. Once it says so, the rest of the pairs get what is known in closed form;
-        not where nodes drift, since all connections are listed there before anybody plans.
+        not where nodes drift, since all connections are listed there before planning begins.
     """
     rules, connecting = mission.rules, mission.connecting
     bodies = rules.service.size

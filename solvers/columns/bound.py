@@ -1,6 +1,6 @@
 """Lagrangian bound of a campaign: best walks of all chasers under common multipliers.
 
-With multipliers π of "each target at most once", whoever does it,
+With multipliers π of "each target at most once", by any chaser,
 
     prizes collected ≤ Σ π + Σ over chasers of the best walk that is worth prize − π at each target,
 

@@ -133,7 +133,7 @@ class CostFinish:
         )  # fmt: skip
         if found is None:
             return False
-        # Nobody can service a set of which there is no route.
+        # A set without a route cannot be serviced.
         del self._least[key], self._route[key]
         for route, cost, stops in found:
             own = kind, targets, stops

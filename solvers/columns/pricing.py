@@ -106,7 +106,7 @@ class LabelPricing:
         multipliers : (bodies,) float64
         least : float
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Whether to give up.
         is_new : callable

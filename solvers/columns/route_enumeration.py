@@ -3,7 +3,7 @@
 With multipliers π and the most v_k that a route of each kind is worth, less multipliers, no plan
 exceeds L = Σ π + Σ v_k over the chasers. A plan that reaches a goal loses no more than L − goal of
 that, whatever it loses it by; so each of its routes is worth at least v_k − (L − goal) (Baldacci,
-Christofides and Mingozzi 2008). Labels find a route for every set of targets that is worth so much,
+Christofides and Mingozzi 2008). Labels find a route for every set of targets above this value,
 and a set packing decides whether some of them make such a plan.
 """
 
@@ -110,7 +110,7 @@ class Finish:
         most_worth : (kinds,) float64
             Proven: no route of a kind is worth more, less these multipliers.
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Whether to give up.
         remaining_s : callable

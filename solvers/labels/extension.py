@@ -89,7 +89,7 @@ class LabelQuery(NamedTuple):
     most_visits : int
         Services that a walk may make.
     price : (kits + 1,) float64
-        What a m/s takes off the value of a walk with so many kits aboard [fine units].
+        What a m/s takes off the value of a walk, by number of kits aboard [fine units].
     pays : bool
         Whether ΔV is paid for.
     time_price : float
@@ -337,7 +337,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 preceded = is_preceded(
                     pending, landing, labels, candidate, remembered, compared, search.loads
                 )
-                # Who is ready by the same row may have been ready later: if the walk ends here,
+                # A label ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.
                 if preceded and not (
                     timed and network.may_end[j] and collected >= search.least_worth

@@ -213,7 +213,7 @@ class LabelSearch:
         Parameters
         ----------
         most : int
-            No more than so many, no two of the same targets.
+            Maximum number of plans, no two of the same targets.
         """
         return [plan for plan, _ in self.valued_plans(most)]
 
@@ -249,7 +249,7 @@ class LabelSearch:
         ----------
         threshold : float
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Asked now and then whether to give up.
 

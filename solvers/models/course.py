@@ -35,8 +35,7 @@ WHOLE_LEGS = 1_000
 SIFTED_FIRST = 100_000
 SIFTING_S_PER_LEG = 3e-6
 """Networks of this size are reduced before multipliers are sought, as they may turn out small; of
-larger ones this takes too long if not needed, and cannot be interrupted [s].
-"""
+larger ones this takes too long if not needed, and cannot be interrupted [s]."""
 
 SHARE = 0.3
 """Share of the remaining time for multipliers."""

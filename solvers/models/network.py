@@ -32,8 +32,7 @@ from ..networks.arrays import Network as Rows
 
 GUARD_M_S = 1e-6
 """Guard for sums of ΔV rounded in another order: an excess below it is kept. No plan within the
-rules is ever lost, and an infeasible path is re-timed.
-"""
+rules is ever lost, and an infeasible path is re-timed."""
 
 ENOUGH = 0.98
 """Reduction is repeated while it leaves at most this share of the legs."""

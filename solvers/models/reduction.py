@@ -133,7 +133,7 @@ def _backwards(network, is_station, may_end, terms, best, second, through):
         i = network.body[node]
         behind = NOBODY if is_station[i] else i
         onward = network.onward[node]
-        # To stop here goes nowhere: no leg has NOBODY as its destination.
+        # Stopping here leads nowhere: no leg has NOBODY as its destination.
         stop = NOBODY if may_end[i] else NEVER
         for s in range(top + 1):
             ahead[s], instead[s] = stop, NEVER

@@ -1,7 +1,7 @@
 """Network of walks: rows of a body are aggregated into time buckets, and ΔV into slots.
 
-Both only widen what is allowed. Who is at a body by the last row of a bucket is there by its first
-one, so he may take all legs of the bucket; a leg costs its whole slots only. So many legs become
+Both only widen what is allowed. A walk at a body by the last row of a bucket is there by its first
+one, so it may take all legs of the bucket; a leg costs its whole slots only. Many legs thus become
 superfluous: those that cost no less in slots than another one to the same body, leave no later and
 land in no earlier bucket. What is left is some times smaller than the network of all connections,
 and so are the values of its states.
@@ -112,7 +112,7 @@ def _keep(network, start, of_row, i, slot, parts, steps):
     low, high = network.start[i], network.start[i + 1] - 1
     base = start[i]
     never = np.int32(2**31 - 1)
-    # Earliest landing bucket of the later legs to a body that cost no more than so many steps.
+    # Earliest landing bucket of the later legs to a body, by the most steps that they cost.
     earliest = np.full((bodies, steps), never, np.int32)
     cheapest = np.full((bodies, steps), np.inf)
     most = network.first[high] - network.first[low]
@@ -202,7 +202,7 @@ def build(
     slot_m_s : float
         Slot of ΔV [m/s].
     parts : int
-        Legs are told apart in so many steps of ΔV within each slot.
+        Number of ΔV steps that legs are told apart in within each slot.
     jobs : int
         Threads. The result does not depend on it.
     """

@@ -1,7 +1,7 @@
 """Legs dominated for a chaser that has waited: an earlier departure was at least as good.
 
-A leg is stale for a chaser who was ready when another one left for the same body that lands no
-later and costs no more. Connections do not say so, since whoever is ready in between has a use for
+A leg is stale for a chaser that was ready when another one left for the same body that lands no
+later and costs no more. Connections cannot tell, since a chaser ready in between has a use for
 it. Of those that labels could take again and again while they wait, nearly all are stale.
 """
 

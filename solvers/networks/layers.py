@@ -27,7 +27,7 @@ class Layers(NamedTuple):
     takes : (bodies,) int64
         Kits that a service takes.
     image : (bodies, layers, width) int32
-        Slot after the service of a body with so many kits aboard, of each slot before; −1 for none.
+        Slot after the service of a body, by kits aboard and slot before; −1 for none.
     tops : (layers,) int64
         Slot of a full tank.
     """

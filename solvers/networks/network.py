@@ -39,8 +39,8 @@ class Outgoing(NamedTuple):
     delta_v : (legs,) float64
         [m/s].
     service : (legs,) int32
-        Number of the service that the leg leads to: far fewer than legs, since whoever arrives at
-        a body from this one at one time is served by one time.
+        Number of the service that the leg leads to: far fewer than legs, since all arrivals at
+        a body from this one at one time are serviced by one time.
     end : (services,) float64
         End of it [s].
     body : (services,) int32
@@ -73,7 +73,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     before : int
         Services of the bodies before.
     end : (crossings,) float64
-        Written: earliest end of service of who arrives there [s].
+        Written: earliest end of service after an arrival there [s].
 
     Returns
     -------
@@ -104,7 +104,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 def reachable(i, j, rules, is_start):
     """Whether a move is possible: not to the same body or a start orbit, no unearned refuelling.
 
-    Nor does he leave from where others start.
+    Nor from the start orbit of another chaser.
     """
     if i < rules.first_target and not rules.is_station[i] and not is_start[i]:
         return False
@@ -278,7 +278,7 @@ def build(
             _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
             if with_ends:
                 end[own] = found[i].end[found[i].service]
-            # Within a row of landing, too, an earlier end is of use to those who pay for time.
+            # Within a row of landing, too, an earlier end is useful if time has a price.
             legs = RowLegs(destination, first, end if with_ends else landing, delta_v)
             mark_stale(start[i], start[i + 1], bodies, legs, since, fresh)
 

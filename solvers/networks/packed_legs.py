@@ -6,8 +6,8 @@ what is kept at any time is what walks need: a leg is one integer. Everything is
 more is allowed, never less:
 
 - Time is counted in *steps* of one length for all bodies. A leg that departs within a step may be
-  taken by whoever is there by the end of the step, and who is ready within a step is ready at its
-  beginning: ⌊·⌋ is monotone, so who is in time for a departure is so in steps. Steps are counted
+    taken by a walk that is there by the end of the step, and a walk ready within a step is ready at
+    its start: ⌊·⌋ is monotone, so all departures in time are in time in steps. Steps are counted
   from 1, and launches, which take no time, depart a step before all that they lead to.
 - ΔV is counted in *units*, rounded down: Σ ⌊ΔV/u⌋ ≤ ⌊Σ ΔV/u⌋ ≤ ⌊budget/u⌋.
 - Legs of a pair are left out that cost no less than another one of the pair that departs no earlier

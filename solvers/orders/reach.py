@@ -34,7 +34,7 @@ class Reach(NamedTuple):
     cell_s : float
         [s].
     rank : (CELLS + 1,) int64
-        Which of the spans is the least of at least so many cells.
+        Index of the least span of at least this number of cells.
     least : (bodies, bodies, spans, CELLS) float32
         Least ΔV of the connections of a pair that leave and end within a span that begins with a
         cell, +inf for none [m/s].

@@ -42,8 +42,7 @@ HOT, COLD = 1.0, 0.03
 
 TIME_COUNTS = 0.3
 """Share of the value of time in the objective of an order. Targets that are hard to reach take more
-of it than their prize is worth, and time saved for nothing makes no order better.
-"""
+of it than their prize is worth, and time saved for nothing makes no order better."""
 
 NEIGHBOURS = 3
 """Number of nearest targets whose mean distance defines the remoteness of a target."""

@@ -24,8 +24,7 @@ from ..beams.levels import STRAIGHT
 
 MOST_LABELS = 6
 """Maximum number of labels per target, the earliest ones. More are rare, and dropping them only
-costs quality, not legality.
-"""
+costs quality, not legality."""
 
 
 class OrderLabels(NamedTuple):
@@ -163,7 +162,7 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
     reference : (positions,) float64
         Earliest end at each position in the order compared with [s].
     patience : float
-        Give up where the order is the reference's again and still so much later [s].
+        Give up where the order is the reference's again and still later by this [s].
 
     Returns
     -------

@@ -50,8 +50,7 @@ LAST_FOR_COST = 0.1
 
 EXCHANGES = 30
 """Exchanges per serviced target that reduce the plan's cost; also in each round where planes drift,
-so that routes are more than a way through a cloud.
-"""
+so that routes are more than a way through a cloud."""
 
 
 @dataclass(frozen=True)

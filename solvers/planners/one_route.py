@@ -55,8 +55,7 @@ ANNEALED, ANNEALINGS = 300, 8
 
 PROVING_ROUNDS = 4
 """After the second round, if planes drift and a proof has no bound yet, it continues in one round
-of this many; in the others, a second order is annealed instead.
-"""
+of this many; in the others, a second order is annealed instead."""
 
 FRUITLESS = 6
 """Number of fruitless annealings from one plan before another plan is chosen."""

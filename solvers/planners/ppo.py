@@ -25,8 +25,7 @@ PUNCTUAL = 0.9
 """Share of the remaining time that a beam may be expected to take."""
 PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
 """Worth of a unit of log-probability in a beam [targets]. If the policy sees chains, their promises
-already contain most of it.
-"""
+already contain most of it."""
 
 BATCH = 64
 """Number of samples played concurrently."""

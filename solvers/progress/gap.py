@@ -84,8 +84,7 @@ class GapTracker:
     def lower(self, bound: float, evidence: Evidence | None = None) -> None:
         """Lower the bound, rounded down to the step of the prizes; −inf if there is no plan.
 
-        What it rests on is kept; where nobody can tell, that of the last bound of which it is
-        known.
+        The evidence is kept; without any, that of the last bound with evidence.
         """
         bound = max(self._problem.rounded_down(bound), self.incumbent)
         if bound < 0.0:

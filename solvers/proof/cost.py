@@ -110,7 +110,7 @@ class PricedBound(WalkBound):
     def _stops(self) -> np.ndarray:
         """Price of time of walks that stop in a bucket, packed: a lower bound.
 
-        Who is ready in a bucket was not ready for the last departure of the bucket before.
+        A walk ready in a bucket was not ready for the last departure of the bucket before.
         """
         buckets = self.buckets
         before = np.append(-np.inf, buckets.closes[:-1])

@@ -291,7 +291,7 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
 def _listing_s(mission: Mission) -> float:
     """Estimated time to list the connections of all pairs, from a few of them; 0 for none [s].
 
-    A single origin may take minutes, and nobody breaks that off.
+    A single origin may take minutes, and cannot be interrupted.
     """
     bodies = len(mission.names)
     if not mission.connecting.is_listed or bodies < 2:

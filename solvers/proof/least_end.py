@@ -89,7 +89,7 @@ def prove_end(
         try:
             sooner = problem.with_limits(duration_s=end)
         except InputError:
-            break  # somebody is there only later
+            break  # some chaser is available only later
         asked_about += 1
         found = solve(sooner, _Answered(goal, stop))
         if problem.worth(found.upper_bound) < goal:

@@ -273,7 +273,7 @@ def proof_of(
     mission, certificate, stop, options
         As :class:`Proof` takes them.
     least_s, set_ups : float
-        There has to be so much time, and so many times what setting up takes [s].
+        Least remaining time: absolute [s], and as a multiple of the set-up time.
     """
     if not fits_memory(mission):
         return LargeProof(mission, certificate, stop, options.cores)

@@ -51,7 +51,7 @@ class RouteSearch:
     ----------
     multipliers : (bodies,) float64
         What one more of each target would be worth to all chasers together, as far as it is known.
-        Who flies anew before others leaves them what is worth much to all.
+        A chaser that is rerouted before others leaves them the targets that are worth much to all.
     """
 
     def __init__(
@@ -184,7 +184,7 @@ class RouteSearch:
         """Combine disjoint known routes for all chasers but one, which is routed over the rest.
 
         Routes that are worth much, less multipliers, are preferred: there are no better ones left
-        to find for who flies them, and the others lose little by them.
+        to find for their chasers, and the others lose little by them.
         """
         problem, rng = self._problem, self._rng
         columns = self._pool.columns()

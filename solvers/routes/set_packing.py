@@ -17,8 +17,7 @@ from .one_chaser import FloatArray
 
 PRESOLVED = 2_000
 """Number of columns up to which presolving is used. Beyond it, HiGHS's presolve takes far longer
-than it saves, and ignores the time limit.
-"""
+than it saves, and ignores the time limit."""
 
 LEAST_S = 0.1
 """Least time limit [s]."""
@@ -67,7 +66,7 @@ def cheapest_of(
     gap : float, optional
         Relative gap at which it may end; that of HiGHS by default.
     carries : int
-        The last so many variables are no columns: see :mod:`.digits`.
+        Number of trailing variables that are no columns: see :mod:`.digits`.
     """
     columns = costs.size - carries
     least_each = np.append(np.zeros(columns), np.full(carries, LEAST_CARRY))

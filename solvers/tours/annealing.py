@@ -34,7 +34,7 @@ class RuinRules(NamedTuple):
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so many temperatures off.
+        Largest random error of the costs of places, in temperatures.
     """
 
     most: int

@@ -6,8 +6,8 @@ A mission whose legs come to X = Σ ΔV / exhaust speed carries at launch
 
 and its expense is convex and growing in c. The tangent at any c never exceeds it: every tangent
 makes a bound, with a launch and a kilogram at launch at fixed costs. Where the number of missions
-is given, one more price, a fee for each launch that is given back for so many of them, makes walks
-launch about as often, and the tangent that touches what so many missions carry in the mean loses
+is given, one more price, a fee for each launch that is given back for this number, makes walks
+launch about as often, and the tangent at the mean load of that many missions loses
 least. Prices follow subgradients (M. Held, P. Wolfe and H. Crowder, Mathematical Programming 6,
 1974, 62–88), smoothed over rounds; where walks are mixtures, of some that are drawn. The value that
 counts is swept once more in double precision at the best prices.
@@ -38,8 +38,7 @@ FEE = 3.0
 
 BEFORE = 1.25
 """Ratio of the highest level to the mass touched by a tangent: beyond it, the cost of a kilogram is
-that at launch, without earlier legs.
-"""
+that at launch, without earlier legs."""
 
 BEYOND = 1e35
 """Mass growth of a forbidden leg: beyond any cost, but finite."""
@@ -259,7 +258,7 @@ class FirstPrices:
     prices : (targets,) float64, optional
         All the same, and no mission worth it, without.
     missions : int, optional
-        The bound is on tours of so many missions; on all by default.
+        Number of missions of the tours that the bound is on; on all tours by default.
     fee : float
         For each launch, where their number is given.
     """

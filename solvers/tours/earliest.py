@@ -1,9 +1,9 @@
 """Tours of all places with the earliest end, where a few ways may be exceptions.
 
-Given is when one arrives at the earliest who is ready at a time and may wait: nobody arrives
-earlier who is ready later. Of all who have been at the same places, are at the same one and have
-used as many exceptions, the earliest is therefore never worse than another (Held and Karp, 1962),
-and so is one who has used fewer and is no later. Level by level all such states are kept, or the
+Given are earliest arrivals by ready time, with waiting allowed, so that being ready later never
+leads to an earlier arrival. Of all states with the same places done, the same last place and
+equal exceptions used, the earliest is therefore never worse than another (Held and Karp, 1962),
+nor is one with fewer exceptions that is no later. Level by level all such states are kept, or the
 earliest of them if there are too many. If none was left out, the tour found is the best one.
 
 Ways that are no exceptions often join few places with each other; states from which what is left
@@ -22,8 +22,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 
 MOST_PLACES = 58
 """Maximum number of places: a set of places, the last place and the exceptions used are packed in
-words of 64 and 16 bits.
-"""
+words of 64 and 16 bits."""
 
 ONE = np.uint64(1)
 ROOM = 0.7
@@ -40,15 +39,15 @@ class Arrivals(NamedTuple):
     row : (2, places, places) int64
         Where the arrivals of a way stand, usual ones and exceptions; −1 where there is no way.
     arrival : (rows, times) float64 or float32
-        Of all who are ready from ``k step`` on and before ``(k + 1) step``. Never falls with k;
-        infinite where nobody arrives. Later than the last time nobody leaves.
+        For ready times from ``k step`` on and before ``(k + 1) step``. Never falls with k;
+        infinite where there is none. There are no departures later than the last time.
     near : (places,) uint64
         Bit j where a usual way leads to j or from it.
     exceptions : int
         How many there may be.
     linear : bool
         Between two times that are less than ``3 step`` apart arrivals are linear, else those of the
-        later time: ``arrival[k]`` is that of who is ready at ``k step``.
+        later time: ``arrival[k]`` is that of a ready time ``k step``.
     """
 
     step: float

@@ -1,8 +1,8 @@
 """Arrivals that matter to tours that end by a time.
 
 A state of :mod:`.earliest` is alive if from it, as early as it is, a tour can be ended in time.
-From the last level back, one knows for each state when one must be ready there at the latest, and
-so for each way between which times somebody alive may be ready for it. Arrivals that are known only
+From the last level back, one knows for each state the latest ready time there, and
+so for each way between which times a live state may be ready for it. Arrivals that are known only
 roughly need be known better there, and nowhere else.
 """
 
@@ -78,7 +78,7 @@ def wanted_by(arrivals: Arrivals, found: Found, latest: float) -> npt.NDArray[np
     -------
     (rows, times) float64
         As :attr:`.Arrivals.arrival`: arrivals that are later than this do not matter, however much
-        later. Minus infinite where nobody alive is.
+        later. Minus infinite without live states.
     """
     wanted = np.full(arrivals.arrival.shape, -np.inf)
     due = np.full(found.levels[-1].here.size, latest)

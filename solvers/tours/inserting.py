@@ -62,7 +62,7 @@ class PuttingRules(NamedTuple):
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so much off.
+        Largest random error of the costs of places.
     """
 
     grid: TimeGrid

@@ -59,7 +59,7 @@ class Annealing:
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so many temperatures off.
+        Largest random error of the costs of places, in temperatures.
     starts : int
         How often a chain begins.
     starting : float
@@ -71,7 +71,7 @@ class Annealing:
     chunk : int
         Iterations at one temperature; a multiple of them is made.
     missions : int
-        So many are drawn at the beginning.
+        Number of missions drawn at the beginning.
     iterations : int, optional
         Of a chain; the same number gives the same tour.
     time_limit_s : float

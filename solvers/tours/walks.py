@@ -9,7 +9,7 @@ targets that are neighbours of all that followed, and does none of them again. W
 
 is at most the cost of any tour, because each tour is a walk of no greater cost.
 
-What a mission costs grows by so much for each kilogram at launch, kits that are carried along
+The cost of a mission grows by a fixed rate per kilogram at launch, kits that are carried along
 included. If a mass s is to be left behind a target, s + kit arrived there, and (s + kit) e^u left
 the target before, u the ΔV of the leg over the exhaust speed. So the cost of a walk so far is
 linear in s, and the least of many, F(s), concave: chords between a few masses, the *levels*, lie
@@ -72,7 +72,7 @@ class LeastWalks(NamedTuple):
     Attributes
     ----------
     walks : (targets, memories, levels, times)
-        Of those that arrive in a cell, if so much mass goes on from the target.
+        Of those that arrive in a cell, by the mass that goes on from the target.
     ended : (times + 1,)
         Of those whose last arrival is no later; after the last cell the least of all.
     """
@@ -152,7 +152,7 @@ def slope_of(value, level, b, per_kg):
     value, level : (levels,)
     b : int
     per_kg : float
-        At least so much does it beyond the last one.
+        The least increase beyond the last one.
     """
     if b + 1 < level.size:
         return (value[b + 1] - value[b]) / (level[b + 1] - level[b])

@@ -1,6 +1,6 @@
 """Training of policies (extra ``[rl]``): the configurations called by ``train``.
 
-For those who train with Stable-Baselines3 themselves there are :class:`SetPolicy` and
+For training with Stable-Baselines3 itself there are :class:`SetPolicy` and
 :func:`write_policy`. PyTorch is imported only when one of all these is used.
 """
 

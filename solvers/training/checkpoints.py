@@ -1,6 +1,6 @@
 """Checkpoints of a training run: weights, optimiser and random states, as plain numbers.
 
-One safetensors file, replaced as a whole. Reading it runs no code, whoever wrote it.
+One safetensors file, replaced as a whole. Reading it runs no code, whatever its source.
 """
 
 from __future__ import annotations
@@ -26,8 +26,7 @@ OPTIMIZER = "optimizer."
 NUMPY, TORCH = "random.numpy", "random.torch"
 """Global generators: NumPy's, which shuffles batches, and PyTorch's, which samples moves.
 
-That of a GPU begins anew with the seed.
-"""
+That of a GPU begins anew with the seed."""
 
 
 def write_checkpoint(model: BaseAlgorithm, path: Path, seconds: float, best: float) -> None:

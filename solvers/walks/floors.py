@@ -126,7 +126,7 @@ def sack_of(mission: Mission) -> Sack:
     possible &= least_m_s <= rules.budget
     possible[: rules.first_target] = False
     took, cost = (np.where(possible, least, math.inf) for least in (least_s, least_m_s))
-    # Who is ready takes departures a slack before, once a leg.
+    # A ready chaser takes departures a slack before, once a leg.
     time_s, budget = max(0.0, rules.duration - rules.ready), rules.budget
     if rules.start in mission.instance.launches:
         # A launch takes no time and no ΔV.

@@ -24,8 +24,7 @@ PASSES = 500
 MOST_PLANES = 150
 ROUND_AND_ROUND = 1.5
 """Ratio of the best walk to all prizes above which multipliers as large as these are a better start
-than none.
-"""
+than none."""
 
 FIRST_AMBITION = 0.02
 LEAST_AMBITION = 2e-5

@@ -35,7 +35,7 @@ class Values(NamedTuple):
     second : the same shape
         Best walk with another next body: what a chaser that just left the best's next may take.
     landed_best, landed_second : the same shape
-        The same for who has just landed, before the service; the same arrays where a service
+        The same just after landing, before the service; the same arrays where a service
         leaves ΔV and kits as they are.
     """
 

@@ -3,12 +3,12 @@
 See docs/model.md section 8.
 
 Where ΔV has a price (:mod:`.priced_walks`), what one tank has left another one may spend. Here a
-walk has so many whole units left, the slots of :mod:`.walks`, and a station fills them up. Values
+walk has whole units left, the slots of :mod:`.walks`, and a station fills them up. Values
 depend on body, step and units: some hundred bytes for each body and step, and as much to read for
 each leg, so that one set of multipliers takes about as many times longer as there are units. The
 bound it leads to is far lower where missions refuel often.
 
-As in all walks here nobody goes straight back to the target that he came from, by best and
+As in all walks here, none goes straight back to the target that it came from, by best and
 second-best values; and everything is rounded so that more is allowed, see
 :mod:`solvers.networks.packed_legs`.
 """

@@ -52,11 +52,11 @@ class Tariff(NamedTuple):
     Attributes
     ----------
     price : (kits + 1,) float64
-        For a m/s with so many kits aboard.
+        For a m/s, by number of kits aboard.
     constant : (kits + 1,) float64
-        Before they start, with so many kits.
+        Before they start, by number of kits.
     tank : (kits + 1,) float64
-        What they start with, with so many kits [m/s]; less than 0 where they cannot.
+        What they start with, by number of kits [m/s]; less than 0 where they cannot.
     fee : bool
         Whether refuelling costs as much as any target may be worth.
     """

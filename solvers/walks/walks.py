@@ -11,8 +11,8 @@ widens what is allowed. So for every plan, and for every completion of a partial
 
 What is exact and what is relaxed:
 
-- Walks move on the network of :mod:`solvers.networks.buckets`: who arrives within a bucket of time
-  arrives at its beginning, and one arc leads from each bucket of a body to the next one, to wait.
+- Walks move on the network of :mod:`solvers.networks.buckets`: arrivals within a bucket of time
+    count as at its beginning, and one arc leads from each bucket of a body to the next, to wait.
   That is one comparison a leg and a slot. Services that would end too late are left out exactly.
   With buckets of no length time is exact.
 - ΔV is counted in slots. The slots of a leg are rounded down and so is the budget: if the legs fit
@@ -51,8 +51,7 @@ BUCKET_SHARE = 1.0 / 60.0
 
 MOST_SLOTS = 8_000
 """Maximum number of ΔV slots, so that evaluations do not take too long: a tank of hundreds of
-km/s is as good as any, and needs none.
-"""
+km/s is as good as any, and needs none."""
 
 ROOM_BYTES = 0.6e9
 """Memory for the values of all states [bytes]."""
@@ -64,7 +63,7 @@ def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> flo
     Parameters
     ----------
     arrays : int
-        So many integers for each bucket and slot.
+        Number of integers for each bucket and slot.
     """
     while slot < budget and (
         budget > MOST_SLOTS * slot
@@ -157,9 +156,9 @@ class WalkBound:
     unit : float
         Prize that one unit of value is worth.
     price : (kits + 1 or 1,) float64
-        What a m/s takes off the value of a walk with so many kits aboard, or with any number.
+        What a m/s takes off the value of a walk, by number of kits aboard, or for any.
     tank : (kits + 1,) float64
-        What a walk starts with, with so many kits [m/s]; less than 0 where it cannot.
+        What a walk starts with, by number of kits [m/s]; less than 0 where it cannot.
     constant : (kits + 1,) float64
         What it pays for starting.
     worths : (bodies,) float64
@@ -176,8 +175,8 @@ class WalkBound:
     since : (missions,) float64
         When each of the missions begins [s].
     is_paid : (bodies,) bool
-        Which multipliers walks pay at each visit: of targets, unless somebody says otherwise who
-        counts how often a station may be gone to.
+        Which multipliers walks pay at each visit: by default those of targets; a limit on visits
+        of stations adds theirs.
     walk : (legs,) int64
         Best walk of the last evaluation: bodies in order.
     """

@@ -1,6 +1,6 @@
 """Points of a trade-off: plans and bounds, and their implications for other points.
 
-Whoever has a larger tank or more time can fly every plan of who has less. So the best plan of a
+With a larger tank or more time, every plan of a smaller point can be flown. So the best plan of a
 point counts for all larger ones, and a bound of a point for all smaller ones.
 """
 
@@ -168,7 +168,7 @@ class KnownPoints:
     ----------
     limits : iterable of Limits
     slack_m_s : float
-        A bound counts for a smaller tank only if that is smaller by so much: what a plan may cost
+        A bound counts for a smaller tank only if that is smaller by this: what a plan may cost
         more on the connections of the larger one (:func:`.shared.slack_m_s`).
     """
 

@@ -101,7 +101,7 @@ def tradeoff(  # noqa: PLR0913
         Wall time of each run [s].
     seed : int
     jobs : int
-        Processes, each with one run at a time; 0 for as many as there are cores. With one all
+        Processes, each with one run at a time; 0 for one per core. With one all
         happens in this process.
     cluster : str, optional
         Address of a Dask scheduler whose workers make the runs instead, as
@@ -143,7 +143,7 @@ def tradeoff(  # noqa: PLR0913
     if cluster is not None:
         runner = _Beside(work, Workers(cluster))
     elif jobs > 1:
-        # A fork of a process that has threads may wait for a lock that nobody opens.
+        # A fork of a process with threads may wait for a lock that is never released.
         processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
         runner = _Beside(work, LocalPool(processes, jobs))
     with runner:

@@ -28,8 +28,7 @@ BODY_STEP_S = 300.0
 
 MOST_BODY_STATES = 400_000
 """Maximum number of states of all bodies: twenty megabytes of file. Beyond it, a body is shown only
-during legs that begin or end at it, and not at all without such legs.
-"""
+during legs that begin or end at it, and not at all without such legs."""
 
 BODY_DEGREE = 7
 """Degree of Lagrange interpolation between samples, with errors of decimetres amid a track."""
@@ -38,8 +37,7 @@ ARC_DEGREE = 7
 
 LONG_ARC_S = DAY_S
 """Duration of arcs beyond which only the current revolution is drawn: weeks of them would form a
-shell around the Earth.
-"""
+shell around the Earth."""
 
 SPEED_UP = 300.0
 """Initial speed relative to real time: twenty seconds per revolution."""

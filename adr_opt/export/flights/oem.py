@@ -11,8 +11,7 @@ from .kvn import comment, header, metadata, object_name, origin, who
 
 DEGREE = 7
 """Degree of Hermite interpolation: four states. At 60 s it is exact to a micrometre, at 300 s to a
-centimetre.
-"""
+centimetre."""
 
 
 def to_oem(trajectory: Trajectory, frame: str | None = None, object_id: str | None = None) -> str:

@@ -29,7 +29,7 @@ LEAST_KG = 5e-10
 def to_opm(trajectory: Trajectory, frame: str | None = None, object_id: str | None = None) -> str:
     """Initial state and all burns in key-value notation.
 
-    Whoever propagates it flies on what the burns leave: the few centimetres and tenths of a
+    When propagated, it drifts by what the burns leave: the few centimetres and tenths of a
     millimetre per second that an approach leaves are carried through service, where the plan has
     the chaser docked, and add up to decimetres over a week. A message of one leg has none of
     that.

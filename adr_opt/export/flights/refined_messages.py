@@ -37,7 +37,7 @@ def to_opm(
 ) -> str:
     """Initial state of the legs of a course, and all their burns.
 
-    Whoever propagates it in the field that it names follows the plan on what burns leave, to
+    When propagated in the field that it names, it follows the plan to what burns leave,
     millimetres after a leg: through service, too, where the plan has the chaser docked.
     """
     start_s = round(_ready_s(legs[0]) * 1e6) / 1e6

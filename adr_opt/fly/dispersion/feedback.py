@@ -30,14 +30,12 @@ from .errors import FlightErrors
 
 WORTH_M_S_PER_M = 0.1
 """Correction per metre of miss; the approach closes it for about a twentieth of that, but begins
-beside the target.
-"""
+beside the target."""
 
 LEAST_WEIGHT = 0.3
 """Weight of a small burn relative to the largest remaining one. Along a burn, half of the
 corrections save what the other half cost, and across it they cost next to nothing;
-alone they cost in full.
-"""
+alone they cost in full."""
 
 SHORTEST_ARC = 0.1
 """Length of an arc below which it gets no pure correction burns [revolutions]."""

@@ -25,7 +25,7 @@ class Quantile:
     share : float
         Of the flights that need no more than ``value``.
     value : float
-        The smallest one drawn that so many flights do not exceed.
+        The smallest one drawn that this share of flights does not exceed.
     low, high : float or None
         An interval that holds the true quantile with a confidence of 95 %, between two of the
         drawn values, whatever their distribution; None where the flights are too few for one.

@@ -29,8 +29,7 @@ SHARE = 0.95
 
 WAITING_SHARE = 0.5
 """Largest miss of the stand-off, as a share of its distance from the target, without a wait of one
-revolution.
-"""
+revolution."""
 
 MOST_FLIGHTS, MOST_CORRECTIONS = 100_000, 10
 

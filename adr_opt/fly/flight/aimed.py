@@ -35,8 +35,7 @@ Array = npt.NDArray[np.float64]
 
 GROWN, LEAST_GROWTH = 4, 1.0 / 64.0
 """Where the plan's burns cannot be closed at once, eccentricities grow in steps: the reciprocal of
-the largest share, and the smallest share.
-"""
+the largest share, and the smallest share."""
 
 
 @dataclass(frozen=True)

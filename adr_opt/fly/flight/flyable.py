@@ -90,7 +90,7 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
 
 def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
     if is_towed != (leg.tow is not None):
-        # Without it nobody knows what the tow takes, nor where the chaser goes on from.
+        # Without it neither the cost of the tow is known, nor where the chaser goes on from.
         wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
         raise InputError(
             f"leg {number}: {leg.destination!r} is {'towed' if is_towed else 'not towed'}, "

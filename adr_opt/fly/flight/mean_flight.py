@@ -28,8 +28,7 @@ from .result import TankFlight
 
 MOST_MISS_M = 10.0
 """Largest miss of the stand-off at which a leg between circles counts as arrived. Burns of a plan
-miss by decimetres at most.
-"""
+miss by decimetres at most."""
 
 
 @dataclass(frozen=True)

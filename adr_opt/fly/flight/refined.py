@@ -28,8 +28,7 @@ Array = npt.NDArray[np.float64]
 
 STEPS = 72
 """Steps per revolution at the lowest perigee: enough for agreement with the collocation within some
-centimetres after two years; more do not help.
-"""
+centimetres after two years; more do not help."""
 
 FIELDS = {
     "two-body": np.array([0.0, 0.0, 0.0]),

@@ -45,7 +45,7 @@ def refined_routes(
     Raises
     ------
     InputError
-        There are several chasers, and a leg does not say whose it is, or is nobody's.
+        There are several chasers, and a leg names none, or an unknown one.
     """
     if not several(instance):
         return [(instance.chasers[0], list(refined.legs))] if refined.legs else []

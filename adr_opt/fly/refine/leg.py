@@ -36,8 +36,7 @@ PER_REVOLUTION = 24
 
 MOST_CANDIDATES = 960
 """Maximum number of candidate times in a leg; beyond it, whole revolutions in its middle are
-omitted evenly.
-"""
+omitted evenly."""
 
 NEGLIGIBLE_M_S = 1e-4
 """Size of impulses that are omitted if the others can do without them."""

@@ -25,8 +25,7 @@ from .short_periods import Array
 
 CHANGE_WEIGHT = 2.0 / 3.0
 """w, chosen such that flown burns stay close to the planned ones, for circles and eccentric orbits;
-``bench/refine_clouds.py --change-weights`` shows the effect of other values.
-"""
+``bench/refine_clouds.py --change-weights`` shows the effect of other values."""
 
 
 def cheapest_near(

@@ -34,7 +34,7 @@ class Axes:
     own : Frame or None
         What the instance names; None where it names none.
     matrix : (3, 3) float64 or None
-        From the axes of the elements to these; None where they are the same, or nobody can know.
+        From the axes of the elements to these; None where they are equal or unknown.
     """
 
     frame: Frame

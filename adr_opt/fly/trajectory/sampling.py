@@ -25,8 +25,7 @@ from .kepler import Array, drift, secular
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
 """Default time between samples: the first, or the second on arcs longer than the third. A mission
-of two years then has 200,000 states, not a million [s].
-"""
+of two years then has 200,000 states, not a million [s]."""
 
 FEWEST_INTERVALS = 8
 """Least number of intervals of an arc: enough for interpolation by readers of the files."""

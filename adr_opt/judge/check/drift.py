@@ -35,8 +35,7 @@ RADII = 50
 
 MOST_TILT, TILTS = 0.5, 20
 """Largest change of inclination by the first burn, as a share of speed, and the number of intervals
-that are searched for the optimum.
-"""
+that are searched for the optimum."""
 
 
 class Ends(NamedTuple):

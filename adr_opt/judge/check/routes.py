@@ -47,7 +47,7 @@ class _Followed:
     tank : TankLevel
     chaser : Chaser
     drawn : Drawn
-        What stations have given to anybody.
+        What stations have given to all chasers.
     since_refuelling : int
         Targets serviced since then.
     targets : int

@@ -84,7 +84,7 @@ def _expense_of(instance: Instance, chaser: Chaser, legs: Sequence[Leg]) -> floa
     """Expense of one used chaser.
 
     Counted forwards: ``lifted`` kilograms at the start become one after the legs so far.
-    What is left behind or is still there when the first tank ends had to be brought by so many.
+    Mass that is left behind, or still there when the first tank ends, had to be lifted with it.
     """
     stated, tank = chaser.expense, chaser.tank
     if stated is None:

@@ -66,7 +66,7 @@ def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
         math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
         math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
     )
-    # Who leaves at t = 0 has begun to tow a while before, at the angles that the object had then.
+    # A chaser that leaves at t = 0 began to tow a while before, at the object's angles then.
     left = with_orbit(
         as_left(orbit[None])[0],
         radius_m=low,

@@ -14,8 +14,7 @@ DRIFT_TOLERANCE_M_S = 1e-3
 
 OBJECTIVE_TOLERANCE = 1e-6
 """Relative tolerance on objective and bound, at most a quarter of the difference between objectives
-or costs; absolute for the gap.
-"""
+or costs; absolute for the gap."""
 
 EXPENSE_TOLERANCE = 1e-9
 """Relative tolerance on expenses."""

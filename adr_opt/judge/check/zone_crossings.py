@@ -25,8 +25,7 @@ MARGIN_M, MARGIN_S = 1.0, 1e-2
 SAMPLES = 24
 """Number of sampled times per arc, ends included.
 
-A half ellipse has its extremes at its ends, and a phasing circle is round.
-"""
+A half ellipse has its extremes at its ends, and a phasing circle is round."""
 
 KEPLER_STEPS = 12
 

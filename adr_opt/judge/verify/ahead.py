@@ -1,8 +1,8 @@
 """Upper bounds on the units a walk can still collect, by body, time, ΔV left and kits.
 
 One pass backwards in time, with times in *steps* and ΔV in *slots*, always so that walks may do
-more than chasers. Who is ready within a step may take everything that leaves in it; a leg costs its
-whole slots only, and a tank holds all that it begins, before a service and after it. So nobody
+more than chasers. A walk ready within a step may take everything that leaves in it; a leg costs its
+whole slots only, and a tank holds all that it begins, before a service and after it. So no walk
 collects more than is said here, and labels that even with this much would collect too little need
 not be followed (:mod:`.labels`).
 """
@@ -140,7 +140,7 @@ def _images(cargo, slot, slots, tops, image):
     Parameters
     ----------
     tops : (kits + 1,) int64
-        Slot of a full tank with so many kits.
+        Slot of a full tank by number of kits.
     image : (bodies, kits + 1, slots) int64
         Written.
     """

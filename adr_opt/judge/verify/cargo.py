@@ -7,7 +7,7 @@ the mass m without propellant; and with A = exp(−x / g₀ Isp) a tow of a mass
 
     exp(v' / g₀ Isp) − 1 = share · (exp(v / g₀ Isp) − 1) − lost .
 
-So who is richer before a service is richer after it, among those with as many kits.
+So more ΔV before a service means more after it, among chasers with equal kits.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ class Cargo(NamedTuple):
     takes : (bodies,) int64
         Kits that the service of each body takes.
     full : (most + 1,) float64
-        What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+        ΔV of a full tank by number of kits aboard, with the slack of the model [m/s].
     begun : (most + 1,) float64
-        What there is of it at the start [m/s].
+        ΔV at the start, likewise [m/s].
     exhaust : float
         g₀ Isp [m/s].
     share, lost : (bodies, most + 1) float64
-        What a service makes of what is left, with so many kits aboard before it.
+        Effect of a service on the remaining ΔV, by number of kits aboard before it.
     heavy : bool
         Whether kits weigh something. Then a chaser takes along those that it leaves behind, and no
         others; otherwise all that it may.

@@ -137,7 +137,7 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
         return -math.inf
     least = min((target.prize for target in instance.targets if target.prize), default=0.0)
     if below <= Fraction(least):
-        return min(trivial, 0.0)  # nobody collects a part of a prize
+        return min(trivial, 0.0)  # parts of a prize cannot be collected
     if certificate.prize_step is None:
         return min(trivial, math.nextafter(float(below), math.inf))
     step = Fraction(certificate.prize_step)

@@ -33,8 +33,7 @@ FloatArray = npt.NDArray[np.float64]
 
 GUARD, BEYOND = 1e-9, Fraction(1, 10**7)
 """Relative reduction of floors to cover rounding, and the relative excess over the floors' proof
-beyond which a worth counts as larger.
-"""
+beyond which a worth counts as larger."""
 
 UNSTEADY_S = 300.0
 """Largest reduction of flight times where planes drift, below those of the least radius [s]."""
@@ -132,7 +131,7 @@ def _least_s(instance: Instance) -> FloatArray:
 def _least_m_s(instance: Instance) -> FloatArray:
     """Least ΔV of a leg to each body: the approach, and the turn into its plane [m/s].
 
-    A turn by θ of who has the speed v takes v sin θ at least, and nobody is slower than at the
+    A turn by θ at a speed v takes at least v sin θ, and speeds are lowest at the
     highest phasing radius. Where planes drift no turn is certain.
     """
     rows, settings = instance.orbits(), instance.transfer

@@ -34,8 +34,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 }  # fmt: skip
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
-walks may take any. A frame and designators of objects change nothing.
-"""
+walks may take any. A frame and designators of objects change nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""
@@ -72,7 +71,7 @@ def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
         if chaser.is_launched:
             since = max(since, earliest_s)
             earliest_s = since + apart_s
-        # Not validated once more: nobody may be available who is launched too late.
+        # Not validated once more: the available time of a chaser launched too late may be empty.
         found.append(chaser.model_copy(update={"available_s": (since, until)}))
     return tuple(found)
 

@@ -21,8 +21,7 @@ MOST_STEPS, CLOSE_S = 60, 1e-6
 
 STEADY_RAD = 0.2
 """Largest shift of the line of nodes for which a sequence must be present: beyond it, the few
-fixed-point steps of planning or flying may not find it [rad].
-"""
+fixed-point steps of planning or flying may not find it [rad]."""
 
 NEAREST_RAD = 1e-4
 """Least angle between planes at departure for which a sequence must be present: below it, the

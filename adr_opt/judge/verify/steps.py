@@ -3,7 +3,7 @@
 Where there are too many legs for labels (:mod:`.walks`) the pass backwards in time that labels look
 ahead by (:mod:`.ahead`) is all there is. It is coarser than walks are, always so that they may do
 more: times are in *steps* of one length, ΔV in *slots*, and a walk remembers where it comes from
-and nothing else. So what it says that nobody collects, nobody does.
+and nothing else. So amounts that it excludes are never collected.
 
 A leg is four whole numbers in one, and each body's legs are worked out, counted and packed before
 those of the next one, so that hundreds of millions find room.
@@ -119,7 +119,7 @@ def _packed(departure, end, delta_v, j, grid, earliest, legs):
     ----------
     grid : StepGrid
     earliest : (slots,) int64
-        Scratch: when one lands at the earliest who leaves no sooner and costs no more.
+        Scratch: earliest landing of the legs that leave no sooner and cost no more.
     legs : (legs,) int64
         Written from the front.
 
@@ -162,7 +162,7 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
     legs : (legs,) int64
         Those of the body, in order of departure.
     behind : int
-        So many of them depart before ``high``.
+        Number of them that depart before ``high``.
     came_from : values
         The body, to which walks do not go straight back, or nothing at a station.
     terms : StepTerms

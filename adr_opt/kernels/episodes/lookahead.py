@@ -26,8 +26,7 @@ from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV equivalent to an hour [m/s], and the share of the cheapest next move's cost that
-is charged to a move.
-"""
+is charged to a move."""
 
 FOLLOWED = 8
 """Number of targets followed by chains, those with the cheapest moves now; the station is extra."""
@@ -56,8 +55,7 @@ def _chain_fields(counted: str, unit: str, collect: str) -> tuple[str, ...]:
 
 CHAIN_FIELDS = _chain_fields("targets", "10", "service as many targets")
 """Fields of ``lookahead`` after :data:`.observation.MOVE_FIELDS`; 0 for moves that are not
-followed, except the two comparisons, which are −LIMIT for a legal move.
-"""
+followed, except the two comparisons, which are −LIMIT for a legal move."""
 
 CHAIN_PRIZE_FIELDS = _chain_fields("prizes", "10 mean prizes", "collect as much")
 """The same fields of ``lookahead-prizes``, where they come last."""

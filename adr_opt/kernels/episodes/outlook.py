@@ -37,8 +37,7 @@ HOUR_UNIT = 1e-3
 
 M_S_PER_HOUR = 450.0
 """ΔV equivalent to an hour where a single cost is needed [m/s]: about the ratio of the two weights
-with which beam search compares partial plans.
-"""
+with which beam search compares partial plans."""
 
 
 class Outlook(NamedTuple):

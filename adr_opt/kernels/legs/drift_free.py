@@ -15,8 +15,7 @@ SMOOTH_M_S = 0.02
 
 NEAR_M_S, NEAR_SPAN_S = 0.03, 30.0 * 86400.0
 """Largest error of the optimum after the last step: about the square of that step over N₁ or N₂.
-Longer legs than the span have closer teeth, and less error in proportion.
-"""
+Longer legs than the span have closer teeth, and less error in proportion."""
 
 TIP_ROOM_M_S = 3.0
 """Distance to a tip of N₁ or N₂ within which a step's square does not estimate its error [m/s]."""

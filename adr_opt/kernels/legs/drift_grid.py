@@ -20,8 +20,7 @@ from .drift_pair import margin, radius_of, task_of
 
 SLACK_M_S = 0.3
 """Largest excess of :mod:`.drift_free` over the ΔV with phase [m/s]: its tips are rounded off, and
-arcs beside the drift orbit are taken as halfway to it.
-"""
+arcs beside the drift orbit are taken as halfway to it."""
 
 
 class LongTransfers(NamedTuple):

@@ -17,8 +17,7 @@ MOST_STEPS = 40
 
 CLOSE_M, SHORT_S = 100.0, 86400.0
 """Largest last step of a radius in a leg of one day, in proportion for longer ones: the error is of
-fourth order in it.
-"""
+fourth order in it."""
 
 CLOSE_M_S = 5e-5
 """Least saving for which a step of the inclination is taken [m/s]."""
@@ -28,8 +27,7 @@ TIP_M_S = 1e-6
 
 NEARER, FAR = 0.25, 8.0
 """A tooth is accepted without examining the next if the optimum is within this share of the way to
-it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola.
-"""
+it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
 
 
 class Split(NamedTuple):

@@ -44,7 +44,7 @@ def _merged(shorts, kept, longs, step):
     rank = ranks(arrival)
     order = rising(arrival, arrival.size)
     highest = 0 if lands.size == 0 else lands.max()
-    # So many short transfers arrive before a time of the grid, at as many different times at most.
+    # Number of short transfers that arrive before each time of the grid.
     before = np.empty(highest + 1, np.int32)
     place = 0
     for t in range(highest + 1):

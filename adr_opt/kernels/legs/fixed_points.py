@@ -24,8 +24,7 @@ from .curves import NODES
 
 BLOCK = 128
 """Number of events laid out at once. Offsets within an array are known to the compiler, so that it
-sees that no two of its fields overlap.
-"""
+sees that no two of its fields overlap."""
 
 BAND_S = 300.0
 """Largest deviation of a flight time without ε from the range of its revolutions [s]."""
@@ -170,7 +169,7 @@ def _enter(pair, facts, e, time, base, lag):
     facts[MATCHING_1 * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
     facts[MATCHING_2 * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
     facts[EARLIEST * BLOCK + e] = -SLACK_S - time
-    # Nowhere does the line move faster against s than by so much, but for a share of SMALL.
+    # An upper limit on how fast the line moves against s, but for a share of SMALL.
     speed = (sine_j / pair.rate_i + sine_i / pair.rate_j) / math.sqrt(square)
     facts[ERROR * BLOCK + e] = ERROR_S / speed
 
@@ -299,7 +298,7 @@ def lay_out(pair, grid, numbers, bases, rows):
         Their flight times in the first row without ε: from ``pair.shortest − BAND_S`` on, less than
         a revolution of the target [s].
     rows : int
-        So many rows are wanted.
+        Number of rows wanted.
     """
     grid, size = borrowed(grid), bases.size
     lap, first = TURN_RAD / pair.rate_j, pair.shortest - BAND_S

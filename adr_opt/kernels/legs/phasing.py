@@ -20,8 +20,7 @@ from .curves import NODES, Curves
 
 WIDE = 0.17
 """Half the span of the altitude limits, as a share of their mean radius, up to which this number of
-nodes keeps errors below 1e-10 m/s. The usual limits, 300 and 2,000 km, are at 0.11.
-"""
+nodes keeps errors below 1e-10 m/s. The usual limits, 300 and 2,000 km, are at 0.11."""
 
 
 def _spread_nodes():

@@ -25,8 +25,7 @@ from . import co_elliptic
 
 MOST_STEPS = 8
 """Maximum number of fixed-point steps; where planes nearly coincide this may not suffice, and the
-sequence is omitted.
-"""
+sequence is omitted."""
 
 CLOSE_S = 1e-6
 """Step below which a fixed point is accepted: the next one would be far smaller [s]."""

@@ -13,7 +13,7 @@ class Times(NamedTuple):
     step, longest : float
         Of the grid of long transfers, and the longest of them, 0 for none [s].
     most : float
-        Transfers that cost more are of no use to anybody [m/s].
+        Largest useful ΔV of a transfer [m/s].
     """
 
     interval: float

@@ -16,5 +16,4 @@ ORBIT_COLUMNS = (
 
 COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
 """Extra column in rows of bodies at departure: node rate of the chaser afterwards, if it leaves
-from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s].
-"""
+from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""

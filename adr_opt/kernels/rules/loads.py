@@ -11,8 +11,8 @@ and towing an object of mass D with burns of ΔV x, which are flown with the mas
 
     exp(v' / g₀ Isp) = A exp(v / g₀ Isp) − (1 − A) D / m_f ,    A = exp(−x / g₀ Isp) .
 
-Such maps of exp(v / g₀ Isp) that are affine, and rise, are all that planners know of masses: who is
-richer before a service is so after it.
+Planners know masses only through such increasing affine maps of exp(v / g₀ Isp): more ΔV before a
+service means more after it.
 """
 
 import math

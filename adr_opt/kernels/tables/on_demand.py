@@ -1,6 +1,6 @@
 """Rows on demand: entries of a timetable, computed when a search first asks for them.
 
-A timetable of all pairs grows with the square of the bodies, and whoever plans on it asks for a
+A timetable of all pairs grows with the square of the bodies, and planning on it uses a
 thousandth of what it holds. Here nothing is held: of the departure events from a ready time on as
 many are looked at as can still win, which are a few, since every half period of waiting costs
 time.
@@ -50,7 +50,7 @@ class Source(NamedTuple):
     interval : float
         Between departure events of a pair, at least, where they are not [s].
     most : float
-        There what costs more is of no use to anybody [m/s].
+        Largest useful ΔV of a transfer there [m/s].
     """
 
     leaving: np.ndarray
@@ -70,8 +70,7 @@ PATIENCE_S = 2.0 * DAY_S
 
 TURNED, TURNED_M_S = 0.03, 10.0
 """Largest overestimate of a sequence's cost before it is solved, as ε turns its plane a little: a
-share of its ΔV, plus the second [m/s].
-"""
+share of its ΔV, plus the second [m/s]."""
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The timetable: the connection chosen at each departure event of each pair.
 
-Who is ready for an event may take any connection that departs then or later. A *choice* settles
+A chaser ready for an event may take any connection that departs then or later. A *choice* settles
 which: the one of least ΔV + w · arrival, where w is the value of time (docs/model.md section 4).
 Between two events nothing depends on the time but the wait, so a table over events is exact. How
 events are spaced and where entries lie is known to this module alone, to the one that makes tables
@@ -10,8 +10,8 @@ planners ask :func:`next_event` and :func:`lookup`.
 The events of two-body motion are half a period apart, and are counted. Where nodes drift they are
 not; then a table holds when the connections depart that are ever chosen, and nothing else.
 
-A table need not hold all pairs. Those that it does not hold have no event. Where there are so many
-bodies that nobody has the memory for all pairs, each origin has room for its nearest destinations
+A table need not hold all pairs. Those that it does not hold have no event. With too many bodies
+for the memory of all pairs, each origin has room for its nearest destinations
 alone, and :attr:`Table.slot` tells their places; or it holds none at all (:mod:`.on_demand`).
 
 Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
@@ -254,7 +254,7 @@ def transfer_exists(table):
     found = np.zeros(bodies, dtype=np.bool_)
     for i in range(bodies):
         for j in range(bodies):
-            # Who is ready for the first event may wait for all others.
+            # A chaser ready for the first event may wait for all others.
             if not found[j] and events(table, i, j) > 0:
                 found[j] = math.isfinite(entry_at(table, i, j, 0)[0])
     return found

@@ -105,7 +105,7 @@ def fill(first, last, pairs, inputs, limits, table):
             if departure > limits.duration:
                 break
             if departure < earliest_taken(limits.ready):
-                # Before anybody is there; who asks waits for what leaves later.
+                # Before any chaser is available; one that asks waits for later departures.
                 table.entries[i, m, slot, 0] = math.inf
                 table.entries[i, m, slot, 1] = math.inf
                 m += 1
@@ -121,7 +121,7 @@ def fill(first, last, pairs, inputs, limits, table):
         for event in range(m, most):
             table.entries[i, event, slot, 0] = math.inf
             table.entries[i, event, slot, 1] = math.inf
-        # Who is ready may wait for what leaves later: the best of each event and all after it.
+        # A ready chaser may wait for later departures: the best of each event and all after it.
         for event in range(m - 2, -1, -1):
             here, later = table.entries[i, event, slot], table.entries[i, event + 1, slot]
             opens = limits.opens[j]
@@ -135,7 +135,7 @@ def fill(first, last, pairs, inputs, limits, table):
 def choose(found, limits, j, time_value, taken):
     """The connections of a pair that are ever chosen, in order of departure; returns their number.
 
-    Whoever is ready between the departure before and that of a connection takes it. Nobody is
+    A chaser ready between the previous departure and that of a connection takes it. None is ready
     before the mission's time of that.
 
     Parameters

@@ -16,8 +16,7 @@ from ...sources.generator import family, generate
 
 FIRST_SEED, LAST_SEED = 1_000_000, 2**31 - 1
 """Seeds of fields drawn at random start here, so that library instances, and every seed below a
-million, remain unseen by policies trained on random fields.
-"""
+million, remain unseen by policies trained on random fields."""
 
 
 Range = tuple[float, float]
@@ -239,5 +238,4 @@ VARIED = Fields(
     share_of_limits=0.75,
 )
 """Domain randomisation over budget, duration and number of targets, including the three benchmark
-families; the ``set`` policy is trained on it.
-"""
+families; the ``set`` policy is trained on it."""

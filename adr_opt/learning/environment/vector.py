@@ -46,7 +46,7 @@ class MissionVecEnv(VecEnv):
     slots : int
         Fields in the pool.
     refresh_every : int
-        One field is replaced by a new one after so many steps of a single mission, counted over
+        One field is replaced after this number of steps of single missions, counted over
         all of them; 0 keeps the pool. A field leaves when the last mission on it is over, and one
         after the other, so it may take longer. The new one is worked out in the background while
         missions go on, and waited for if it is late, so that a seed determines everything.
@@ -249,7 +249,7 @@ class MissionVecEnv(VecEnv):
             before = self.episodes.slot[which]
             np.subtract.at(self._users, before[before >= 0], 1)
             slots = self._rng.integers(self._slots, size=which.size)
-            # Nobody enters a field that is about to be replaced.
+            # No mission enters a field that is about to be replaced.
             slots[slots == self._retiring] = (self._retiring + 1) % self._slots
             np.add.at(self._users, slots, 1)
             budgets, durations = self.fields.draw_many_limits(self._rng, which.size)
@@ -286,7 +286,7 @@ class MissionVecEnv(VecEnv):
             self._coming = self._builder.submit(ready, self.fields.draw_field(self._field_rng))
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()
-            # A field with so many events that there is no room for them is passed over.
+            # A field with too many events for the pool is passed over.
             if self.pool.fits(mission):
                 self.pool.install(self._retiring, mission)
             self._next_slot = (self._retiring + 1) % self._slots

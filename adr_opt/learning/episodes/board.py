@@ -17,8 +17,7 @@ Observation = dict[str, Array] | Array
 OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
 """``transfer`` is the fastest, ``lookahead`` has more information and takes longer, ``published``
 is for comparison with the study. These hide prizes; the last two show them, and are otherwise the
-first two.
-"""
+first two."""
 
 MOVES, MISSION = "moves", "mission"
 

@@ -34,9 +34,9 @@ class FieldPool:
     slots : int
         Number of fields.
     bodies : int
-        Room for so many bodies, the station included.
+        Maximum number of bodies, the station included.
     events : int
-        Room for so many departure events of one body.
+        Maximum number of departure events of one body.
     regular : bool
         Whether the events of all fields are regular, as they are in two-body motion.
 

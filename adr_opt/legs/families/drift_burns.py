@@ -42,16 +42,14 @@ FloatArray = npt.NDArray[np.float64]
 
 TRIED = 12
 """Number of pairs of crossings solved exactly, repeatedly until one succeeds: a target's last
-crossings may turn out to be minutes too late.
-"""
+crossings may turn out to be minutes too late."""
 
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
 """Tolerance of a radius [m], its largest step [m], and the maximum number of steps."""
 
 PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
 """Phases begun by the burns of a drift leg; the second terminal burn and the second approach burn
-end theirs.
-"""
+end theirs."""
 
 LEAST_CLIMB_M_S = 1e-3
 """Cost of leaving the drift orbit below which two burns share the turn [m/s]."""
@@ -143,7 +141,7 @@ class Drifting:
     departure, arrival : float
         Of the connection: first and last moment of the transfer, approach included [s].
     freedom : float
-        The chaser may leave so much later and arrive so much earlier [s].
+        Largest delay of the departure, and advance of the arrival [s].
     held : bool
         Whether the drift orbit stays within the altitudes that zones were judged for.
     """

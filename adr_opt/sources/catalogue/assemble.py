@@ -70,7 +70,7 @@ class MissionOutline:
         Or some of its fields; what is left open follows from the mission under J2
         (:func:`adr_opt.problem.transfer_sizes.transfers_for`), else from the defaults of the file.
     refuelling : bool
-        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+        Whether there is a station; else the chaser starts in its place, without refuelling.
     """
 
     name: str | None = None
@@ -172,7 +172,7 @@ def to_instance(
     catalogue : Catalogue or records
     filters : Filters, optional
     max_targets : int, optional
-        Keep so many, those with planes nearest to the station's first.
+        Maximum number of targets, those with planes nearest to the station's first.
     station : str, optional
         ``ALTITUDE_KM,INCLINATION,RAAN[,U]``, or an object by number or name, which is then no
         target; by default the densest plane among the objects that pass the filters.

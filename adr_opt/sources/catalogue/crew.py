@@ -38,7 +38,7 @@ class Crew:
     tank : Tank or TankByMass
         Of each of them.
     launches : int
-        So many are launched onto their first targets; 0 is one chaser that is there already.
+        Number of chasers launched to their first targets; 0 is one chaser that is there already.
     apart_s : float
         From one launch to the next; the first is at the epoch [s].
     kits : int, optional

@@ -1,6 +1,6 @@
 """Prizes by criticality: the likely harm of a break-up, as far as a catalogue shows it.
 
-Nobody can read a probability of collision off element sets, and this is none. It is a ranking in
+A probability of collision cannot be derived from element sets, and this is none. It is a ranking in
 the manner of the criticality indices of the literature (A. Rossi, G. B. Valsecchi, E. M. Alessi,
 "The criticality of spacecraft index", Advances in Space Research 56, 2015, 449-460), of what is at
 hand: the product of three numbers, each at most 1,
@@ -29,8 +29,7 @@ LARGEST = 100.0
 
 SIZE_KG = {"LARGE": 1000.0, "MEDIUM": 1000.0 / 10.0**1.5, "SMALL": 1.0}
 """Mass where only the class of the cross-section is known. Classes are a factor of ten in area
-apart, and mass grows with the area to the power of 3/2; only the ratios matter.
-"""
+apart, and mass grows with the area to the power of 3/2; only the ratios matter."""
 
 NEAR_M, BAND_DEG = 50e3, 2.5
 """Half widths in semi-major axis and inclination of the neighbourhood that crowds an object."""
@@ -61,7 +60,7 @@ def criticality(
     catalogue : sequence of ElementSet
         All that is known to fly, targets included: what crowds.
     masses_kg : mapping of int to float, optional
-        Of targets by their number here, where somebody knows better than the records [kg].
+        Of targets by their number here, where better known than in the records [kg].
 
     Returns
     -------

@@ -39,7 +39,7 @@ class Finder:
         ----------
         text : str
         option, instead : str
-            Who asks, and what it takes, for the sentences of errors.
+            Name of the option, and its expected value, for the sentences of errors.
 
         Raises
         ------

@@ -18,8 +18,7 @@ LONGEST_TEXT = 1000
 LONGEST_TOKEN = 1 << 20
 """Maximum length of a tag with its attributes, or of a comment [bytes].
 
-The parser begins such a token again with every chunk of it.
-"""
+The parser begins such a token again with every chunk of it."""
 
 CHUNK = 1 << 16
 

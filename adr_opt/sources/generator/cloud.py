@@ -11,8 +11,8 @@ catalogue of April 2025, its 121 objects of the satellite Iridium 33, which coll
 * A rank correlation of c is drawn by sharing: with probability |c| two quantities take the same
   share of their populations (opposite shares for c < 0), else independent ones. That gives
   Spearman's correlation exactly and leaves each distribution as it is.
-* The catalogue's planes go all the way round. A degree of plane costs 130 m/s, so nobody would
-  serve them all in one mission: the field is the densest part, as wide as the 50 objects nearest to
+* The catalogue's planes go all the way round. A degree of plane costs 130 m/s, too much to
+    visit all in one mission: the field is the densest part, as wide as the 50 objects nearest to
   the densest plane, which lie within 23.4° of it. RAAN is drawn uniform there, and counted from
   that plane, in which the station is.
 * Argument of perigee and true anomaly are uniform. (Mean anomaly would be right; at these

@@ -31,9 +31,8 @@ STATION = circle(EVENT_KM, INCLINATION_DEG, 0.0, 0.0)
 """Station on the orbit of the destroyed satellite."""
 
 TRANSFER = TransferSettings().replace(departure_spacing_s=2.0 * HOUR_S, delta_v_resolution_m_s=0.5)
-"""Two months are too short for planes to drift together, and among so many pieces no wait for one
-pays: no long transfers.
-"""
+"""Two months are too short for planes to drift together, and with thousands of pieces no wait for
+one pays: no long transfers."""
 
 
 def draw_piece(uniform: Uniform) -> Orbit:

@@ -66,7 +66,7 @@ def generate(  # noqa: PLR0913
     tank : Tank or TankByMass, optional
         Of each chaser, instead of the family's.
     kits : int, optional
-        Each target takes a kit, and each chaser carries so many at most.
+        Each target takes a kit; this is the maximum number aboard each chaser.
     kit_mass_kg : float, optional
         Of each kit; needs a tank by mass [kg].
     towed_kg, disposal_altitude_m : float, optional

@@ -3,7 +3,7 @@
 Half of the targets are like those of :mod:`.rocket_bodies`, the others lighter and far more
 frequent: some hundreds of them remain near 83° and 960 km. All nodes go all around. A chaser is
 launched onto a target of its choice, with a kit for each object that it goes to, which stays there
-and takes it down; nobody refuels.
+and takes it down; there is no refuelling.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ remove first begin with. Altitudes, inclinations and eccentricities are drawn fr
 theirs; no object of a catalogue is in it. Their nodes go all around, and a degree of node costs
 123 m/s: hardly any two can be visited one after the other without waiting until their planes meet.
 
-Nobody refuels: the chaser is launched into a circle of the same kind, and there is no station.
+There is no refuelling: the chaser is launched into a circle of the same kind, without a station.
 """
 
 from __future__ import annotations

@@ -56,7 +56,7 @@ def leg_table(
         Of the columns of numbers.
     rows : iterable of Row
     width : int or None
-        Columns of the terminal; None for as many as it takes.
+        Columns of the terminal; None for no limit.
     title : str, optional
     """
     rows = list(rows)

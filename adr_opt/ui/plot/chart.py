@@ -36,7 +36,7 @@ class Series:
     legs : sequence of int, optional
         The leg of each point, 0 where none has begun; None where points belong to none.
     of : sequence
-        What points stand for, for who says more about them.
+        What points stand for, for hover texts and the like.
     phase : str, optional
         One of :data:`.PHASES`, or "zone".
     in_legend : bool, optional

@@ -29,8 +29,7 @@ COLUMNS = (
     "x_m_s", "y_m_s", "z_m_s", "radial_m_s", "along_track_m_s", "cross_track_m_s",
 )  # fmt: skip
 """Columns of the CSV file: context of the burn, time, and ΔV in the frame of the elements and in
-that of the chaser; the last three are empty if unknown.
-"""
+that of the chaser; the last three are empty if unknown."""
 
 Local = tuple[float, float, float]
 

@@ -24,7 +24,7 @@ def drawn(chart: Chart, caption: str) -> str:
     ----------
     chart : Chart
     caption : str
-        What it shows, for those who do not see it.
+        Alternative text of the chart.
     """
     lines = [line for line in chart.series if isinstance(line, Line)]
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]

@@ -37,6 +37,6 @@ def _said(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> tuple[
         flight = fly_mean(instance, plan)
     except InputError as error:
         return f"Neither flown nor refined: {error}", True
-    assert flight is not None  # nobody has interrupted it
+    assert flight is not None  # it is never interrupted
     told = str(flight)
     return f"{told[:1].upper()}{told[1:]}; not refined", flight.holds

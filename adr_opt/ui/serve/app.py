@@ -88,7 +88,7 @@ def application(
     ----------
     session : EditingSession
     token : str
-        Whoever has it may do everything, and nobody else anything.
+        Required for every request.
     port : int
     closing : Event
         Ends the streams of events.

@@ -16,7 +16,7 @@ INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
 class Folder:
     """The folder where edits and plans are stored; nothing is written elsewhere.
 
-    One that holds the work of an earlier call is taken only by those who go on with it. Nothing is
+    A folder with the work of an earlier call is used only to continue that work. Nothing is
     made before :meth:`make`.
 
     Parameters

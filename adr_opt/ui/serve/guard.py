@@ -31,8 +31,8 @@ class TooLarge(Exception):
 class Guard:
     """Passes permitted requests on, and refuses all others.
 
-    The host has to be this machine by one of the names that nobody else's name server can give
-    out: a page of somebody else whose name leads here (DNS rebinding) says another one. The token
+    The host has to be this machine by a name that no foreign name server can give
+    out: a foreign page whose name leads here (DNS rebinding) says another one. The token
     is in the query or in a cookie that the browser sends to this page alone. What changes something
     is a POST of JSON, from this page.
 

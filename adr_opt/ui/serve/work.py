@@ -278,7 +278,7 @@ class Work:
             run.phase = "done"
         except InputError as error:
             run.said, run.phase = str(error), "failed"
-        except Exception as error:  # whoever looks at the page has to hear of it
+        except Exception as error:  # to be reported on the page
             run.said = f"{run.order.method} failed: {type(error).__name__}: {error}"
             run.phase = "failed"
         finally:

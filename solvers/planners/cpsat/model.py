@@ -19,8 +19,7 @@ from .variables import CpSatVariables
 
 STEPS_PER_M_S = 1e5
 """ΔV is counted in steps of 0.01 mm/s. Those of a leg are rounded down and the budget up, so that
-no plan is lost; the relaxation is below a step per leg, and paths are re-timed.
-"""
+no plan is lost; the relaxation is below a step per leg, and paths are re-timed."""
 
 
 class CpSatModel:

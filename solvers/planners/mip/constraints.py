@@ -11,8 +11,7 @@ from .variables import MipVariables
 
 ROUNDING = 1e-6
 """Relative enlargement of tanks, so that no tolerance of HiGHS loses a plan that just fits; an
-infeasible path is forbidden when found.
-"""
+infeasible path is forbidden when found."""
 
 
 class MipConstraints:

@@ -24,13 +24,11 @@ from ...networks.network import build
 
 MOST_MOVES = 500_000
 """Maximum number of moves: one takes about 240 bytes of a .lp file, 350 of a .mps file, and 2 kB of
-memory during writing.
-"""
+memory during writing."""
 
 COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)\)")
 """Name of a move's column: node left, node reached, body reached. There is only one leg per pair of
-nodes, since another would cost more or less.
-"""
+nodes, since another would cost more or less."""
 
 
 def write_lp(mission: Mission, path: Path) -> None:

@@ -1,6 +1,6 @@
 """Windows of several chasers joined into one network, with a path through each.
 
-Whoever leaves the window of one chaser begins that of the next, so that what is said of one path
+A path that leaves the window of one chaser begins that of the next, so what is said of one path
 through one network, its price, its tanks and that it visits no target twice, is said of all
 chasers together.
 """

@@ -49,8 +49,7 @@ DELTA_V_SHARES = (0.02, 0.1, 0.3)
 
 OF_TWO = 0.2
 """Share of draws with windows of two chasers, if there are several: they take ten times as long as
-single windows.
-"""
+single windows."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Prices on a window's limits: an upper bound on every path, and the edges that matter.
 
-That a target is visited once and that a tank holds so much ΔV is priced into the objective
+One visit per target and the content of each tank are priced into the objective
 (Lagrangian relaxation); what is left is a longest path in a network without cycles. Subgradient
 steps on the prices lower the bound.
 """
