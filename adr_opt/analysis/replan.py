@@ -233,7 +233,7 @@ def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: 
 
 
 def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
-    """The plan of the quick planner, without all that takes longer than it does."""
+    """The plan of the quick planner, without steps that take longer than itself."""
     options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
     prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
     limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]

@@ -51,7 +51,7 @@ GROWTH = 4
 """Growth of the maximum number of labels per round."""
 
 MOST_LABELS = f"Maximum number of labels in one search, about {bytes_each()} bytes each."
-"""What the option of this name means."""
+"""Meaning of the option of this name."""
 
 
 @dataclass(frozen=True)

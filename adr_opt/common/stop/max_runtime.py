@@ -27,5 +27,5 @@ class MaxRuntime:
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._end - now_s()

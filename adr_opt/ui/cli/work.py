@@ -42,7 +42,7 @@ class Watch:
         self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
+        """Receive an incumbent and a bound; the timetable is as complete as it will be."""
         self.built = 1.0
         self.incumbent = max(self.incumbent, incumbent)
         self.bound = min(self.bound, bound)
