@@ -1,4 +1,4 @@
-"""Methods with everything settled but the mission: found, checked, and warmed up by practice."""
+"""Method calls with everything settled but the mission: found, checked and warmed up."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
 
 @dataclass(frozen=True)
 class Practice:
-    """How a method practises for :func:`.front.warm_up`, so that its kernels are compiled.
+    """Practice of a method in :func:`.front.warm_up`, which compiles its kernels.
 
     Attributes
     ----------
