@@ -260,7 +260,7 @@ def _refuse_illegal(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_contradiction(name: str, claim: Claim, row: Row) -> None:
-    """Refuse a bound below a legal plan: one of the two is wrong, and somebody has to look."""
+    """Refuse a bound below a legal plan: one of them is wrong, which needs a person to look."""
     bounds = ((claim.upper_bound, claim.bound_method), (row.upper_bound, row.bound_method))
     for bound, method in bounds:
         if bound < row.objective - tolerance(row.objective):
@@ -340,7 +340,7 @@ def committed(folder: Path, name: str, sha256: str) -> Instance:
 
 
 def claim_of(given: str, arguments: argparse.Namespace) -> Claim:
-    """What a file claims; an instance, given as a file or by name, is solved.
+    """The claim of a file; an instance, given as a file or by name, is solved.
 
     Raises
     ------
@@ -380,7 +380,7 @@ def claim_of(given: str, arguments: argparse.Namespace) -> Claim:
 
 
 def solved(instance: Instance, arguments: argparse.Namespace) -> Claim:
-    """What planner and bound find side by side, or a planner that proves by itself."""
+    """Result of planner and bound side by side, or of a planner that proves by itself."""
     alone = arguments.bound == ALONE
     result = front.run(
         PLANNERS,

@@ -1,4 +1,4 @@
-"""What is known of a benchmark that others made, and what our planners make of it.
+"""Known results of others' benchmarks, and those of our planners.
 
     python bench/outside/run.py gtoc9 --data DIR [--time-limit S --seed N --bound-time-limit S]
     python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
@@ -34,7 +34,7 @@ from outside.odrc import known as of_odrc
 from outside.optw import known as of_optw
 
 FOLDERS = {"gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv"}
-"""Where the data of each lie in the folder of all."""
+"""Folders of the data within the common folder."""
 
 
 def folder_of(name: str, data: Path) -> Path:
@@ -46,11 +46,11 @@ def folder_of(name: str, data: Path) -> Path:
 
 
 BOUND_S = 1000.0
-"""What the proof of a bound of gtoc9 gets where nothing else is asked for."""
+"""Default time for the proof of a bound of gtoc9."""
 
 
 def of_gtoc9_report(folder: Path, parsed: argparse.Namespace) -> str:
-    """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
+    """Known and own results of GTOC9, or a flown mission, in Markdown."""
     limit = parsed.time_limit
     if limit is not None and not 0.0 < limit < 1e7:
         raise InputError(f"--time-limit {limit:g}: give seconds above 0")
@@ -81,7 +81,7 @@ def report(
     cells: Path | None = None,
     write: Path | None = None,
 ) -> str:
-    """What is known of a benchmark, in Markdown."""
+    """Known results of a benchmark, in Markdown."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
         raise InputError(
             f"--time-limit {time_limit_s:g}: only gtoc9 and kttsp take one, of 0 or more"
