@@ -251,7 +251,7 @@ def test_what_is_said_of_the_cost_must_hold(
 
 
 def test_routes_are_those_of_the_chasers(planned: tuple[Instance, Plan]) -> None:
-    """A route of nobody, and two of the same chaser, are reported."""
+    """A route without a chaser, and two of the same chaser, are reported."""
     instance, plan = planned
     (route,) = plan.routes
     assert rules(instance, plan.replace(routes=(route.replace(chaser="tug"),))) == {"chaser"}

@@ -155,7 +155,7 @@ def test_rows_that_cannot_be_planned_on_are_refused(
 
 
 def test_numbers_of_bodies_are_checked() -> None:
-    """A body by a number that nobody has is refused."""
+    """A body number out of range is refused."""
     rows = {name: [0.0] for name in COLUMNS} | {"origin": [0], "destination": [4]}
     with pytest.raises(adr_opt.InputError, match="destination = 4 is not the number of a body"):
         adr_opt.Timetable.from_connections(roads(), rows)

@@ -189,7 +189,7 @@ def test_a_duration_is_no_cost() -> None:
 
 @pytest.mark.parametrize("name", ["origin", "arrival_s"])
 def test_columns_that_are_there_twice_are_refused(name: str) -> None:
-    """Of two columns of one name nobody knows which is meant."""
+    """Two columns of one name are ambiguous and refused."""
     with pytest.raises(InputError, match=f"column {name} occurs twice"):
         from_parquet({}, ((name, as_rows()[name]),))
 

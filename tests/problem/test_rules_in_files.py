@@ -99,7 +99,7 @@ def test_a_window_closes(cli: Cli) -> None:
 
 
 def test_a_window_opens(cli: Cli) -> None:
-    """Service at a target waits for its window; who arrives earlier stays there."""
+    """Service at a target waits for its window; a chaser that arrives earlier stays there."""
     _, plan = solved(cli, lambda content: target(content, SOUTH, window_s=[12.9 * PERIOD_S, None]))
     assert plan.objective == 2.0
     _, plan = solved(

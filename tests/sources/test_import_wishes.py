@@ -153,7 +153,7 @@ def test_a_wish_that_cannot_be_met_is_one_sentence(imported, options, said: str)
 
 
 def test_sizes_and_masses_are_read_in_every_spelling_that_has_them() -> None:
-    """The class of the cross-section and the mass reach the records, whoever writes them."""
+    """The class of the cross-section and the mass reach the records, in every format."""
     from adr_opt.sources.catalogue.reading import read_bytes
 
     record = RECORDS[:1]

@@ -182,7 +182,7 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(imported, options, named) -> None:
-    """Options that are out of range, alone or of nobody: exit 2, one sentence, nothing written."""
+    """Options that are out of range, alone or unused: exit 2, one sentence, nothing written."""
     outcome = imported(*options)
     assert (outcome.status, outcome.out) == (2, ""), outcome
     assert outcome.err.count("\n") == 1, outcome.err
