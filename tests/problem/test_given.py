@@ -244,7 +244,9 @@ def test_bodies_of_given_connections_do_not_go_unseen() -> None:
         ({"targets": instance.targets[:-1]}, "farm"),
         ({"targets": (), "stations": instance.stations}, "farm"),
     ):
-        with pytest.raises(adr_opt.InputError, match=rf"^given connections: '{name}' is a body"):
+        with pytest.raises(
+            adr_opt.InputError, match=rf"^given connections: '{name}' is one of their bodies"
+        ):
             instance.replace(**changes)
     others = instance.with_given(among(instance.given, NAMES[:-1]))
     assert others.replace(targets=instance.targets[:-1]).names == NAMES[:-1]
