@@ -1,4 +1,4 @@
-"""How long others need for a bound, and how long `lagrangian` needs for one as good.
+"""Time to a bound: other methods, and `lagrangian` for an equally good one.
 
     python bench/bound_peers.py --family reduced-time --count 1 --time-limit 60
 
@@ -248,7 +248,7 @@ def rounded(mission: adr_opt.Mission, value: float) -> float:
 
 
 def as_good_after(history: list[tuple[float, float]], value: float) -> float:
-    """When a bound at least as good was there [s]; +inf if never."""
+    """Time until a bound at least as good was found [s]; +inf if never."""
     return next((at for at, bound in history if bound <= value + 1e-9), math.inf)
 
 

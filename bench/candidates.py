@@ -1,4 +1,4 @@
-"""What more candidates are worth at equal time: a cloud, its nearest targets, several limits.
+"""Value of more candidates at equal time: a cloud, its nearest targets, several limits.
 
     python bench/candidates.py auto beam --targets 120 300 600 --limits 5 10 20
 

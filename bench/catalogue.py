@@ -1,4 +1,4 @@
-"""How long a large catalogue takes to import and filter, in every spelling.
+"""Time to import and filter a large catalogue, in every format.
 
     python bench/catalogue.py [OBJECTS]
 

@@ -1,4 +1,4 @@
-"""Long transfers: how near they are to flown ones, and how fast they are worked out.
+"""Long transfers: accuracy against flown ones, and speed of computation.
 
     python bench/drift.py --gtoc9 FOLDER
 

@@ -48,10 +48,10 @@ TANKS_M_S = (500.0, 2000.0)
 TARGETS = (14, 26)
 
 REMOVALS = ("visit", "visit", "kit", "visit", "tow")
-"""By turns: of ten missions two each have kits and tows."""
+"""Kinds of removal, by turns: of ten missions two each have kits and tows."""
 
 MASS_KG, DISPOSAL_M = 800.0, 350e3
-"""Of each object that is towed, and where to."""
+"""Mass of each towed object, and the disposal altitude."""
 
 KITS, KIT_MASS_KG = 6, 20.0
 """Aboard, and the mass of each."""

@@ -1,4 +1,4 @@
-"""What matching eccentricity vectors costs, flown optimally, and what closed forms make of it.
+"""Cost of matching eccentricity vectors, flown optimally, and the accuracy of closed forms.
 
     python bench/eccentricity.py [--pairs N] [CATALOGUE...]
 
@@ -43,7 +43,7 @@ Form = Callable[[Case, float], float]
 
 
 def planar(case: Case) -> float:
-    """What the burns of the sequence change along the velocity, in shares of the speed."""
+    """Changes along the velocity by the burns of the sequence, as shares of the speed."""
     return 0.5 * (abs(case.phasing) + abs(case.climb - case.phasing))
 
 
@@ -120,7 +120,7 @@ def case_of(
 
 
 def patient_cases(instance: adr_opt.Instance, count: int) -> Iterator[Case]:
-    """Of random pairs the cheapest connections that leave in the first hours of a random day."""
+    """Cheapest connections of random pairs that leave in the first hours of a random day."""
     rng = np.random.default_rng(0)
     timetable = adr_opt.Timetable(instance)
     bodies = len(timetable.names)

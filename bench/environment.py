@@ -1,4 +1,4 @@
-"""How many steps a second the environments make, with masks and observations.
+"""Steps per second of the environments, with masks and observations.
 
     python bench/environment.py
     python bench/environment.py --resets --slots 32 --observations transfer lookahead
@@ -97,7 +97,7 @@ def resets(runs: int, slots: int, observations: Sequence[str]) -> None:
 
 
 def lookup_rate(mission: adr_opt.Mission, steps: int) -> float:
-    """Masks alone, worked out in Python from ``Timetable.lookup`` of every move."""
+    """Masks alone, computed in Python from ``Timetable.lookup`` of every move."""
     duration, budget = mission.instance.mission.duration_s, mission.instance.chaser.tank.delta_v_m_s
     service = mission.rules.service
     visited: set[int] = set()

@@ -31,7 +31,7 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Fit:
-    """What is printed: lengths in km, angles in degrees.
+    """Printed numbers: lengths in km, angles in degrees.
 
     ``plane`` is the RAAN of the densest plane, ``half_width`` the distance from it within which
     the nearest :data:`TARGETS` objects lie; the rank correlations are those of inclination with

@@ -1,4 +1,4 @@
-"""How the code is built: circles, storeys, loose modules, names, arguments, lines.
+"""Structure of the code: circles, storeys, loose modules, names, arguments, lines.
 
     python bench/house.py
     python bench/house.py --list

@@ -1,4 +1,4 @@
-"""What a figure was measured on, and with which command: printed above every table."""
+"""Machine and command of a measurement, printed above every table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near the flight in mean motion is to integrated motion, and how long it takes.
+"""Accuracy of flight in mean motion against integrated motion, and its speed.
 
     python bench/mean_flight.py
 
@@ -51,7 +51,7 @@ def fields(seeds: int) -> Iterator[tuple[str, Instance]]:
 
 
 def row(name: str, instance: Instance) -> list[str]:
-    """What came of one field."""
+    """Results of one field."""
     plan = adr_opt.solve(instance, "greedy-guarded", time_limit=60.0).plan
     assert plan is not None
     began = time.process_time()

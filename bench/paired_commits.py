@@ -1,4 +1,4 @@
-"""How fast two commits are, paired: short works in turns, each commit in a warm process of its own.
+"""Paired speed of two commits: short works in turns, each commit in its own warm process.
 
     python bench/paired_commits.py v0.1.0
     python bench/paired_commits.py OLD NEW --repeats 20 --works exact auto
@@ -37,7 +37,7 @@ WORKS = Path(__file__).with_name("paired_works.py")
 WORKING_TREE = "the working tree"
 
 Row = dict[str, Any]
-"""What one work took and what came out, as the process answers."""
+"""Time and outcome of one work, as answered by the process."""
 
 Rows = dict[str, list[Row]]
 """The same of all repeats, by work."""
@@ -123,7 +123,7 @@ def _surroundings(tree: Path, scratch: Path) -> dict[str, str]:
 
 @contextmanager
 def checked_out(revision: str | None, folder: Path) -> Iterator[Path]:
-    """Where the files of a revision are, for as long as they are needed there."""
+    """Folder with the files of a revision, for as long as needed."""
     if revision is None:
         yield ROOT
         return
@@ -145,7 +145,7 @@ class Spread:
 
     @classmethod
     def of(cls, old: Sequence[float], new: Sequence[float]) -> Spread:
-        """Of what each repeat took, in the order of repeats."""
+        """Spread of the times of repeats, in their order."""
         ratios = [n / o for o, n in zip(old, new, strict=True)]
         low, median, high = statistics.quantiles(ratios, n=4, method="inclusive")
         return cls(median, low, high)
@@ -170,7 +170,7 @@ def _outcomes(rows: Sequence[Row]) -> list[str]:
 
 
 def measured(sides: Sequence[Side], works: Sequence[str], repeats: int) -> list[Rows]:
-    """What each side took for each work, repeat by repeat."""
+    """Time of each side for each work, repeat by repeat."""
     taken: list[Rows] = [defaultdict(list) for _ in sides]
     for repeat in range(repeats):
         for work in works:

@@ -24,7 +24,7 @@ LIMIT_S = 3600.0
 """Never reached."""
 
 MOST_LABELS = 100_000
-"""Of one search."""
+"""Maximum number of labels per search."""
 
 FIELDS: dict[bool, dict[str, tuple[str, int, dict[str, int]]]] = {
     False: {
@@ -42,11 +42,11 @@ FIELDS: dict[bool, dict[str, tuple[str, int, dict[str, int]]]] = {
 
 STEPS = {False: 3000, True: 30}
 CHECKS = {False: 40, True: 2}
-"""How often what takes milliseconds is done in one work."""
+"""Repetitions within one work of what takes milliseconds."""
 
 
 class Works:
-    """What is measured; fields and timetables are there before the clock starts.
+    """The measured works; fields and timetables are prepared before the clock starts.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def serve(works: Works, asked: TextIO, answers: TextIO) -> None:
 
 
 def main() -> None:
-    """Serve whoever writes to the standard input."""
+    """Serve requests on standard input."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--tiny", action="store_true", help="on tiny fields")
     arguments = parser.parse_args()

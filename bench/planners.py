@@ -1,4 +1,4 @@
-"""How good the planners are: means over fields, every plan checked, gaps where there is a bound.
+"""Quality of planners: means over fields, every plan checked, gaps where there is a bound.
 
     python bench/planners.py nominal greedy greedy-guarded beam auto@10 auto@60 auto+lagrangian@60
     python bench/planners.py campaign greedy-guarded auto@10 auto@60 auto@120 --chasers 5
@@ -56,7 +56,7 @@ def plans_campaigns(spec: str) -> bool:
 
 
 def worst_miss_m(instance: Instance, plan: Plan) -> float:
-    """How far an arrival misses at most, each chaser flown by itself [m]."""
+    """Largest miss of an arrival, with each chaser flown by itself [m]."""
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     worst = 0.0
     for route in plan.routes:

@@ -1,4 +1,4 @@
-"""How good the learned policy is: visits, time, and gaps to what is known of every field.
+"""Quality of the learned policy: visits, time, and gaps to the known results of every field.
 
     python bench/policy.py nominal reduced-time reduced-fuel --count 100
     python bench/policy.py nominal --targets 20 --count 20 ppo ppo:decode=beam auto@10

@@ -1,4 +1,4 @@
-"""How fast timetable, connections and first bound are, on one core and on all.
+"""Speed of timetable, connections and first bound, on one core and on all.
 
     python bench/precompute.py
 
@@ -53,7 +53,7 @@ def in_reference(table: adr_opt.Timetable, leg: tuple[int, int, float]) -> tuple
 
 @kernel
 def connections_from(i, leaving, orbits, extra_delta_v, rule, duration):  # type: ignore[no-untyped-def]
-    """How many connections leave a body; all of them are worked out."""
+    """Number of connections that leave a body, all of which are computed."""
     count = 0
     for j in range(orbits.shape[0]):
         if j != i:

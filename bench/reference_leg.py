@@ -1,4 +1,4 @@
-"""One leg worked out with the reference library boinor, the way a user of it would.
+"""One leg computed with the reference library boinor, as its users would.
 
 The yardstick for the speed of the timetable kernel, and a second opinion on what it computes:
 orbits are boinor ``Orbit`` objects, burns come from ``Maneuver.hohmann``, the phasing radius from

@@ -26,7 +26,7 @@ from adr_opt.kernels.orbits import equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
 
 SAMPLES = 200
-"""Times at which a body is compared with its mean model."""
+"""Number of times at which a body is compared with its mean model."""
 
 
 def print_plans(family: str, seeds: int, method: str, jobs: int) -> None:

@@ -34,10 +34,10 @@ from adr_opt.plan.refined_plan import Freedom, RefinedPlan
 from adr_opt.sources.catalogue import read, to_instance
 
 ECCENTRICITY = 0.02
-"""Of the nominal fields that are made eccentric, at most."""
+"""Largest eccentricity of the modified nominal fields."""
 
 TOTAL, LEG, POSITION_M, SPEED_M_S = 0.05, 0.15, 10.0, 0.01
-"""What is wanted: error in total, mean error of a leg, and how far an arrival may miss."""
+"""Targets: error in total, mean error of a leg, and largest misses of an arrival."""
 
 FREEDOMS: tuple[Freedom, ...] = "planned", "free"
 
@@ -72,7 +72,7 @@ def fields(seeds: range, catalogues: list[Path], targets: int) -> Iterator[tuple
 
 
 def errors(*plans: RefinedPlan) -> tuple[float, float]:
-    """How far what was planned is from what is flown: in total, and the mean of the legs."""
+    """Differences between planned and flown ΔV: in total, and the mean of the legs."""
     planned = np.array([leg.planned_delta_v_m_s for plan in plans for leg in plan.legs])
     flown = np.array([leg.flown_delta_v_m_s for plan in plans for leg in plan.legs])
     return float(planned.sum() / flown.sum() - 1.0), float(np.abs(planned / flown - 1.0).mean())

@@ -1,4 +1,4 @@
-"""What legs cost when flown, by what is known before: formulas fitted, and judged on other legs.
+"""Flown cost of legs from what is known before: formulas fitted, and judged on other legs.
 
     ADR_OPT_EXTERNAL_DATA=FOLDER python bench/refine_fit.py
 
@@ -30,7 +30,7 @@ from adr_opt.problem.instance import Instance
 FOLDS = 4
 
 LEAST_LEGS = 8
-"""Of a kind; an instance with fewer is left out."""
+"""Least number of legs of a kind; an instance with fewer is omitted."""
 
 Terms = Callable[[float, float, float, float], list[float]]
 

@@ -86,7 +86,7 @@ def instances() -> Iterator[Instance]:
 
 
 class Expected:
-    """What legs were expected to cost by the corrected connections, and what they cost flown."""
+    """Expected cost of legs by the corrected connections, and their flown cost."""
 
     def __init__(self) -> None:
         self.legs: list[tuple[float, float, bool]] = []

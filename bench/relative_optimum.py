@@ -76,7 +76,7 @@ class Case(NamedTuple):
         return 0.25 * np.array(shares)
 
     def changes(self) -> Array:
-        """What the leg changes: (a, λ, e_x, e_y, i_x, i_y)."""
+        """Changes made by the leg: (a, λ, e_x, e_y, i_x, i_y)."""
         phase = float(-3.0 * (self.ahead() * (self.last - self.places)).sum())
         e = self.across
         return np.array([self.climb, phase, e.real, e.imag, self.turn, 0.0])

@@ -108,7 +108,7 @@ def _backend(options: Options) -> Backend:
 
 
 def _account(summary: Summary) -> str:
-    """Where the time went, in one sentence."""
+    """Breakdown of the time, in one sentence."""
     work = sum(summary.spent[part] for part in PARTS)
     shares = ", ".join(f"{part} {summary.spent[part]:.1f} s" for part in PARTS)
     text = (

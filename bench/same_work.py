@@ -1,4 +1,4 @@
-"""What `auto` and `exact` make of limits in work: plans, labels, certificates, to compare commits.
+"""Results of `auto` and `exact` under limits in work: plans, labels, certificates, by commit.
 
     python bench/same_work.py --out before.json
     python bench/same_work.py --against before.json
@@ -23,19 +23,19 @@ from adr_opt.common.errors import InputError
 from adr_opt.mission.certify import certificate_of
 
 FIELDS = {"tiny": 5, "nominal": 3, "campaign": 2, "removal": 2, "rocket-bodies": 3}
-"""How many of each family."""
+"""Number of fields by family."""
 
 WORK = {"auto": 3, "exact": 8}
 """Iterations by method."""
 
 LABELS = 300_000
-"""Most of one search."""
+"""Maximum number of labels per search."""
 
 LIMIT_S = 3600.0
 
 
 def lines(families: list[str]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """What comes out, field by field."""
+    """Results, field by field."""
     for family in families:
         for seed in range(FIELDS[family]):
             instance = adr_opt.generate(family, seed)

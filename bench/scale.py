@@ -1,4 +1,4 @@
-"""How plans, time and memory grow with the number of targets.
+"""Growth of plans, time and memory with the number of targets.
 
     python bench/scale.py                                     # nominal, 50 to 10,000 targets
     python bench/scale.py --targets 50 500 --limit 20 --seeds 3

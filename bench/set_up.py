@@ -1,4 +1,4 @@
-"""What setting up a proof takes for each entry of the timetable: time on one core, and memory.
+"""Set-up cost of a proof per timetable entry: time on one core, and memory.
 
     python bench/set_up.py
 

@@ -1,4 +1,4 @@
-"""What ten budgets of a field take against one, with proofs.
+"""Cost of ten budgets of a field against one, with proofs.
 
     python bench/tradeoff.py nominal --seeds 0 1 2 --out tradeoff.jsonl
 

@@ -1,4 +1,4 @@
-"""What it takes to verify a proof, against what the proof took.
+"""Cost of verifying a proof, against that of the proof.
 
     python bench/verify.py nominal --count 20
     python bench/verify.py tiny nominal reduced-time reduced-fuel --limit 60
@@ -34,7 +34,7 @@ Found = TypeVar("Found")
 
 
 def timed(task: Callable[[], Found]) -> tuple[Found, float, float]:
-    """What a task gives, its processor time and its wall time [s]."""
+    """Result of a task, with its processor time and its wall time [s]."""
     cpu, wall = time.process_time(), time.perf_counter()
     found = task()
     return found, time.process_time() - cpu, time.perf_counter() - wall

@@ -30,7 +30,7 @@ PLANNER = ("solvers.planners.auto", "auto")
 """Module and function at whose call the first walk ends."""
 
 WINDOW = {"opens", "closes", "window_s"}
-"""What a window is called."""
+"""Names of a window."""
 
 
 class Walk:
@@ -46,7 +46,7 @@ class Walk:
         self.calls: list[tuple[str, str]] = []
 
     def __call__(self, frame: FrameType, event: str, argument: Any) -> None:
-        """Hear of an event, as :func:`sys.setprofile` tells them."""
+        """Receive an event, as from :func:`sys.setprofile`."""
         if event != "call":
             return
         module, caller = (_module(at) for at in (frame, frame.f_back))

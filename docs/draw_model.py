@@ -299,7 +299,7 @@ def detour() -> Any:
 
 
 def drift() -> Any:
-    """What a change of the node alone costs after drifting, and where the chaser drifts for it."""
+    """Cost of a change of the node alone after drifting, and the drift orbit used."""
     days = np.geomspace(1.0, 365.0, 200)
     asked = math.radians(5.0)
     figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH_IN, 5.2), sharex=True)

@@ -34,10 +34,10 @@ WIDTH_IN, INK, FAINT, ZONE, STYLE = (
 )
 HOUR_S = 3600.0
 STEP_S = 300.0
-"""Between two points of an arc: pictures stay small, and arcs are nearly level."""
+"""Time between two points of an arc: pictures stay small, and arcs are nearly level."""
 
 NEWS_D = 2.5
-"""When the zone becomes known on docs/tasks/cloud.md."""
+"""Day on which the zone becomes known in docs/tasks/cloud.md."""
 
 
 def load(files: Path, name: str, plan: str) -> tuple[adr_opt.Instance, adr_opt.Plan]:
@@ -109,7 +109,7 @@ def zone_before(files: Path) -> Any:
 
 
 def zone_after(files: Path) -> Any:
-    """What had begun by then, and the rest that is planned anew."""
+    """Legs begun by then, and the replanned rest."""
     figure, ax = _zone("the rest, planned anew")
     rest, plan = load(files, "rest-instance", "rest")
     free_s = rest.chasers[0].available_s[0]

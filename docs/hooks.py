@@ -1,4 +1,4 @@
-"""What mkdocs does besides: pages from the whole repository, its links, and formulas as MathML.
+"""Additions to mkdocs: pages from the whole repository, its links, and formulas as MathML.
 
 The pages are written to be read on a forge, where a link leads from `docs/` to any file of the
 repository. The site keeps such a link where it has its target as a page or as a file to download,

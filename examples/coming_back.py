@@ -1,4 +1,4 @@
-"""What is left of a visiting order when it comes back to the true, time-dependent costs."""
+"""Remainder of a visiting order when it returns to the true, time-dependent costs."""
 
 from __future__ import annotations
 

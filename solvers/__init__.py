@@ -1,4 +1,4 @@
-"""The answers: planners and bounds, found by the entry points ``adr_opt.planners`` and ``…bounds``.
+"""Solvers: planners and bounds, found by the entry points ``adr_opt.planners`` and ``…bounds``.
 
 1. :mod:`.planners`, :mod:`.bounds`: what a user calls, a module or a folder each; none imports
    another one.

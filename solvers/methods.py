@@ -1,4 +1,4 @@
-"""Specifications of all planners and bounds of this package, which importing it does not import."""
+"""Specifications of this package's planners and bounds, without importing these."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from adr_opt.__main__ import main
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a call of the command line came to."""
+    """Outcome of a command-line call."""
 
     status: int
     out: str

@@ -1,4 +1,4 @@
-"""What a planner asks of a mission besides "plan it": orders of one's own, comparisons, trades.
+"""Analyses beyond planning: prices of given orders, comparisons, replanning, trade-offs.
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done

@@ -1,4 +1,4 @@
-"""Plans of one instance side by side, and their differences leg by leg."""
+"""Comparison of plans of one instance, leg by leg."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ..plan.routes import Flown, routes_of
 from ..problem.instance import Instance
 
 SAME_S, SAME_M_S = 1.0, 0.01
-"""Legs that differ by no more in all times and in ΔV are told to be the same."""
+"""Differences in times and in ΔV up to which legs count as equal."""
 
 What = Literal["same", "retimed", "only", "moved"]
 
 
 @dataclass(frozen=True)
 class Side:
-    """What one of the plans comes to.
+    """Totals of one of the plans.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Side:
 
 @dataclass(frozen=True)
 class LegPair:
-    """A leg of the first plan and that of another one to the same body, or one of them alone.
+    """A leg of the first plan and its counterpart in another to the same body, or only one of them.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class LegPair:
 
     @property
     def destination(self) -> str:
-        """Where it leads."""
+        """Destination of the pair."""
         return self._legs[0][1].destination
 
     @property
@@ -83,7 +83,7 @@ class LegPair:
         return tuple(leg for leg in (self.first, self.other) if leg is not None)
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON; of legs number, times and ΔV."""
+        """The pair as JSON data: number, times and ΔV of each leg."""
         sides: dict[str, dict[str, Any] | None] = {}
         for name, numbered in (("first", self.first), ("other", self.other)):
             sides[name] = None
@@ -98,7 +98,7 @@ class LegPair:
 
 @dataclass(frozen=True)
 class Difference:
-    """A plan against the first one.
+    """Differences of a plan from the first one.
 
     Attributes
     ----------
@@ -116,11 +116,11 @@ class Difference:
 
     @property
     def same(self) -> bool:
-        """Whether there is none."""
+        """Whether there are none."""
         return all(pair.what == "same" for pair in self.pairs)
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The differences as JSON data."""
         return {
             "name": self.name,
             "gained": list(self.gained),
@@ -131,7 +131,7 @@ class Difference:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Shown):
-    """Plans of one instance side by side.
+    """Comparison of several plans of one instance.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ class Comparison(Shown):
     differences: tuple[Difference, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The comparison as JSON data."""
         return {
             "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
             "plans": [asdict(side) for side in self.sides],
@@ -158,7 +158,7 @@ class Comparison(Shown):
 
 
 def compare(instance: Instance, plans: Mapping[str, Plan]) -> Comparison:
-    """Lay plans of one instance side by side, the others against the first one.
+    """Compare plans of one instance, each with the first.
 
     Parameters
     ----------
@@ -220,7 +220,7 @@ def _targets(instance: Instance, plan: Plan) -> list[str]:
 
 
 def _pairs(first: Flown, other: Flown, visited: tuple[list[str], list[str]]) -> list[LegPair]:
-    """The legs of a chaser, aligned along the longest runs of bodies that both plans have."""
+    """Legs of a chaser, aligned along the longest runs of bodies common to both plans."""
     chaser = other.chaser.name
     one, two = first.legs, other.legs
     matcher = SequenceMatcher(None, _order(one), _order(two), autojunk=False)

@@ -1,4 +1,4 @@
-"""A plan of departures that somebody chose: each leg at its time, and judged by ``check``."""
+"""Plans from chosen departures: each leg at its given time, judged by ``check``."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from ..run.table_budget import candidates
 METHOD = "own departures"
 
 NEAR_S = 1.0
-"""By so much a time may differ from that of the connection that is meant [s]."""
+"""Tolerance of a time that selects a connection [s]."""
 
 BUILD_S = 20.0
-"""So long the timetable may take, by which targets that are left out get their reasons [s]."""
+"""Longest time to build a timetable for the reasons of targets left out [s]."""
 
 Body = int | str
 ChosenLeg = Body | tuple[Body, float] | tuple[Body, float, float]
-"""A body; with when to leave for it [s]; and with when to arrive there [s]."""
+"""A body, optionally with a departure time [s] and an arrival time [s]."""
 
 ChosenLegs = Iterable[ChosenLeg] | Iterable[Iterable[ChosenLeg]] | Mapping[str, Iterable[ChosenLeg]]
 
@@ -47,7 +47,7 @@ class _Leg(NamedTuple):
 
 
 def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> Plan:
-    """Make a plan of departures of one's own, and judge it by :func:`adr_opt.check`.
+    """Make a plan of chosen departures, and judge it by :func:`adr_opt.check`.
 
     Burns, services, refuelling, tows, tanks and the reasons of targets that are left out follow
     from the departures.
@@ -99,15 +99,15 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
     plan = result.plan
     if plan is None:
         said = result.notes[-1] if result.notes else "the mission has to end at a station"
-        raise InputError(f"the departures are no plan: {said}")
+        raise InputError(f"the departures do not form a plan: {said}")
     violations = check(problem.instance, plan)
     if violations:
-        raise InputError(f"the departures are no plan: {violations[0]}")
+        raise InputError(f"the departures do not form a plan: {violations[0]}")
     return plan
 
 
 def _routes(problem: Problem, legs: Any) -> list[list[Any]]:
-    """The legs of each chaser, in the order of the file.
+    """Legs of each chaser, in the order of the file.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def _routes(problem: Problem, legs: Any) -> list[list[Any]]:
         unknown = [name for name in legs if name not in names]
         if unknown:
             raise InputError(
-                f"legs: {unknown[0]!r} is no chaser of {problem.instance.name!r}, which has "
+                f"legs: {unknown[0]!r} is not a chaser of {problem.instance.name!r}, which has "
                 f"{', '.join(map(repr, names))}"
             )
         return [list(legs.get(name, ())) for name in names]
@@ -135,7 +135,7 @@ def _routes(problem: Problem, legs: Any) -> list[list[Any]]:
 
 
 def _leg_of(mission: Mission, given: Any) -> _Leg:
-    """A leg as it was given, with the number of its body.
+    """A given leg with the number of its body.
 
     Raises
     ------
@@ -159,7 +159,7 @@ def _leg_of(mission: Mission, given: Any) -> _Leg:
 
 
 def _build(problem: Problem, bodies: list[int]) -> None:
-    """See that there is a timetable, of the bodies of the legs first."""
+    """Ensure that there is a timetable, with the bodies of the legs first."""
     names = [problem.names[body] for body in bodies]
     candidates(
         problem, BUILD_S, first=list(dict.fromkeys(names)), interrupted=lambda: False,
@@ -168,7 +168,7 @@ def _build(problem: Problem, bodies: list[int]) -> None:
 
 
 def _pinned(mission: Mission, route: list[_Leg], whose: str) -> Mission:
-    """The mission of a chaser, with the connections that legs may take and no other.
+    """The mission of a chaser restricted to the connections that the legs allow.
 
     Raises
     ------
@@ -196,7 +196,7 @@ def _pinned(mission: Mission, route: list[_Leg], whose: str) -> Mission:
 
 
 def _why_not(mission: Mission, moves: tuple[int, ...]) -> str:
-    """What keeps a chaser from all connections of the last leg, where the legs before it hold."""
+    """Reason why a chaser cannot fly any connection of the last leg, while those before it hold."""
     rules, j = mission.rules, moves[-1]
     body = moves[-2] if len(moves) > 1 else rules.start
     found = mission.schedules.connections(body, j)
@@ -224,7 +224,7 @@ def _why_not(mission: Mission, moves: tuple[int, ...]) -> str:
 
 
 def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
-    """The connections that a leg may be: all of the pair that fit the times that it gives.
+    """Connections selected by a leg: those of the pair that fit its times.
 
     Raises
     ------
@@ -250,13 +250,13 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
 
 
 LATEST_S = 0.25 * DAY_S
-"""No first burn comes so much later than the event at which a connection departs [s]."""
+"""Largest delay of the first burn after the event at which a connection departs [s]."""
 
 
 def _leaves(
     mission: Mission, i: int, j: int, found: Connections, asked: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.float64]:
-    """When connections leave, as plans state it, of those that are asked for [s].
+    """Departures of selected connections as stated in plans [s].
 
     Where nodes drift, events are those of a grid, and the first burn of a short transfer follows.
     """
@@ -272,7 +272,7 @@ def _leaves(
 
 
 def _nothing_there(mission: Mission, i: int, leg: _Leg, found: Connections) -> str:
-    """That no connection is meant, and which one is near."""
+    """The message for a leg that selects no connection, with a near one."""
     way = f"from {mission.names[i]!r} to {mission.names[leg.body]!r}"
     assert leg.departure_s is not None
     if not found.departure.size:

@@ -1,4 +1,4 @@
-"""How a mission went otherwise than planned: services that failed or took another time, costs."""
+"""Deviations of a mission from its plan: failed services, other durations, other costs."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ..plan.routes import Flown
 from ..problem.instance import Instance
 
 Numbered = tuple[tuple[int, Leg], ...]
-"""Legs in order, each after its number in the plan."""
+"""Legs in order, each with its number in the plan."""
 
 
 @dataclass(frozen=True)
 class Deviations:
-    """How a mission went otherwise than planned.
+    """Deviations of a mission from its plan.
 
     Attributes
     ----------
@@ -41,11 +41,11 @@ class Deviations:
 
     @property
     def given_up(self) -> tuple[str, ...]:
-        """Targets that were missed, and are not tried again."""
+        """Missed targets that are not retried."""
         return () if self.retry else self.missed
 
     def missed_of(self, legs: Iterable[Leg]) -> tuple[str, ...]:
-        """The targets among those that some legs lead to that were missed."""
+        """Missed targets among the destinations of some legs."""
         return tuple(leg.destination for leg in legs if leg.destination in self.missed)
 
 
@@ -53,7 +53,7 @@ AS_PLANNED = Deviations()
 
 
 def check_deviations(instance: Instance, plan: Plan, went: Deviations) -> None:
-    """Refuse what cannot have been, whatever the time.
+    """Refuse impossible deviations, whatever the time.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def check_deviations(instance: Instance, plan: Plan, went: Deviations) -> None:
 
 
 def service_end_s(instance: Instance, leg: Leg, went: Deviations) -> float:
-    """When the service at the end of a leg is over, as long as it took [s]."""
+    """Actual end of the service at the end of a leg [s]."""
     took_s = went.services_s.get(leg.destination)
     return leg.end_s if took_s is None else service_begins(instance, leg) + took_s
 
@@ -94,7 +94,7 @@ def service_end_s(instance: Instance, leg: Leg, went: Deviations) -> float:
 def possible_legs(
     instance: Instance, legs: Numbered, begins_s: Sequence[float], went: Deviations
 ) -> int:
-    """How many legs can be flown as planned: all before one that begins within a service."""
+    """Number of legs that can be flown as planned: all before one that begins within a service."""
     for at, (_, leg) in enumerate(legs[:-1]):
         if begins_s[at + 1] < service_end_s(instance, leg, went) - SLACK_S:
             return at + 1
@@ -102,14 +102,14 @@ def possible_legs(
 
 
 def refuse_not_begun(legs: Numbered, begun: int, fixed: int, at_s: float, went: Deviations) -> None:
-    """Refuse deviations of what is still to be planned.
+    """Refuse deviations of legs that are still to be planned.
 
     Parameters
     ----------
     legs : tuple of (int, Leg)
         Of one chaser.
     begun, fixed : int
-        So many of them have begun, and so many are flown as planned.
+        Numbers of its first legs that have begun, and that are flown as planned.
     at_s : float
         [s].
 
@@ -140,7 +140,7 @@ def refuse_not_begun(legs: Numbered, begun: int, fixed: int, at_s: float, went: 
 
 
 def as_carried_out(instance: Instance, fixed: Numbered, at_s: float, went: Deviations) -> Numbered:
-    """Legs with the times and costs that they really had.
+    """Legs with their actual times and costs.
 
     A target that was missed is not towed. The attempt is over by the time at which it is known to
     have failed, unless it is said how long it took, or the chaser has not arrived.
@@ -174,7 +174,7 @@ def as_carried_out(instance: Instance, fixed: Numbered, at_s: float, went: Devia
 
 
 def without_service(instance: Instance, missed: Iterable[str]) -> Instance:
-    """The instance in which some targets take no kit and are not towed: they were missed."""
+    """The instance in which missed targets take no kit and are not towed."""
     names = set(missed)
     if not names:
         return instance
@@ -187,7 +187,7 @@ def without_service(instance: Instance, missed: Iterable[str]) -> Instance:
 
 
 def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
-    """A route with what is left after each of its first legs, which took what they took.
+    """A route with the remainder after each of its first legs, at their actual costs.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
     flown : Flown
         With the kits aboard that were not left behind as a part of the chaser.
     fixed : int
-        So many legs.
+        Number of its first legs.
 
     Raises
     ------
@@ -221,16 +221,16 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
 def said_of(
     legs: Numbered, begun: int, planned: int, possible: int, missed: Sequence[str]
 ) -> tuple[str, ...]:
-    """What is said of legs that have begun, or not, because of what was told.
+    """Notes on legs that have begun, or not, because of deviations.
 
     Parameters
     ----------
     legs : tuple of (int, Leg)
         Of one chaser, as planned.
     begun, planned : int
-        So many have begun; so many would have by their times.
+        Number of legs that have begun, and that would have by their times.
     possible : int
-        So many can be flown as planned.
+        Number of legs that can be flown as planned.
     missed : sequence of str
     """
     notes = []

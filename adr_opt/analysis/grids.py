@@ -1,4 +1,4 @@
-"""Other grids of drift legs: what the orders of a plan would cost with finer and coarser steps.
+"""Alternative grids of drift legs: the cost of a plan's orders with finer and coarser steps.
 
 The step of the grid, ``drift_step_s``, decides which departures and arrivals drift legs may have. A
 finer one offers more of them, and takes more work; a coarser one less of both. Which one pays shows
@@ -21,17 +21,17 @@ from ..plan.plan import Plan
 from ..problem.transfer_sizes import in_days
 
 FINER, COARSER = 0.5, 2.0
-"""Steps tried, as multiples of that of the instance."""
+"""Steps to try, as multiples of the instance's."""
 
 WORTH_FINER, WORTH_COARSER = 0.05, 0.03
-"""A finer grid pays that saves this share of the ΔV at least, a coarser one that costs no more."""
+"""Least saving of ΔV for a finer grid, and largest loss for a coarser one, as shares."""
 
 LONGEST_TRIED = 1000
-"""Steps in a mission of the finest grid that is tried: a pair is a second's work there."""
+"""Maximum number of steps per mission in the finest grid, at a second of work per pair."""
 
 
 class GridTrial(NamedTuple):
-    """The orders of a plan on another grid.
+    """Orders of a plan on another grid.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class GridTrial(NamedTuple):
 
 
 def on_grid(problem: Problem, plan: Plan, step_s: float) -> GridTrial:
-    """Schedule the orders of a plan at least cost on a grid of another step.
+    """Schedule the orders of a plan at least cost on a grid with another step.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _rules(mission: Mission) -> Rules:
 
 
 def grid_advice(problem: Problem, plan: Plan) -> str | None:
-    """One sentence on a finer or coarser grid, where one pays; else None.
+    """A sentence recommending a finer or coarser grid; None if neither pays.
 
     A finer grid pays where the orders of the plan cost at least 5 % less on it, a coarser one where
     the plan is not proven to be optimal, and its orders cost at most 3 % more.

@@ -1,7 +1,7 @@
-"""Chasers that a rest puts onto the objects that they are still to tow: which of them, and when.
+"""Start times of chasers that resume at an object they are still to tow.
 
-An instance does not say who has to be launched onto a target, so that times have to: its window is
-that of one service, and only one chaser is there in time.
+An instance cannot name the chaser for a target, so times have to: the target's window is that of
+one service, and only one chaser is there in time.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from ..problem.instance import Instance
 from .state import ChaserState, put_s
 
 MOMENT_S = 1e-3
-"""So much later is later, whatever differs by the slack of the model."""
+"""Delay that is definite within the slack of the model [s]."""
 
 
 def in_order(zoned: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:
-    """Where some are put onto targets, all by their times, launches apart.
+    """States in order of their starts, with launches kept apart and resumptions at distinct times.
 
     Chasers that start anywhere are launched in the order of the file. Of those that are put
-    somewhere no two begin at once: nobody else comes to the target of the first one in time, so
+    somewhere no two begin at once: no other chaser comes to the first one's target in time, so
     that it is put there, nor to that of the second one, and so on.
     """
     if not any(state.is_put for state in states):
@@ -43,12 +43,12 @@ def in_order(zoned: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserSt
 
 
 def _begins_s(zoned: Instance, state: ChaserState) -> float:
-    """When a chaser begins with its rest [s]."""
+    """Start of a chaser's remaining mission [s]."""
     return put_s(zoned, state)[0] if state.is_put else state.free_s
 
 
 def is_usurped(states: Sequence[ChaserState], made: Result) -> bool:
-    """Whether another chaser is first at the target of one that is put there.
+    """Whether another chaser reaches the target of a resuming chaser first.
 
     That one is free for something better then, as nothing says who it is that has to be put there.
     """
@@ -59,7 +59,7 @@ def is_usurped(states: Sequence[ChaserState], made: Result) -> bool:
 
 
 def kept_waiting(states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:
-    """The states where nobody else flies until all are put who are.
+    """States in which all others wait until every resuming chaser has started.
 
     That costs the others some hours, so that it is only done where a target is usurped.
     """

@@ -1,4 +1,4 @@
-"""What would mend an order that cannot be flown: more ΔV or time, or one change of the order."""
+"""Remedies for an order that cannot be flown: more ΔV or time, or one change of the order."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from ..problem.chasers import Chaser, Tank, TankByMass
 from ..problem.instance import Instance
 
 LARGEST, LONGEST = 4.0, 2.0
-"""So many times the tank, and the mission, are looked at, and no more."""
+"""Largest multiples of the tank and of the mission that are examined."""
 
 PRECISION_M_S = 0.1
-"""How exactly the least tank is found."""
+"""Precision of the least tank."""
 
 Moves = tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class Shortfall:
-    """With what more the whole of an order could be flown.
+    """Additional resources with which the whole order could be flown.
 
     Attributes
     ----------
     delta_v_m_s : float or None
-        So much more in each full tank, and all else as it is; None where no tank of four times the
+        Additional ΔV of each full tank, all else unchanged; None where no tank of four times the
         size would do, or where it is not ΔV that is missing.
     time_s : float or None
-        So much more time before the mission or the availability of the chaser ends, likewise; None
+        Additional time before the mission or the chaser's availability ends, likewise; None
         where twice the time would not do.
     window_s : float or None
-        The window of the target where the order breaks open for so much longer, likewise.
+        Additional opening time of the target's window where the order breaks, likewise.
     both : bool
         Neither ΔV nor time alone is enough, and the two figures are together: the least time that
         would do with any tank, and the least tank for that time.
@@ -51,13 +51,13 @@ class Shortfall:
     both: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The shortfall as JSON data."""
         return asdict(self)
 
 
 @dataclass(frozen=True)
 class Mending:
-    """One change of an order after which all of it can be flown.
+    """A change of an order that makes all of it flyable.
 
     Attributes
     ----------
@@ -80,12 +80,12 @@ class Mending:
     end_s: float
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The change as JSON data."""
         return {**asdict(self), "order": list(self.order)}
 
 
 def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
-    """All single changes that mend an order: those that keep most prize first, then least cost."""
+    """All single changes that repair an order, by remaining prize, then by cost."""
     found: list[tuple[float, float, int, Mending]] = []
     for kind, body, changed in _changes(mission, moves):
         timing = mission.time(changed)
@@ -113,7 +113,7 @@ def _changes(
 
 
 def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
-    """With what more an order could be flown that breaks after so many moves."""
+    """Additional resources for an order that breaks after a number of moves."""
     if mission.in_order(moves) < len(moves):
         return Shortfall()  # the order itself is against the rules, and nothing helps
     chaser = mission.chaser
@@ -139,7 +139,7 @@ def missing(mission: Mission, moves: Moves, made: int) -> Shortfall:
 
 
 def _window(mission: Mission, moves: Moves, made: int) -> float | None:
-    """For how much longer the window has to be open where an order breaks [s]."""
+    """Additional opening time of the window at which an order breaks [s]."""
     rules, j = mission.rules, moves[made]
     if not rules.closes[j] < rules.duration:
         return None
@@ -164,7 +164,7 @@ def _window(mission: Mission, moves: Moves, made: int) -> float | None:
 
 
 def _with_tank(chaser: Chaser, scale: float) -> Chaser:
-    """A chaser whose full tank holds so many times as much: ΔV, or propellant.
+    """A chaser with a scaled tank: ΔV or propellant.
 
     The ΔV that is lacking at the start stays lacking, as first legs pay for it: more in a full tank
     is more at the start, too.
@@ -183,7 +183,7 @@ def _with_tank(chaser: Chaser, scale: float) -> Chaser:
 
 
 class _Relaxed:
-    """An order under larger limits: connections of these, and rules between them and the true ones.
+    """An order under larger limits: their connections, and rules between them and the true ones.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ class _Relaxed:
         self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
 
     def _under(self, scale: float) -> Rules:
-        """The rules with a tank of so many times the size."""
+        """The rules with a scaled tank."""
         mission = self._mission
         chaser = _with_tank(mission.chaser, scale)
         loads = loads_of(mission.instance, chaser, mission.margin)
@@ -219,22 +219,22 @@ class _Relaxed:
         return self._rules._replace(budget=budget, loads=loads)
 
     def _front(self, moves: Moves, scale: float) -> Front | None:
-        """The labels at the end of an order; None if it cannot be flown."""
+        """Labels at the end of an order; None if it cannot be flown."""
         fronts = self._schedules.under(self._under(scale)).fronts(moves)
         return fronts[-1] if len(fronts) > len(moves) else None
 
     def least_end(self, moves: Moves, scale: float) -> float | None:
-        """The earliest end of an order [s]."""
+        """Earliest end of an order [s]."""
         front = self._front(moves, scale)
         return None if front is None else float(front.ready.min())
 
     def added_m_s(self, scale: float) -> float:
-        """What a tank of so many times the size is worth more [m/s]."""
+        """Additional ΔV of a scaled tank [m/s]."""
         chaser = self._mission.chaser
         return _with_tank(chaser, scale).tank.delta_v_m_s - chaser.tank.delta_v_m_s
 
     def least_scale(self, moves: Moves) -> float | None:
-        """Of how many times the size the tank has to be, at least."""
+        """Least scale of the tank."""
         if self._front(moves, LARGEST) is None:
             return None
         low, high = 1.0, LARGEST

@@ -1,4 +1,4 @@
-"""Orders of bodies as people write them: names or catalogue numbers, for one chaser or several."""
+"""Orders of bodies as text: names or catalogue numbers, for one chaser or several."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ..plan.routes import routes_of
 from ..problem.instance import Instance
 
 Orders = Mapping[str, tuple[str, ...]]
-"""Names of bodies in order, by the name of the chaser that goes to them."""
+"""Names of bodies in order, by name of the chaser."""
 
 
 class BodyNames:
-    """Finds the bodies of an instance by their names, or by the catalogue numbers in these.
+    """Finds the bodies of an instance by name or by the catalogue number in it.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class BodyNames:
                 self._by_number.setdefault(number, []).append(name)
 
     def one(self, said: str, where: str = "") -> str:
-        """The name of the body that is meant.
+        """The name of the body that a text denotes.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class BodyNames:
 def orders_of(
     instance: Instance, words: Iterable[str], where: str = ""
 ) -> dict[str, tuple[str, ...]]:
-    """The orders that words give: names of bodies, for several chasers after ``CHASER:``.
+    """Orders given as words: names of bodies, with several chasers after ``CHASER:``.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def orders_of(
 
 
 def read_orders(instance: Instance, path: str | os.PathLike[str]) -> dict[str, tuple[str, ...]]:
-    """The orders in a file: a plan, or text with a body on each line.
+    """Orders from a file: a plan, or text with one body per line.
 
     Of several chasers a line ``CHASER:`` begins the order of each. What follows ``#`` is no part of
     the order, nor are empty lines.

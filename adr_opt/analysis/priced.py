@@ -1,4 +1,4 @@
-"""An order of bodies, timed exactly: what can be flown of it, where it breaks, what mends it."""
+"""Exact timing of orders of bodies: their flyable part, the obstacle, and remedies."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from .mending import Mending, Shortfall, mendings, missing
 
 Route = Iterable[int | str]
 Asked = Plan | Mapping[str, Route] | Iterable[Any]
-"""A plan, a route by the name of each chaser, one route, or one for each chaser."""
+"""A plan, a route by name of each chaser, a single route, or one for each chaser."""
 
 NOTHING = Shortfall()
 
 METHOD = "by-hand"
-"""What plans say that are of an order that somebody gave."""
+"""Method stated in plans of given orders."""
 
 
 @dataclass(frozen=True, repr=False)
 class PricedRoute(Shown):
-    """What a chaser can fly of its order, at least cost.
+    """The flyable part of a chaser's order, at least cost.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class PricedRoute(Shown):
         return not self.reason
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The route as JSON data."""
         return {
             "chaser": self.chaser,
             "order": list(self.order),
@@ -77,7 +77,7 @@ class PricedRoute(Shown):
 
 @dataclass(frozen=True, repr=False)
 class PricedOrder(Shown):
-    """The orders of all chasers of an instance, timed.
+    """Orders of all chasers of an instance, timed.
 
     Attributes
     ----------
@@ -102,11 +102,11 @@ class PricedOrder(Shown):
 
     @property
     def holds(self) -> bool:
-        """Whether the orders are a plan: all of them can be flown, and nothing is lacking."""
+        """Whether the orders form a plan: all flyable, with no required target missing."""
         return all(route.holds for route in self.routes) and not (self.lacking or self.unended)
 
     def plan(self, problem: Problem | None = None) -> Plan:
-        """The plan of the orders; the timetable is built for it, where none is given.
+        """The plan of the orders; without a problem, the timetable is built for it.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class PricedOrder(Shown):
         return made
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The orders as JSON data."""
         return {
             "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
             "holds": self.holds,
@@ -137,7 +137,7 @@ class PricedOrder(Shown):
 
 
 def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:
-    """Time orders of bodies with the exact scheduler, each at least cost.
+    """Time orders of bodies by the exact scheduler, each at least cost.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
 
 
 def _by_chaser(instance: Instance, orders: Asked) -> dict[str, tuple[str, ...]]:
-    """The orders as they are given, by names."""
+    """The given orders by chaser, as names."""
     if isinstance(orders, Plan):
         orders = orders.orders
         if len(instance.chasers) == 1 == len(orders):  # an only chaser, whatever it was called
@@ -213,7 +213,7 @@ def _check(instance: Instance, orders: Mapping[str, tuple[str, ...]]) -> None:
     whose: dict[str, str] = {}
     for chaser, order in orders.items():
         if chaser not in chasers:
-            raise InputError(f"{chaser!r} is no chaser of {instance.name!r}")
+            raise InputError(f"{chaser!r} is not a chaser of {instance.name!r}")
         for name in order:
             if name not in bodies:
                 raise InputError(f"{name!r} is not a body of {instance.name!r}")

@@ -1,4 +1,4 @@
-"""What is left of an instance once its chasers are somewhere, and what crosses its new zones."""
+"""The remainder of an instance from its chasers' current states, and crossings of new zones."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .state import ChaserState, as_flown, going_on, put_s
 def crossings(
     zoned: Instance, states: Sequence[ChaserState], at_s: float, before: int
 ) -> Iterator[str]:
-    """What is said of legs that cross new zones and cannot be helped.
+    """Notes on legs that cross new zones and can no longer be avoided.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def remaining_instance(
     at_s: float,
     given_up: Sequence[str] = (),
 ) -> Instance | None:
-    """The instance that is left, with chasers where they are; None where a station has run out.
+    """The remaining instance, with chasers where they are; None if a station is exhausted.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def remaining_instance(
             )
     put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
-        # What is still to be towed is worth nothing any more, and there for who is put onto it.
+        # A target still to be towed has no prize any more, and is there for its own chaser only.
         target.replace(prize=0.0, required=True, window_s=put[target.name])
         if target.name in put
         else target
@@ -100,7 +100,7 @@ def remaining_instance(
         if target.name in put or (target.name not in done and target.name not in gone)
     )
     chasers = tuple(going_on(zoned, state) for state in states)
-    # Launches are apart by their times then, and who is put somewhere is not launched.
+    # Launches are kept apart by their times, and a chaser put at a target is not launched.
     mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
     name = f"{zoned.name}-from-{at_s:.0f}s"
     stations = _stations_left(zoned, states)
@@ -113,7 +113,7 @@ def remaining_instance(
 
 
 def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) -> Instance:
-    """The instance with changes, and its given connections as they lead on from where chasers are.
+    """The changed instance, with given connections continued from the chasers' positions.
 
     They lead from a start by its name, so that it takes over those of the target that it is at.
     """
@@ -132,7 +132,7 @@ def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) 
 
 
 def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[Station, ...] | None:
-    """The stations with what is left of their limits; None where more was taken than there is."""
+    """Stations with their remaining supplies; None if any is overdrawn."""
     missed = [name for state in states for name in state.missed]
     limits = StationLimits(without_service(instance, missed))
     uses = [

@@ -1,4 +1,4 @@
-"""Plan the rest of a mission anew: from where its chasers are, with what has changed meanwhile."""
+"""Replanning of the rest of a mission, from the chasers' current states and with changes."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from .restart_states import former_orders, orders_left, restart_states
 from .state import ChaserState, states_at
 
 QUICK, SEVERAL = "beam", "auto"
-"""Planners of the rest, where nobody names one: for one chaser and for several."""
+"""Default planners of the rest, for one chaser and for several."""
 
 DEFAULT_TIME_LIMIT_S = 2.0
 
 HURRY = 110.0 / 75.0
-"""What an hour is worth to the quick planner, as a multiple of what it is usually worth."""
+"""Value of an hour for the quick planner, as a multiple of the usual one."""
 
 Finding = Callable[[Instance, list[list[str]]], Result]
-"""A plan of what is left, from what is left of the former orders."""
+"""A function that plans what is left, starting from the remaining orders."""
 
 
 def replan(  # noqa: PLR0913
@@ -58,7 +58,7 @@ def replan(  # noqa: PLR0913
     seed: int = 0,
     stop: Stop | None = None,
 ) -> Replanned:
-    """Plan the rest of a mission anew.
+    """Replan the rest of a mission.
 
     What has begun is finished (:func:`.state.states_at`). A chaser that has serviced a target
     since it refuelled last may refuel at once; to be full earlier is never worse, so that is one
@@ -68,8 +68,8 @@ def replan(  # noqa: PLR0913
     what the new one has to beat.
 
     A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
-    and one that has begun its last tow goes on from the disposal orbit. There nobody waits by the
-    rules of the whole mission, so a note says so.
+    and one that has begun its last tow goes on from the disposal orbit. The rules of the whole
+    mission allow no wait there, so a note says so.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def replan(  # noqa: PLR0913
         Number of a leg that has not begun, and does not begin when it was to. Those before it of
         its chaser are flown as planned, and the rest begins where it was to begin, later.
     keep : int
-        So many legs of each chaser that have not begun are flown as planned.
+        Number of further legs of each chaser, not yet begun, that are flown as planned.
     missed : iterable of str
         Targets to which the leg has begun, and that are not serviced: the chaser is there all the
         same, with the kit, and without a tow.
@@ -133,7 +133,7 @@ def replan(  # noqa: PLR0913
         return _certified(problem, _flyable(problem, orders), seed, 0.0)
 
     def settled(found: Finding) -> PlannedRest:
-        """What is found where each chaser has the kits aboard that it leaves behind, or carries."""
+        """The plan found when each chaser carries just the kits that it uses, or all it has."""
         now = states
         while True:
             best: PlannedRest | None = None
@@ -169,7 +169,7 @@ def _each_once(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def _waits(states: Sequence[ChaserState], found: PlannedRest) -> Iterator[str]:
-    """What is said of chasers that go on from a disposal orbit where they have waited."""
+    """Notes on chasers that continue from a disposal orbit after waiting there."""
     released = {state.chaser.name for state in states if state.is_released}
     instance, begun, made = found
     flown = set() if made.plan is None else {each.chaser for each in made.plan.routes if each.legs}
@@ -182,7 +182,7 @@ def _waits(states: Sequence[ChaserState], found: PlannedRest) -> Iterator[str]:
 
 
 def _carrying(states: tuple[ChaserState, ...], found: PlannedRest) -> tuple[ChaserState, ...]:
-    """The states with the kits that a new rest leaves behind; more that are aboard stay there."""
+    """States with the kits used by a new plan; additional kits aboard stay there."""
     instance, _, made = found
     flown = () if made.plan is None else routes_of(instance, made.plan)
     needed = {
@@ -202,7 +202,7 @@ def _planned(
     beginning: Instance, orders: list[list[str]], method: str | None, time_limit: float, seed: int,
     stop: Stop | None,
 ) -> Result:  # fmt: skip
-    """The best of what a planner finds and of what is left of the former rest."""
+    """The better of a planner's result and the rest of the former plan."""
     problem = problem_of(beginning)
     if method is None and problem.alone is not None:
         # One choice of connections for all that plans: a second timetable would take as long.
@@ -225,7 +225,7 @@ def _planned(
 
 
 def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: float) -> Result:
-    """What is left of the former rest, as a result."""
+    """The rest of the former plan, as a result."""
     moves = [
         mission.numbers(order) for mission, order in zip(problem.missions, orders, strict=True)
     ]
@@ -233,7 +233,7 @@ def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: 
 
 
 def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
-    """The plan of the quick planner, without all that takes longer than it does."""
+    """The plan of the quick planner, without steps that take longer than itself."""
     options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
     prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
     limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]
@@ -241,7 +241,7 @@ def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) 
 
 
 def _flyable(problem: Problem, orders: list[list[str]]) -> list[list[str]]:
-    """The orders without the bodies that cannot be flown to any more, one after the other."""
+    """The orders without bodies that can no longer be reached, removed one by one."""
     kept = []
     for mission, order in zip(problem.missions, orders, strict=True):
         moves = mission.numbers(order).tolist()

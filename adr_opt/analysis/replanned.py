@@ -1,4 +1,4 @@
-"""What became of the rest of a mission that was planned anew."""
+"""The result of replanning."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Orders = tuple[tuple[str, ...], ...]
 
 @dataclass(frozen=True, repr=False)
 class Replanned(Shown):
-    """The rest of a mission, planned anew.
+    """The replanned rest of a mission.
 
     Attributes
     ----------
@@ -63,11 +63,11 @@ class Replanned(Shown):
 
     @property
     def plan(self) -> Plan | None:
-        """The new rest; None if there is none."""
+        """The new plan of the rest; None if there is none."""
         return self.result.plan
 
     def whole(self) -> tuple[Route, ...]:
-        """What each chaser flies from beginning to end: what is fixed, and the new rest.
+        """Complete flight of each chaser: fixed legs, then the new rest.
 
         Of legs that went otherwise than planned it has the times and costs that they had, and a
         target that was missed is tried again by a second leg to it.
@@ -87,7 +87,7 @@ class Replanned(Shown):
         return tuple(routes)
 
     def to_dict(self) -> dict[str, Any]:
-        """What has changed, for JSON."""
+        """The changes as JSON data."""
         return {
             "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
             "fixed": [
@@ -112,7 +112,7 @@ class Replanned(Shown):
 
 
 class PlannedRest(NamedTuple):
-    """What is left of a mission, and a plan of it.
+    """The remaining instance with a plan.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ def compared(
     instance: Instance, rest: PlannedRest, former: Orders, lost: tuple[str, ...],
     went: Deviations, notes: tuple[str, ...], began: float,
 ) -> Replanned:  # fmt: skip
-    """What a new rest gains and loses against the former one.
+    """Gains and losses of the new rest against the former one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How the rest of a mission may begin: with chasers as they are, or refuelled first."""
+"""Possible starts of the rest of a mission: chasers as they are, or refuelled first."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from ..problem.instance import Instance
 from .state import ChaserState, heavier
 
 NEAR_EMPTY = 0.5
-"""With less of a tank than this it is tried to refuel first."""
+"""Share of a tank below which refuelling first is tried."""
 
 Former = Mapping[str, tuple[str, ...]]
-"""What each chaser was about to do, by its name."""
+"""Pending bodies of each chaser, by name."""
 
 
 def former_orders(plan: Plan, states: Sequence[ChaserState]) -> Former:
-    """What the plan was about to do after what is fixed."""
+    """Bodies that the plan would have visited after its fixed legs."""
     flown = {route.chaser: route.legs for route in plan.routes}
     if len(states) == 1:
         flown = {states[0].chaser.name: plan.legs}
@@ -42,7 +42,7 @@ def restart_states(
     states: tuple[ChaserState, ...],
     former: Former,
 ) -> Iterator[tuple[Instance, tuple[ChaserState, ...]]]:
-    """The instances that the rest may begin with: chasers as they are, or refuelled first.
+    """Possible instances of the rest: chasers as they are, or refuelled first.
 
     The last one is that of chasers as they are, where no other one is possible.
 
@@ -76,7 +76,7 @@ def restart_states(
 
 
 def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[ChaserState]:
-    """The chaser as it is after refuelling first, at each station that it can reach."""
+    """The chaser after refuelling first, for each station that it can reach."""
     if not state.is_at_target or not (rest.targets or state.has_to_return):
         return
     if state.is_put:  # by the rules of the rest it may refuel at once
@@ -110,7 +110,7 @@ def orders_left(
     states: tuple[ChaserState, ...],
     before: tuple[ChaserState, ...],
 ) -> list[list[str]]:
-    """The former rest as far as there are such bodies; a stop that is made already is left out.
+    """The former orders without missing bodies, and without a stop already made.
 
     It begins with the target that a chaser is put onto.
     """

@@ -1,4 +1,4 @@
-"""Where a plan has led by a time: what is flown or fixed, and what each chaser goes on from."""
+"""State of a plan at a time: fixed legs, and the starting point of each chaser."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from .deviations import (
 )
 
 DELAY_S = 1.0
-"""So much later than planned a chaser is free whose leg failed: that departure is over."""
+"""Delay of a chaser whose leg failed, after which that departure is over [s]."""
 
 
 @dataclass(frozen=True)
 class ChaserState:
-    """A chaser between what is fixed and what is planned anew.
+    """A chaser between its fixed legs and its new plan.
 
     Attributes
     ----------
@@ -85,26 +85,26 @@ class ChaserState:
 
     @property
     def is_new(self) -> bool:
-        """Whether it has flown nothing."""
+        """Whether it has not flown yet."""
         return not self.legs
 
     @property
     def is_at_target(self) -> bool:
-        """Whether it is at a target, which it has serviced, or missed."""
+        """Whether it is at a target that it has serviced or missed."""
         return self.since_refuelling > 0
 
     @property
     def is_released(self) -> bool:
-        """Whether it has begun its last tow, or ended it: then it is on the disposal orbit."""
+        """Whether its last tow has begun or ended, so that it is on the disposal orbit."""
         return bool(self.legs) and self.legs[-1].tow is not None and not self.is_put
 
     def onward(self, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
-        """Of its legs in a rest those that lead on: not the one that puts it where it is."""
+        """Legs of a new plan that go further, without one that only puts it where it is."""
         return legs[1:] if self.is_put else legs
 
     @property
     def has_to_return(self) -> bool:
-        """Whether it has to end at a station."""
+        """Whether it must end at a station."""
         return isinstance(self.chaser.end, AtStation)
 
 
@@ -117,11 +117,11 @@ def states_at(
     failed: int | None = None,
     went: Deviations = AS_PLANNED,
 ) -> tuple[ChaserState, ...]:
-    """Where each chaser is at a time.
+    """State of each chaser at a time.
 
-    A leg that has begun is finished: whoever has left cannot turn back. One that leaves a disposal
+    A leg that has begun is finished, as there is no way back. One that leaves a disposal
     orbit begins with the tow: it leaves as that ends. The legs after it that have not begun are
-    fixed too if ``keep`` says so, as many of each chaser. A leg that was to begin before a service
+    fixed too if ``keep`` says so, for each chaser. A leg that was to begin before a service
     was over that took longer has not begun.
 
     Parameters
@@ -159,7 +159,7 @@ def states_at(
 
 
 class Fixed(NamedTuple):
-    """Which legs of a chaser are flown as planned.
+    """The legs of a chaser that are flown as planned.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ def _fixed(
 def _state(
     instance: Instance, flown: Flown, fixed: Fixed, at_s: float, went: Deviations
 ) -> ChaserState:
-    """The state after legs that are fixed: kits that missed targets did not take are aboard."""
+    """State after the fixed legs, with the kits of missed targets still aboard."""
     chaser, stations = flown.chaser, instance.station_names
     count = len(fixed.legs)
     missed = went.missed_of(leg for _, leg in fixed.legs)
@@ -250,7 +250,7 @@ def _state(
 
 
 def _begins_s(flown: Flown) -> list[float]:
-    """When each leg begins: as the chaser leaves, or begins to tow down what it leaves."""
+    """Start of each leg: the departure, or the start of the tow before it [s]."""
     tows = [None, *(leg.tow for _, leg in flown.legs)]
     return [
         leg.leaves_s if tow is None else tow.start_s
@@ -259,7 +259,7 @@ def _begins_s(flown: Flown) -> list[float]:
 
 
 def _loaded(instance: Instance, flown: Flown) -> Flown:
-    """What a chaser flies, with no more propellant than it was launched with.
+    """The legs of a chaser, with no more propellant than at its launch.
 
     Where launched masses are paid for, that is what its route needs, and no drop more.
     """
@@ -274,12 +274,12 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
 
 
 def as_flown(state: ChaserState) -> Chaser:
-    """The chaser as `check` follows it: full, and with kits that are still aboard all the time."""
+    """The chaser as `check` follows it: full, and always with the kits still aboard."""
     return heavier(state.chaser, (state.kits or 0) + state.idle_kits)
 
 
 def heavier(chaser: Chaser, kits: int) -> Chaser:
-    """A chaser of which some kits have become a part."""
+    """A chaser that includes some kits in its own mass."""
     tank, kits_kg = chaser.tank, kits * chaser.kit_mass_kg
     if not isinstance(tank, TankByMass) or kits_kg == 0.0:
         return chaser
@@ -287,7 +287,7 @@ def heavier(chaser: Chaser, kits: int) -> Chaser:
 
 
 def going_on(instance: Instance, state: ChaserState) -> Chaser:
-    """The chaser of a state, as an instance that begins with it has it.
+    """The chaser of a state, as part of an instance that begins there.
 
     What it was launched for is paid, so that it has no expense any more.
     """
@@ -320,7 +320,7 @@ def going_on(instance: Instance, state: ChaserState) -> Chaser:
 
 
 def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
-    """When the service takes place with which a chaser is put onto its target [s]."""
+    """Start of the service at the target where a chaser is placed [s]."""
     assert state.body is not None
     body = instance.names.index(state.body)
     service_s = float(limits_of(instance).service[body]) - removals_of(instance)[body].time_s
@@ -333,7 +333,7 @@ def _end(chaser: Chaser, free_s: float) -> float | None:
 
 
 def _tank(chaser: Chaser, left_m_s: float | None, propellant_kg: float | None) -> AnyTank:
-    """The same tank with so much in it at the start."""
+    """The tank with a given content at the start."""
     tank = chaser.tank
     if isinstance(tank, TankByMass):
         initial_kg = None if propellant_kg is None else min(propellant_kg, tank.propellant_kg)

@@ -1,1 +1,1 @@
-"""What all rooms use: errors, files, records, cards, constants, stopping, progress."""
+"""Shared basics: errors, files, records, cards, constants, stopping criteria, progress."""

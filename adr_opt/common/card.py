@@ -1,4 +1,4 @@
-"""A card: what an object is, some facts of it, and tables for those who have room."""
+"""Cards that describe an object: its name, a few facts, and tables where there is room."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from typing import NamedTuple
 from .constants import DAY_S
 
 VIEWS = "adr_opt.views"
-"""Entry-point group of functions that make the card of an object, or say None."""
+"""Entry-point group of functions that make the card of an object, or return None."""
 
 MOST_ROWS = 60
-"""So many rows of a table are shown in a notebook; a line says how many more there are."""
+"""Maximum number of table rows shown in a notebook; a further line counts the rest."""
 
 MOST_NAMES = 6
-"""So many names of an order stand in a line."""
+"""Maximum number of names when an order is written on one line."""
 
 NUMBER, TEXT = "text-align: right", "text-align: left"
 
 
 class CardTable(NamedTuple):
-    """Rows of texts under heads.
+    """Rows of text under column heads.
 
     Attributes
     ----------
     heads : tuple of str
     rows : sequence of tuple of str
     texts : int
-        So many columns, from the first on, hold words; the others hold numbers.
+        Number of leading columns that hold words; the others hold numbers.
     """
 
     heads: tuple[str, ...]
@@ -38,7 +38,7 @@ class CardTable(NamedTuple):
     texts: int = 1
 
     def html(self) -> str:
-        """The table, cut where it is long."""
+        """The table as HTML, shortened if it is long."""
         styles = [TEXT if at < self.texts else NUMBER for at in range(len(self.heads))]
         shown = [self.heads, *self.rows[:MOST_ROWS]]
         lines = []
@@ -55,7 +55,7 @@ class CardTable(NamedTuple):
 
 
 class Card(NamedTuple):
-    """What an object shows of itself.
+    """What an object displays about itself.
 
     Attributes
     ----------
@@ -79,16 +79,16 @@ class Card(NamedTuple):
 
     @property
     def head(self) -> str:
-        """What it is, and which one."""
+        """The kind of object and its name."""
         return f"{self.kind} {self.said}".rstrip()
 
     def line(self) -> str:
-        """One line."""
+        """The card on one line."""
         told = f": {', '.join(self.facts)}" if self.facts else ""
         return f"<{self.head}{told}>"
 
     def html(self) -> str:
-        """A piece of a page, without colours or sizes of its own."""
+        """The card as an HTML fragment, without colours or sizes of its own."""
         parts = [f"<p><strong>{escape(self.head)}</strong><br>{escape(', '.join(self.facts))}</p>"]
         if self.details:
             rows = "".join(
@@ -104,7 +104,7 @@ View = Callable[[object], Card | None]
 
 
 class Shown:
-    """Something that shows itself by a card, which a view makes (:data:`VIEWS`)."""
+    """Base of objects that display a card, made by a view (:data:`VIEWS`)."""
 
     __slots__ = ()
 
@@ -114,12 +114,12 @@ class Shown:
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        """What a notebook shows."""
+        """HTML shown by a notebook."""
         return card_of(self).html()
 
 
 def card_of(shown: object) -> Card:
-    """The card of an object; of one that no view knows, the name of its class."""
+    """The card of an object, or just its class name if no view knows it."""
     for view in _views():
         card = view(shown)
         if card is not None:
@@ -133,7 +133,7 @@ def _views() -> tuple[View, ...]:
 
 
 def order_words(names: Iterable[str]) -> str:
-    """An order of bodies in a line: the first ones, and the last one."""
+    """An order of bodies on one line: the first few and the last."""
     listed = list(names)
     if len(listed) > MOST_NAMES + 1:
         listed = [*listed[: MOST_NAMES - 1], "…", listed[-1]]
@@ -141,11 +141,11 @@ def order_words(names: Iterable[str]) -> str:
 
 
 def days(seconds: float) -> str:
-    """A time in days, for columns."""
+    """A time in days, for table columns."""
     return f"{seconds / DAY_S:.3f}"
 
 
 def days_words(seconds: float) -> str:
-    """A time in days, short and with the unit."""
+    """A time in days, brief and with its unit."""
     text = days(seconds).rstrip("0").rstrip(".")
     return f"{text} day" if text == "1" else f"{text} days"

@@ -9,7 +9,7 @@ _pauses: list[Callable[[], float]] = []
 
 
 def leave_out(seconds: Callable[[], float]) -> None:
-    """Do not count some time of this process.
+    """Exclude some time of this process.
 
     Parameters
     ----------
@@ -20,5 +20,5 @@ def leave_out(seconds: Callable[[], float]) -> None:
 
 
 def now_s() -> float:
-    """Seconds that count, since some moment; differences of two readings mean something."""
+    """Counted seconds since an arbitrary moment; only differences are meaningful."""
     return time.perf_counter() - sum(seconds() for seconds in _pauses)

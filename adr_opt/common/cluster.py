@@ -1,4 +1,4 @@
-"""Calls made elsewhere: by an executor of this machine, or by the workers of a Dask cluster."""
+"""Calls run elsewhere: in an executor on this machine or by the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -10,35 +10,35 @@ from typing import Any, ParamSpec, Protocol, TypeVar
 from .errors import InputError, MissingExtra
 
 PATIENCE_S = 10.0
-"""How long a scheduler may take to answer, and its first worker to appear."""
+"""Longest wait for a scheduler to answer, and for its first worker to appear [s]."""
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
 class Calls(Protocol):
-    """Who makes calls, so many at once."""
+    """Something that runs calls, several at once."""
 
     @property
     def count(self) -> int:
-        """Number of calls at once."""
+        """Number of calls run at once."""
         ...
 
     def submit(self, call: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> Future[T]:
-        """Hand out a call."""
+        """Submit a call."""
         ...
 
     def result(self, future: Future[T]) -> T:
-        """What came of a call."""
+        """The result of a call."""
         ...
 
     def close(self) -> None:
-        """Take back what was handed out and is not begun."""
+        """Cancel submitted calls that have not begun."""
         ...
 
 
 class LocalPool:
-    """Calls made by an executor of this machine.
+    """Calls run by an executor on this machine.
 
     Parameters
     ----------
@@ -51,15 +51,15 @@ class LocalPool:
         self._executor, self.count = executor, count
 
     def submit(self, call: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> Future[T]:
-        """Hand out a call."""
+        """Submit a call."""
         return self._executor.submit(call, *arguments, **named)
 
     def result(self, future: Future[T]) -> T:
-        """What came of a call."""
+        """The result of a call."""
         return future.result()
 
     def close(self) -> None:
-        """Take back what was handed out and is not begun, and wait for the rest."""
+        """Cancel submitted calls that have not begun, and wait for the others."""
         self._executor.shutdown(cancel_futures=True)
 
 
@@ -74,7 +74,7 @@ def client_of(address: str) -> Any:
     Raises
     ------
     InputError
-        Not an address, nobody answers there, or the scheduler has no workers.
+        Not an address, no scheduler answers there, or it has no workers.
     MissingExtra
         distributed is not installed.
     """
@@ -108,12 +108,12 @@ def client_of(address: str) -> Any:
 
 
 def count_of(client: Any) -> int:
-    """Number of calls that the workers of a client make at once, now."""
+    """Number of calls that a client's workers can run at once, now."""
     return max(1, sum(map(int, client.nthreads().values())))
 
 
 class Workers:
-    """Calls made by the workers of a Dask cluster, who need adr-opt (extra ``cluster``).
+    """Calls run by the workers of a Dask cluster, which need adr-opt (extra ``cluster``).
 
     Parameters
     ----------
@@ -133,16 +133,16 @@ class Workers:
 
     @property
     def count(self) -> int:
-        """Number of calls that the cluster makes at once, now."""
+        """Number of calls that the cluster can run at once, now."""
         return count_of(self._client)
 
     def submit(self, call: Callable[P, T], /, *arguments: P.args, **named: P.kwargs) -> Future[T]:
-        """Hand out a call."""
+        """Submit a call."""
         future: Future[T] = self._executor.submit(call, *arguments, **named)
         return future
 
     def result(self, future: Future[T]) -> T:
-        """What came of a call.
+        """The result of a call.
 
         Raises
         ------
@@ -160,6 +160,6 @@ class Workers:
         raise InputError(f"--cluster {self._address}: {why}")
 
     def close(self) -> None:
-        """Take back what was handed out, and leave the cluster as it was."""
+        """Cancel submitted calls, and leave the cluster as it was."""
         self._executor.shutdown(wait=False)
         self._client.close(timeout=5)

@@ -1,8 +1,8 @@
-"""What can be wrong with a call or a file, said in one sentence."""
+"""Errors of calls and files, each reported in one sentence."""
 
 
 class InputError(ValueError):
-    """The input or the call is wrong: the command line prints the sentence and exits with 2.
+    """Wrong input or a wrong call: the command line prints the sentence and exits with 2.
 
     The sentence names the file, the field, the value and what to do, as far as they are known.
     """

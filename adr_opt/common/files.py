@@ -1,4 +1,4 @@
-"""Reading and writing JSON files: whole or not at all, every error one sentence."""
+"""JSON files: written completely or not at all, with every error in one sentence."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ from .sentences import sentence
 
 
 class Readable(Protocol):
-    """What can be read from a JSON file."""
+    """A type that can be read from a JSON file."""
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """Of a text; raises :class:`pydantic.ValidationError`."""
+        """Parse a text; raises :class:`pydantic.ValidationError`."""
         ...
 
 
 Model = TypeVar("Model", bound=Readable)
 
 LEFT_OVER_S = 86400.0
-"""A temporary file that is older was left by a writer that was killed [s]."""
+"""Age beyond which a temporary file must have been left by a killed writer [s]."""
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Read a text file, with an :class:`InputError` that says what is wrong with it."""
+    """Read a text file, or raise an :class:`InputError` that says what is wrong with it."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -74,7 +74,7 @@ def parse_model(text: str, model: type[Model], source: str) -> Model:
 
 
 def to_text(content: dict[str, Any]) -> str:
-    """A JSON object as text with one item of each list to a line, and of lists in such items.
+    """A JSON object as text, with one line for each list item, nested lists included.
 
     The same content gives the same bytes on every machine: Python's shortest float repr.
     """
@@ -89,7 +89,7 @@ def to_text(content: dict[str, Any]) -> str:
 
 
 def _item(item: Any) -> str:
-    """An item of a list as text: on one line, but for lists of objects in it."""
+    """A list item as text: on one line, except for lists of objects within it."""
     if not isinstance(item, dict):
         return json.dumps(item, ensure_ascii=False)
     parts = []
@@ -103,7 +103,7 @@ def _item(item: Any) -> str:
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
-    """Raise :class:`InputError` now if ``path`` could not be written after a long computation."""
+    """Raise :class:`InputError` now if ``path`` will not be writable after a long computation."""
     target = Path(path)
     if target.is_dir():
         raise InputError(f"{path}: this is a folder; name a file in it")
@@ -120,7 +120,7 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
 
 def write_whole(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
-    """Write a file whole or not at all: to a temporary neighbour, then renamed over it.
+    """Write a file completely or not at all: to a temporary neighbour, then renamed over it.
 
     Parameters
     ----------
@@ -160,18 +160,18 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], object]) -
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file whole or not at all."""
+    """Write a file completely or not at all."""
     write_whole(path, lambda temporary: temporary.write_bytes(content))
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file whole or not at all, in UTF-8."""
+    """Write a text file in UTF-8, completely or not at all."""
     write_bytes(path, text.encode("utf-8"))
 
 
 @cache
 def _remove_left_overs(folder: Path) -> None:
-    """Remove temporary files of writers that were killed; once for each folder."""
+    """Remove temporary files of killed writers, once per folder."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             if re.fullmatch(r"\..*-[a-z0-9_]{8}\.part(\.[^.]*)?", entry.name, re.DOTALL):

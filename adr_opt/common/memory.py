@@ -1,4 +1,4 @@
-"""How much memory this process may still take."""
+"""Memory that this process may still take."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def available_bytes() -> float:
-    """Memory that is free for new arrays, by the machine and by its control groups [bytes].
+    """Memory available for new arrays, on the machine and in its control groups [bytes].
 
     +inf where the system does not say.
     """
@@ -16,7 +16,7 @@ def available_bytes() -> float:
 
 
 def _of_the_machine() -> float:
-    """What the system could hand out without swapping; all its memory where that is not known."""
+    """Memory available without swapping; all of the machine's memory if that is unknown."""
     try:
         for line in Path("/proc/meminfo").read_text().splitlines():
             if line.startswith("MemAvailable:"):
@@ -32,7 +32,7 @@ def _of_the_machine() -> float:
 def _of_the_group(
     groups: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> float:
-    """What the control groups of this process leave, as in a container; +inf without a limit."""
+    """Memory left by this process's control groups, as in a container; +inf without a limit."""
     try:
         lines = membership.read_text().splitlines()
     except OSError:
@@ -54,7 +54,7 @@ def _of_the_group(
 
 
 def _left_in(folder: Path, limit: str, usage: str) -> float:
-    """What one control group leaves: its limit less what it uses, without the cache of files."""
+    """Memory left in one control group: its limit minus its usage, file cache excluded."""
     try:
         most = float((folder / limit).read_text())
         used = float((folder / usage).read_text())

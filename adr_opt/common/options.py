@@ -1,4 +1,4 @@
-"""The options of a method: a frozen dataclass, of which errors, command line and pages are made.
+"""Options of a method: a frozen dataclass that also yields errors, command line and pages.
 
 For example ::
 
@@ -24,16 +24,16 @@ from typing import Any, ClassVar, NamedTuple, TypeVar
 from .errors import InputError
 
 MOST_JOBS = 1024
-"""Most threads of a method."""
+"""Maximum number of threads of a method."""
 
 LARGEST_WHOLE = 10**9
-"""Largest value of an option that is a whole number, unless the option says otherwise."""
+"""Largest value of an integer option, unless the option says otherwise."""
 
 Value = TypeVar("Value")
 
 
 class Rule(NamedTuple):
-    """What an option means and what it may be; see :func:`option`."""
+    """Meaning and allowed values of an option; see :func:`option`."""
 
     doc: str = ""
     unit: str = ""
@@ -55,7 +55,7 @@ def option(
     choices: tuple[str, ...] = (),
     unset: str = "",
 ) -> Value:
-    """Declare an option, as a field of a subclass of :class:`Options`.
+    """Declare an option as a field of a subclass of :class:`Options`.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def option(
 
 @dataclass(frozen=True)
 class Options:
-    """What the options of all methods are: checked when they are made.
+    """Base of the options of all methods, validated on construction.
 
     Raises
     ------
@@ -104,7 +104,7 @@ Chosen = TypeVar("Chosen", bound=Options)
 
 
 def read(kind: type[Chosen], values: Mapping[str, Any]) -> Chosen:
-    """The options of a method with these values in place of their defaults.
+    """The options of a method with the given values in place of defaults.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def read(kind: type[Chosen], values: Mapping[str, Any]) -> Chosen:
 
 
 def parsed(kind: type[Options], name: str, text: str) -> Any:
-    """The value of an option given as text, by the type of its default.
+    """The value of an option given as text, converted to the type of its default.
 
     Raises
     ------
@@ -139,13 +139,13 @@ def default_of(each: Field[Any]) -> Any:
 
 
 def rule_of(each: Field[Any]) -> Rule:
-    """What :func:`option` said of an option."""
+    """The rule declared by :func:`option` for an option."""
     rule: Rule = each.metadata.get("rule", Rule())
     return rule
 
 
 def listed(kind: type[Options]) -> list[dict[str, Any]]:
-    """The options of a method as JSON can say them: infinities as the text that is parsed."""
+    """The options of a method as plain JSON, with infinities as the text that is parsed."""
     found = []
     for each in fields(kind):
         default, rule = default_of(each), rule_of(each)
@@ -183,7 +183,7 @@ def _known(kind: type[Options], name: str) -> Field[Any]:
 
 
 def _typed(value: Any, kind: type) -> Any:
-    """A value as one of a type: kernels are compiled for types, so 1 must not pass for 1.0."""
+    """A value converted to its declared type: kernels compile by type, so 1 must become 1.0."""
     if kind is bool and value in (False, True):
         return bool(value)
     if kind is int:
@@ -198,7 +198,7 @@ def _typed(value: Any, kind: type) -> Any:
 
 
 def _checked(options: Options, each: Field[Any]) -> Any:
-    """The value of an option, of its type and in its range."""
+    """The value of an option, converted and checked against its range."""
     value, default, rule = getattr(options, each.name), default_of(each), rule_of(each)
     said = _given(type(options), each.name, value)
     try:
@@ -218,7 +218,7 @@ def _checked(options: Options, each: Field[Any]) -> Any:
 
 
 def _limits(each: Field[Any], options: Options) -> tuple[float, float]:
-    """The least and the greatest value of an option, beside others with their values."""
+    """Least and greatest values of an option, given the values of other options."""
     rule = rule_of(each)
     largest = LARGEST_WHOLE if isinstance(default_of(each), int) else sys.float_info.max
     least = -largest if rule.least is None else rule.least
@@ -230,7 +230,7 @@ def _limits(each: Field[Any], options: Options) -> tuple[float, float]:
 
 
 def _allowed(each: Field[Any], options: Options | None = None) -> str:
-    """What an option may be, in words; beside other options with their values."""
+    """The allowed values of an option, in words, given the values of other options."""
     rule, default = rule_of(each), default_of(each)
     if rule.choices:
         return f"one of {', '.join(rule.choices)}"

@@ -1,4 +1,4 @@
-"""What a method reports while it runs."""
+"""Progress reports of a running method."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import Protocol
 
 
 class Progress(Protocol):
-    """Hears of every new incumbent or bound: −inf and +inf stand for none yet."""
+    """Callback for each new incumbent or bound; −inf and +inf mean none yet."""
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of it; called from the thread that found it."""
+        """Receive a report, in the thread that found it."""
         ...
 
 
 def silent(incumbent: float, bound: float) -> None:
-    """A progress that hears and says nothing."""
+    """A progress callback that does nothing."""

@@ -1,4 +1,4 @@
-"""What all data of the file formats have in common: strictness, variants, numbers with limits."""
+"""Base of all data in file formats: strict fields, variants, bounded numbers."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Record(BaseModel, metaclass=_Listed):
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """The record that a JSON text holds.
+        """Read the record from a JSON text.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class Record(BaseModel, metaclass=_Listed):
 
 
 def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
-    """What is written of a record but for what nobody set, so that older files stay as they are.
+    """The written form of a record without fields left unset, so that older files stay as they are.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def without(content: dict[str, Any], *unset: str) -> dict[str, Any]:
 
 
 Window = Annotated[tuple[Time, Time | None], Field(strict=False)]
-"""When something opens and when it closes since the epoch [s]; null: never."""
+"""Opening and closing times since the epoch [s]; null: never."""
 
 
 def check_window(field: str, window: tuple[float, float | None]) -> None:

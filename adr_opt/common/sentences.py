@@ -1,4 +1,4 @@
-"""What is wrong with data, in one sentence; also which key was meant where one is misspelt."""
+"""Validation errors in one sentence, with the intended key if one is misspelt."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 LEAST_ALIKE = 0.6
-"""Share of letters that two keys have in common, by difflib, below which neither was the other."""
+"""Smallest similarity (difflib) at which an unknown key counts as a misspelling of another."""
 
 
 KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)"}
-"""Which of several kinds a value was taken for: part of where an error is, but no key of a file."""
+"""Tags of union members in pydantic's error locations, which are no keys of a file."""
 
 LONGEST_VALUE = 60
-"""Longer values are cut in error messages."""
+"""Length beyond which values are cut in error messages."""
 
 PLAINER = (
     (r"^Input should be an object$", "must be a JSON object {…}"),
@@ -39,7 +39,7 @@ PLAINER = (
     (r"^String should match pattern .*x00.*", "must not contain a NUL"),
     (r"^String should match pattern ", "must match "),
 )
-"""Messages of pydantic as a user of the files would say them."""
+"""Messages of pydantic, reworded for users of the files."""
 
 
 def sentence(error: ValidationError) -> str:
@@ -80,7 +80,7 @@ def sentence(error: ValidationError) -> str:
 
 
 def _misspelt(title: str, details: Sequence[ErrorDetails]) -> tuple[ErrorDetails, str | None, int]:
-    """The first error, or the unknown key that explains it; what that was meant for, if anything.
+    """The first error, or the unknown key that explains it, with the key that was probably meant.
 
     And how many of the other errors are explained by it: a key that is missing but for a typo.
     """
@@ -105,7 +105,7 @@ def _as_in_json(value: Any) -> str:
 
 
 def meant(title: str, place: Sequence[int | str], among: Iterable[str] = ()) -> str | None:
-    """The key that one that is unknown was probably meant for; None where none is like it.
+    """The known key most like an unknown one; None if none is similar.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _below(model: type[BaseModel]) -> Iterator[type[BaseModel]]:
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    """The models that a type is made of, as those of a list or of several kinds."""
+    """The models within a type, as in lists or unions."""
     if isclass(annotation) and issubclass(annotation, BaseModel):
         yield annotation
     for part in get_args(annotation):

@@ -1,9 +1,9 @@
-"""When two objectives count as equal, and what steps objectives come in.
+"""Equality of objectives, and the common step of their values.
 
 Prizes have a common step wherever they are written in so few digits that it can be told, and then
 objectives are compared exactly: by whole steps. Where they have none, objectives differ by as
-little as anybody likes, and the tolerance is what arithmetic leaves. `check` and `verify` work all
-this out again by themselves, on purpose.
+arbitrarily little, and the tolerance is what arithmetic leaves. `check` and `verify` derive all
+this again by themselves, on purpose.
 """
 
 from __future__ import annotations
@@ -14,41 +14,41 @@ from decimal import Decimal
 from fractions import Fraction
 
 RELATIVE = 1e-11
-"""Objectives without a common step count as equal if they differ by this share of all prizes."""
+"""Relative tolerance between objectives without a common step, as a share of all prizes."""
 
 ROUNDED = 2.0**-48
-"""Sums of the same prizes may differ by this share for rounding alone."""
+"""Largest relative difference between sums of the same prizes due to rounding."""
 
 COST_RELATIVE = 1e-6
-"""A cost, which has no steps, counts as the least if it exceeds its bound by no more of it."""
+"""Relative excess over its bound at which a cost, which has no steps, still counts as minimal."""
 
 ROUNDING = 1e-6
-"""A bound this little below a multiple of the step counts as that multiple [steps]."""
+"""Distance below a multiple of the step at which a bound counts as that multiple [steps]."""
 
 WHOLE = 1e-12
-"""A prize is a multiple of a step that was found by division if it misses one by no more of it."""
+"""Relative tolerance for prizes as multiples of a step found by division."""
 
 NOISY = 1e-6
-"""Such a step is no smaller than this share of the sum of all prizes."""
+"""Smallest such step, as a share of the sum of all prizes."""
 
 MOST_STEPS = 2**46
-"""All that targets are worth together, in steps: so many can be told apart with a margin, since
-sums are off by no more than 2⁻⁵⁰ of themselves."""
+"""Largest sum of all prizes, in steps, that can be resolved with a margin: sums are off by at
+most 2⁻⁵⁰ of themselves."""
 
 DIGITS = 12
-"""A prize of no more significant digits is taken to be meant exactly."""
+"""Maximum number of significant digits of a prize that is taken as exact."""
 
 TOO_SMALL = 4.0 * RELATIVE
 """Share of all prizes below which a prize without a common step would be lost in sums."""
 
 
 def tolerance(bound: float) -> float:
-    """What an incumbent may lack of a bound by rounding alone."""
+    """Difference between an incumbent and a bound that rounding alone may cause."""
     return ROUNDED * abs(bound)
 
 
 def meets(incumbent: float, bound: float) -> bool:
-    """Whether an incumbent is as good as a bound, where prizes are not known.
+    """Whether an incumbent is as good as a bound, where prizes are unknown.
 
     Where they are, :meth:`.Prizes.meets` knows more.
     """
@@ -56,13 +56,13 @@ def meets(incumbent: float, bound: float) -> bool:
 
 
 def common_step(prizes: Iterable[float], required: int = 0) -> float:
-    """The largest number of which all prizes are multiples, and with them all objectives.
+    """The largest number that divides all prizes, and hence all objectives.
 
     Parameters
     ----------
     prizes : iterable of float
     required : int
-        So many targets are required, and each of them is worth all prizes more to a planner.
+        Number of required targets, each of which is worth all prizes more to a planner.
 
     Returns
     -------
@@ -77,12 +77,12 @@ def common_step(prizes: Iterable[float], required: int = 0) -> float:
 
 
 def _are_few(worth: Sequence[float], step: float, required: int) -> bool:
-    """Whether all that targets are worth are few enough steps to be told apart."""
+    """Whether the sum of all prizes is few enough steps to be resolved."""
     return (1 + required) * (math.fsum(worth) + step) <= MOST_STEPS * step
 
 
 def decimal_step(prizes: Sequence[float]) -> float:
-    """The largest number of which positive prizes are multiples exactly as they are written."""
+    """The largest number that divides positive prizes exactly as written in decimals."""
     if all(prize.is_integer() for prize in prizes):
         return float(math.gcd(*(int(prize) for prize in prizes)))
     written = [Fraction(repr(prize)) for prize in prizes]
@@ -91,7 +91,7 @@ def decimal_step(prizes: Sequence[float]) -> float:
 
 
 def _step_by_division(worth: list[float]) -> float:
-    """The step of prizes that rounding has moved from its multiples; 0 for none."""
+    """The step of prizes that rounding has shifted off its multiples; 0 if none."""
     least = NOISY * math.fsum(worth)
     if min(worth) < least:
         return 0.0
@@ -108,13 +108,13 @@ def _step_by_division(worth: list[float]) -> float:
 
 
 def check_prizes(prizes: Iterable[float], required: int) -> None:
-    """See that sums of prizes can be told apart by the arithmetic of proofs.
+    """Check that proofs can tell sums of these prizes apart in floating point.
 
     Parameters
     ----------
     prizes : iterable of float
     required : int
-        So many targets are required: each is worth more to a planner than all prizes together.
+        Number of required targets, each worth more to a planner than all prizes together.
 
     Raises
     ------
@@ -142,17 +142,17 @@ def check_prizes(prizes: Iterable[float], required: int) -> None:
 
 
 def _digits(prize: float) -> int:
-    """Significant digits that a prize is written in."""
+    """Number of significant digits in which a prize is written."""
     return len(Decimal(repr(prize)).normalize().as_tuple().digits)
 
 
 def are_multiples(prizes: Iterable[float], step: float) -> bool:
-    """Whether all prizes are multiples of a step, but for rounding."""
+    """Whether all prizes are multiples of a step, up to rounding."""
     return all(abs(prize - step * round(prize / step)) <= WHOLE * prize for prize in prizes)
 
 
 def rounded_down(bound: float, step: float, slack: float = ROUNDING) -> float:
-    """A bound on objectives that come in steps; as it is if the step is 0.
+    """A bound rounded down to a multiple of the step; unchanged if the step is 0.
 
     Parameters
     ----------
@@ -166,5 +166,5 @@ def rounded_down(bound: float, step: float, slack: float = ROUNDING) -> float:
 
 
 def rounded_up(goal: float, step: float) -> float:
-    """The least objective that is worth a goal, likewise."""
+    """A goal rounded up to a multiple of the step; unchanged if the step is 0."""
     return step * math.ceil(goal / step - ROUNDING) if step else goal

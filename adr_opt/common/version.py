@@ -1,3 +1,3 @@
-"""The version of the package, as its metadata state it."""
+"""Version of the package, read from its metadata."""
 
 __version__ = "0.9.0"

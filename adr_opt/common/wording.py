@@ -1,4 +1,4 @@
-"""Words for people: counts with their nouns, names cut to fit, and what a status is said of."""
+"""Wording of messages: counts with their nouns, shortened names, and the scope of a status."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ def counted(number: int, noun: str, plural: str | None = None) -> str:
 
 
 def status_words(status: str) -> str:
-    """The status of a plan; a proof is one of the model, not of the motion of real objects."""
+    """The status of a plan in words; a proof holds for the model, not for real objects."""
     return "optimal (of the model)" if status == "optimal" else status
 
 
 def shortened(names: Iterable[str], width: int) -> dict[str, str]:
-    """Names of at most ``width`` characters that can still be told apart.
+    """Names of at most ``width`` characters that stay distinguishable.
 
     Parameters
     ----------
@@ -28,10 +28,9 @@ def shortened(names: Iterable[str], width: int) -> dict[str, str]:
     Returns
     -------
     dict of str to str
-        Names that fit stay. Of the others the middle goes, and what tells objects of a cloud apart
-        mostly stands at the end: a catalogue number there stays whole, if there is room for it and
-        a letter before it. Where names would then be the same, what they begin with in common goes
-        instead.
+        Names that fit are kept. Others lose their middle, as objects of one cloud mostly differ at
+        the end: a catalogue number there is kept whole if it fits with a letter before it. Names
+        that would then coincide lose their common beginning instead.
     """
     short = {name: _without_middle(name, width) for name in dict.fromkeys(names)}
     alike: dict[str, list[str]] = {}
@@ -44,7 +43,7 @@ def shortened(names: Iterable[str], width: int) -> dict[str, str]:
 
 
 CATALOGUE_NUMBER = re.compile(r"\d{4,9}(?: \(\d+\))?$")
-"""At the end of a name, with the count of those that have the same."""
+"""A catalogue number at the end of a name, with a counter if several objects share the name."""
 
 
 def _without_middle(name: str, width: int) -> str:
@@ -58,7 +57,7 @@ def _without_middle(name: str, width: int) -> str:
 
 
 def _without_beginning(names: list[str], width: int) -> dict[str, str]:
-    """Different names that begin alike, from the character on in which the first of them differ."""
+    """Different names with a common beginning, each cut to where the first of them differ."""
     letters = enumerate(zip(*names, strict=False))
     common = next((at for at, each in letters if len(set(each)) > 1), min(map(len, names)))
     by_next: dict[str, list[str]] = {}

@@ -1,1 +1,1 @@
-"""What others read: connections as tables, and flights as messages and scripts."""
+"""Exports for other programs: connections as tables, flights as messages and scripts."""

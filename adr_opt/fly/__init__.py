@@ -1,1 +1,1 @@
-"""Plans flown, refined, and flown with errors."""
+"""Plans in flight: flown, refined, and flown with errors."""

@@ -1,1 +1,1 @@
-"""Whether plans and proofs hold: ``check`` and ``verify``."""
+"""Judges of plans and proofs: ``check`` and ``verify``."""

@@ -1,1 +1,1 @@
-"""Environments and what trainers need."""
+"""Environments and support for trainers."""

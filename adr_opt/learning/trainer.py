@@ -1,4 +1,4 @@
-"""What a training configuration is, and where configurations are found."""
+"""Interface and look-up of training configurations."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from ..common.errors import InputError
 from ..common.packages import load
 
 TRAINERS = "adr_opt.trainers"
-"""Entry-point group; a package that declares one shows up in ``train --config``."""
+"""Entry-point group; a package that declares one is listed by ``train --config``."""
 
 Report = Callable[[int, Mapping[str, float]], None]
-"""Hears of the steps done so far, and of the last evaluation if there is a new one."""
+"""Callback with the number of steps done, and the last evaluation if there is a new one."""
 
 
 class Trainer(Protocol):
@@ -73,7 +73,7 @@ def names() -> tuple[str, ...]:
 
 
 def get(name: str) -> Trainer:
-    """The configuration of a name.
+    """The configuration with a name.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""How bodies are reached: connections and timetables."""
+"""Legs between bodies: connections and timetables."""

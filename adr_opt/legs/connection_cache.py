@@ -1,4 +1,4 @@
-"""Connections that are kept: all of them, or the last ones asked for where they do not fit."""
+"""Cache of connections: all pairs, or those used most recently where memory is short."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Pair = tuple[int, int]
 
 
 class ConnectionCache:
-    """The connections of pairs, each worked out when it is first asked for.
+    """Least-recently-used cache of the connections of pairs, bounded in bytes.
 
-    Beyond the room that there is those are dropped that nobody has asked for longest, and worked
-    out again should somebody ask. Threads may share it.
+    Beyond the bound, the least recently used connections are dropped, and computed again when
+    next needed. Threads may share it.
 
     Parameters
     ----------
@@ -41,13 +41,13 @@ class ConnectionCache:
         return len(self._found)
 
     def limit(self, room_bytes: float) -> None:
-        """Change the room, and keep to it from now on; with none, nothing is kept any more."""
+        """Change the bound on memory, and keep to it from now on; with 0, nothing is cached."""
         with self._lock:
             self.room_bytes = room_bytes
             self._shrink()
 
     def get(self, pair: Pair, find: Callable[[], ConnectionArrays]) -> ConnectionArrays:
-        """The connections of a pair, worked out by ``find`` if they are not there."""
+        """The connections of a pair, computed by ``find`` if not cached."""
         with self._lock:
             known = self._found.get(pair)
             if known is not None:

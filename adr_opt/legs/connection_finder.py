@@ -1,4 +1,4 @@
-"""The connections of an instance, found pair by pair, of all families that it has legs of."""
+"""Connections of an instance, found pair by pair over all its families of legs."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from .timetable_size import Size
 FloatArray = npt.NDArray[np.float64]
 
 SAMPLED_PAIRS = 8
-"""Of so many pairs the connections are counted to estimate those of all."""
+"""Number of pairs whose connections are counted to estimate the total."""
 
 SAMPLED_STEPS, SAMPLED_EVENTS = 1000, 5000
-"""A sample is no finer than so many steps of the grid and departure events in a mission."""
+"""Maximum number of grid steps and of departure events in a sampled mission."""
 
 
 class ConnectionFinder:
-    """Works out the connections of an instance, pair by pair.
+    """Computes the connections of an instance, pair by pair.
 
     Where events are regular (two-body motion) a pair takes a tenth of a millisecond, and is worked
     out on every call. Where nodes drift it takes half a millisecond to many, and what planning
@@ -95,7 +95,7 @@ class ConnectionFinder:
 
     @property
     def may_be_on_demand(self) -> bool:
-        """Whether single connections can be worked out on demand.
+        """Whether single connections can be computed on demand.
 
         Only short ones, which are not waited for and cost what the model says.
         """
@@ -104,18 +104,18 @@ class ConnectionFinder:
 
     @property
     def planning_resolution_m_s(self) -> float:
-        """Connections that save no more are left out of planning [m/s].
+        """Saving of ΔV below which connections are omitted from planning [m/s].
 
         None is, where that is affordable: where events are regular, or connections given.
         """
         return self._resolution if self.times is not None else 0.0
 
     def find(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
-        """Work out all connections of two bodies."""
+        """Compute all connections of two bodies."""
         return self._charged(i, j, self._of_model(i, j, resolution_m_s))
 
     def _charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
-        """What connections take out of a tank: corrected, and with what was spent before.
+        """Connections at the ΔV they take from a tank: corrected, and with earlier expenditure.
 
         A chaser whose tank is not full at the start pays for what is lacking with its first leg:
         then the same is left after it, and for all that plans the tank was full. No other leg
@@ -126,7 +126,7 @@ class ConnectionFinder:
         return found._replace(delta_v=found.delta_v + spent) if spent else found
 
     def spent_m_s(self, i: int) -> float:
-        """What connections from a body cost besides, because it was spent before the start."""
+        """ΔV charged to connections from a body for expenditure before the start [m/s]."""
         return self._spent.get(i, 0.0)
 
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
@@ -147,7 +147,7 @@ class ConnectionFinder:
         return found
 
     def flown(self, i: int, j: int, family: int, stated: StatedLeg) -> FlownLeg:
-        """How a connection of a pair is flown that a family has, by its number.
+        """Flight of a connection of a pair by a family, given by its number.
 
         Raises
         ------
@@ -157,28 +157,28 @@ class ConnectionFinder:
         return registry.families()[family].flown(self.ends.of(i, j), stated)
 
     def found(self, i: int, j: int) -> ConnectionArrays:
-        """What planning needs of a pair: kept, or worked out."""
+        """The connections of a pair that planning needs: cached, or computed."""
         if not self._is_kept:
             return self.find(i, j, self.planning_resolution_m_s)
         return self._charged(i, j, self.kept_of_model(i, j))
 
     def kept_of_model(self, i: int, j: int) -> ConnectionArrays:
-        """The connections of a pair as the model has them, kept."""
+        """The cached connections of a pair by the model."""
         return self.kept.get((i, j), lambda: self._of_model(i, j, self.planning_resolution_m_s))
 
     def corrected(self, corrections: Corrections) -> ConnectionFinder:
-        """The same of other corrections; what is kept of the model is shared."""
+        """A finder with other corrections; cached connections of the model are shared."""
         made = ConnectionFinder(self.instance, corrections)
         made.kept = self.kept
         return made
 
     @property
     def depends_on_tank(self) -> bool:
-        """Whether other tanks have other connections: those that they can pay, where listed."""
+        """Whether connections depend on the tank: only affordable ones are kept, where listed."""
         return self.times is not None or self._has_registered
 
     def shortened(self, instance: Instance) -> ConnectionFinder:
-        """That of a mission that differs in limits alone, and is no longer; what is known is used.
+        """A finder for a mission with other limits alone, no longer in time; reuses connections.
 
         A connection is dominated by none that arrives later, so those of the shorter mission are
         those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
@@ -190,12 +190,12 @@ class ConnectionFinder:
         return made
 
     def numbers_of(self, part: Instance) -> list[int]:
-        """The numbers here of the bodies of a part of the same field, in its order."""
+        """Body numbers in this instance of a part of the same field, in its order."""
         number = {name: at for at, name in enumerate(self._names)}
         return [number[name] for name in part.names]
 
     def counted_as(self, longer: ConnectionFinder) -> None:
-        """Take over how many connections pairs have, for a table that is not made of them anew."""
+        """Take over the numbers of connections per pair, for a table not rebuilt from them."""
         back = {number: body for body, number in enumerate(longer.numbers_of(self.instance))}
         self.counts |= {
             (back[i], back[j]): count
@@ -204,7 +204,7 @@ class ConnectionFinder:
         }
 
     def limited(self, instance: Instance) -> ConnectionFinder:
-        """That of a mission that differs in limits alone: :meth:`shortened`, or anew for its tank.
+        """A finder for a mission with other limits alone: :meth:`shortened`, or new for its tank.
 
         Raises
         ------
@@ -222,7 +222,7 @@ class ConnectionFinder:
         return self.shortened(instance)
 
     def modelled(self, i: int, j: int, family: int, delta_v_m_s: float) -> float:
-        """What a connection costs without the corrections, and what was spent before [m/s]."""
+        """Cost of a connection without corrections and earlier expenditure [m/s]."""
         delta_v_m_s -= self._spent.get(i, 0.0)
         if not self.corrections:
             return delta_v_m_s
@@ -237,7 +237,7 @@ class ConnectionFinder:
         limits: making.ServiceLimits,
         time_value_m_s_per_h: float,
     ) -> None:
-        """Make the choice of pairs number ``first`` to before ``last``, for a table."""
+        """Choose connections of pairs from number ``first`` up to ``last``, for a table."""
         if self._chosen_for != time_value_m_s_per_h:
             self._chosen, self._chosen_for = {}, time_value_m_s_per_h
         for number in range(first, last):
@@ -251,7 +251,7 @@ class ConnectionFinder:
             self.counts[i, j] = found.departure.size
 
     def table(self, duration: float, slot: npt.NDArray[np.int16]) -> tables.Table:
-        """The timetable of the choices made; ``slot`` as in :class:`tables.Table`."""
+        """The timetable of the chosen connections; ``slot`` as in :class:`tables.Table`."""
         chosen, self._chosen = self._chosen, {}
         return making.pack(len(self.instance.names), chosen, duration, slot)
 
@@ -274,7 +274,7 @@ class ConnectionFinder:
         delta_v: FloatArray,
         duration: FloatArray,
     ) -> None:
-        """The best connections at ready times, into arrays (departure, origin, destination).
+        """Best connections at ready times, into arrays (departure, origin, destination).
 
         Parameters
         ----------
@@ -313,7 +313,7 @@ def are_listed(instance: Instance) -> bool:
 
 
 def estimate(instance: Instance) -> Size:
-    """How large the timetable of an instance is going to be."""
+    """Estimated size of the timetable of an instance."""
     duration, bodies = instance.mission.duration_s, len(instance.names)
     if instance.given is not None:
         most, rows = instance.given.sizes(instance.names)
@@ -329,13 +329,13 @@ def estimate(instance: Instance) -> Size:
 
 
 def _shortest_spacing_s(instance: Instance) -> float:
-    """Half a revolution of the lowest body: there is no more than one departure event in it [s]."""
+    """Half the period of the lowest body, which holds at most one departure event [s]."""
     lowest = min(orbit.semi_major_axis_m for orbit in instance.body_orbits)
     return math.pi * math.sqrt(lowest**3 / MU_M3_S2)
 
 
 def _listed(instance: Instance) -> float:
-    """Connections of a pair in the mean, by a sample of pairs.
+    """Mean number of connections per pair, from a sample of pairs.
 
     Where a single pair would take minutes, the sample has a coarser grid: there are as many short
     transfers as events, and as many long ones as pairs of times.

@@ -1,4 +1,4 @@
-"""Connections: every transfer of a pair that a chaser who is free to wait may want."""
+"""Connections: every transfer of a pair that may be worth waiting for."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from ..common.errors import InputError
 FloatArray = npt.NDArray[np.float64]
 
 CHOICES = {"earliest": (0.0, 1.0), "cheapest": (1.0, 0.0)}
-"""Weights of ΔV and of the time of arrival that a name stands for."""
+"""Weights of ΔV and of arrival time by the name of a choice."""
 
 Choice = float | str
-"""How one connection is chosen of many: a name, or what an hour is worth [m/s]."""
+"""Rule for choosing among connections: a name, or the value of an hour [m/s]."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,18 +46,18 @@ class Connections(Shown):
     family: npt.NDArray[np.int8]
 
     def at(self, rows: slice | npt.NDArray[Any]) -> Connections:
-        """Those at some places."""
+        """The connections at some rows."""
         columns = (getattr(self, field.name) for field in fields(self))
         return Connections(*(column[rows] for column in columns))
 
     def after(self, ready: float) -> Connections:
-        """Those that a chaser can take that is ready at a time [s]."""
+        """The connections available to a chaser that is ready at a time [s]."""
         return self.at(slice(int(np.searchsorted(self.departure, ready - SLACK_S)), None))
 
 
 @dataclass(frozen=True, repr=False)
 class AllConnections(Shown):
-    """The connections of all pairs in arrays: pair by pair by origin, then by destination.
+    """Connections of all pairs in arrays, pair by pair by origin, then by destination.
 
     Within a pair in order of departure, then of arrival, as :class:`Connections`.
 
@@ -87,11 +87,11 @@ class AllConnections(Shown):
     family: npt.NDArray[np.int8]
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of connections."""
         return int(self.departure.size)
 
     def columns(self) -> dict[str, npt.NDArray[Any]]:
-        """The arrays by the names of :meth:`.Timetable.from_connections`, for tables of others.
+        """The arrays under the names used by :meth:`.Timetable.from_connections`.
 
         Returns
         -------
@@ -107,7 +107,7 @@ class AllConnections(Shown):
 
     @classmethod
     def joined(cls, names: tuple[str, ...], pairs: Iterable[Pairwise]) -> AllConnections:
-        """Those of pairs, one pair after the other: origin, destination, connections."""
+        """Connections of pairs, from triples (origin, destination, connections)."""
         listed = list(pairs)
         counts = [found.departure.size for _, _, found in listed]
 
@@ -136,7 +136,7 @@ Pairwise = tuple[int, int, Connections]
 
 
 def weights_of(choose: Choice) -> tuple[float, float]:
-    """Weights of ΔV [per m/s] and of time [per s] that a choice stands for.
+    """Weights of ΔV [per m/s] and of time [per s] of a choice.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def weights_of(choose: Choice) -> tuple[float, float]:
         value = math.nan
     if not (math.isfinite(value) and value >= 0.0):
         raise InputError(
-            f"choose = {choose!r}: must be 'earliest', 'cheapest' or what an hour is worth, "
+            f"choose = {choose!r}: must be 'earliest', 'cheapest' or the value of an hour, "
             "a number of m/s ≥ 0"
         )
     return 1.0, value / HOUR_S

@@ -1,4 +1,4 @@
-"""What transfers cost other than by the model, as refined legs have shown.
+"""Corrections to the modelled costs of transfers, learned from refined legs.
 
 See docs/model.md section 10.
 """
@@ -17,7 +17,7 @@ from ..plan.leg_kinds import leg_kinds
 
 @dataclass(frozen=True)
 class Corrections:
-    """What the connections of a mission cost other than by the model; the same by default.
+    """Corrections to the costs of a mission's connections; none by default.
 
     A connection costs the factor of its kind times the model's ΔV, plus the addition of its kind,
     and all that times the share of its pair.
@@ -26,7 +26,7 @@ class Corrections:
     ----------
     shares : mapping of (origin, destination, kind) to float
         What connections of a pair cost against others of their kind, by the names of the bodies;
-        positive, 1 by default, and +inf for those that nobody shall fly.
+        positive, 1 by default, and +inf for connections that must not be flown.
     factors : mapping of kind to float
         Positive; 1 by default.
     additions_m_s : mapping of kind to float
@@ -39,19 +39,19 @@ class Corrections:
 
     def __post_init__(self) -> None:
         if not all(share > 0.0 for share in self.shares.values()):
-            raise ValueError("shares: must be positive, or a transfer may cost nothing")
+            raise ValueError("shares: must be positive, so that no transfer is free")
         if not all(0.0 < factor < math.inf for factor in self.factors.values()):
             raise ValueError("factors: must be positive and finite")
         if not all(0.0 <= addition < math.inf for addition in self.additions_m_s.values()):
             raise ValueError("additions_m_s: must be finite and not negative")
 
     def __bool__(self) -> bool:
-        """Whether they change anything."""
+        """Whether there are any corrections."""
         factors = (*self.shares.values(), *self.factors.values())
         return any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
 
     def applied(self, origin: str, destination: str, found: ConnectionArrays) -> ConnectionArrays:
-        """The connections of a pair at their corrected ΔV, without those nobody shall fly."""
+        """The connections of a pair at corrected ΔV, without excluded ones."""
         if not self:
             return found
         delta_v = np.empty(found.delta_v.size)
@@ -65,21 +65,21 @@ class Corrections:
         return ConnectionArrays(*(column[flyable] for column in found._replace(delta_v=delta_v)))
 
     def corrected(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
-        """What a connection costs that has a ΔV by the model [m/s]."""
+        """Corrected ΔV of a connection, from its modelled ΔV [m/s]."""
         factor, addition = self._line(origin, destination, kind)
         return factor * delta_v_m_s + addition
 
     def modelled(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
-        """What a connection of a corrected ΔV costs by the model [m/s]."""
+        """Modelled ΔV of a connection, from its corrected ΔV [m/s]."""
         factor, addition = self._line(origin, destination, kind)
         return (delta_v_m_s - addition) / factor
 
     def of_kind(self, kind: str) -> tuple[float, float]:
-        """What the model's ΔV is multiplied by, and what is added [m/s], for any pair."""
+        """Factor and offset [m/s] applied to the modelled ΔV of any pair, by kind of leg."""
         return self.factors.get(kind, 1.0), self.additions_m_s.get(kind, 0.0)
 
     def _line(self, origin: str, destination: str, kind: str) -> tuple[float, float]:
-        """The same for a pair that may be known."""
+        """Factor and offset of a pair, its own if known."""
         factor, addition = self.of_kind(kind)
         share = self.shares.get((origin, destination, kind), 1.0)
         # Without an addition an infinite share would make it no number.
@@ -97,9 +97,9 @@ class Corrections:
         barred = sum(one == math.inf for one in self.shares.values())
         if known:
             span = f"{min(known):.3g} to {max(known):.3g}"
-            parts.append(f"beside that {span} times as much between {len(known)} pairs of bodies")
+            parts.append(f"and {span} times as much between {len(known)} pairs of bodies")
         if barred:
-            parts.append(f"no transfer between {barred} pairs that no trajectory was found for")
+            parts.append(f"no transfer between {barred} pairs without a known trajectory")
         return ", ".join(parts) or "none"
 
 

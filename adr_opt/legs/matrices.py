@@ -15,7 +15,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Matrices(Shown):
-    """Costs sampled at ready times; the axes are (departure, origin, destination).
+    """Costs sampled at ready times, with axes (departure, origin, destination).
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Matrices(Shown):
     def allclose(
         self, other: Matrices, *, delta_v_m_s: float = SLACK_M_S, time_s: float = SLACK_S
     ) -> bool:
-        """Whether two have the same bodies, departures and costs, up to a difference.
+        """Whether both have equal bodies, departures and costs, within tolerances.
 
         Which transfer was chosen is not compared, only what it costs; where one has no transfer
         the other must have none either.

@@ -1,4 +1,4 @@
-"""Which pairs of bodies a timetable is built of, and in which order: the nearest first.
+"""Selection and order of the pairs in a timetable: nearest first.
 
 A chaser hardly ever flies to a target that a hundred others are nearer than. So where time or
 memory is short of the timetable of all pairs, it is that of the nearest destinations of every body.
@@ -30,13 +30,13 @@ def all_pairs(bodies: int) -> Pairs:
 
 
 def begun(pairs: Pairs, built: int) -> Pairs:
-    """The pairs of the waves that were begun, where so many were built, from the first on."""
+    """Pairs of the waves begun, if a number of pairs was built from the first on."""
     waves = max(1, math.ceil(built / max(1, pairs.origins.size * WAVE)))
     return Pairs(pairs.origins, pairs.near[:, : waves * WAVE])
 
 
 def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs:
-    """Pairs in the order in which a planner wants them.
+    """Pairs in the order in which planners need them.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
         Bodies that are wanted before all others; the others come in order of their distance from
         where chasers start. The nearest of each are found by :func:`_places`.
     ranks : int
-        So many destinations of each body.
+        Number of destinations of each body.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
 
 
 class Neighbours(NamedTuple):
-    """At which destinations of each body searches look.
+    """Destinations of each body that searches examine.
 
     Attributes
     ----------
@@ -75,11 +75,11 @@ class Neighbours(NamedTuple):
 
 
 PERIODS = 12
-"""Where nodes drift, which bodies are near is found for so many parts of a mission."""
+"""Number of periods per mission for which near bodies are determined, where nodes drift."""
 
 
 def neighbours(instance: Instance, ranks: int) -> Neighbours:
-    """So many destinations of each body, as they lie in the middle of each period."""
+    """Nearest destinations of each body in the middle of each period."""
     periods = PERIODS if planes_drift(instance.oblateness_m2) else 1
     ranks = min(ranks, len(instance.names) - 1)
     length_s = max(instance.mission.duration_s, 1.0) / periods
@@ -89,7 +89,7 @@ def neighbours(instance: Instance, ranks: int) -> Neighbours:
 
 
 def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
-    """All bodies: stations and starts, those wanted first, then by the ΔV from a start.
+    """All bodies: stations and starts, then preferred ones, then by ΔV from a start.
 
     Targets without a prize are last.
     """
@@ -107,13 +107,13 @@ def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
 
 
 def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
-    """Which bodies are targets without a prize."""
+    """Mask of targets without a prize."""
     worthless = [target.prize == 0.0 and not target.required for target in instance.targets]
     return np.array([*(False for _ in range(instance.first_target)), *worthless])
 
 
 def _places(instance: Instance, time_s: float) -> FloatArray:
-    """Points whose distances are about the ΔV between bodies, shape (bodies, 7) [m/s].
+    """Points whose distances approximate the ΔV between bodies, shape (bodies, 7) [m/s].
 
     The normal of the plane times the speed (a turn costs v Δ), half the relative height times the
     speed (a Hohmann transfer costs v Δa / 2a), and half the eccentricity vector times the speed.
@@ -140,7 +140,7 @@ def _places(instance: Instance, time_s: float) -> FloatArray:
 
 
 def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64]:
-    """So many destinations of each body, the nearest at a time first, shape (bodies, ranks)."""
+    """Destinations of each body, nearest first at a time, shape (bodies, ranks)."""
     places, bodies, first = _places(instance, time_s), len(instance.names), instance.first_target
     stations, worthless = len(instance.stations), _is_worthless(instance)
     # Stations are near to all, and so is what must be serviced; what is worth nothing, or is the
@@ -166,7 +166,7 @@ def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64
 
 
 def _given_from(instance: Instance, home: int) -> FloatArray:
-    """Least cost from a body to each one, where costs are given; +inf for no connection."""
+    """Least given cost from a body to each other; +inf without a connection."""
     given = instance.given
     assert given is not None
     there = [given.of_pair(instance.names[home], name)[2] for name in instance.names]
@@ -174,7 +174,7 @@ def _given_from(instance: Instance, home: int) -> FloatArray:
 
 
 def _given_near(instance: Instance) -> npt.NDArray[np.int64]:
-    """All destinations of each body, the nearest first, where costs are given."""
+    """Destinations of each body, nearest first by given costs."""
     bodies, worthless = len(instance.names), _is_worthless(instance)
     rows = []
     for i in range(bodies):

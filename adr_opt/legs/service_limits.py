@@ -1,4 +1,4 @@
-"""When a body may be serviced, and how long that takes, as arrays."""
+"""Service windows and durations of bodies, as arrays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..problem.instance import Instance
 
 
 def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
-    """The times of an instance as the kernels take them; the arrays are read-only.
+    """Time limits of an instance as kernels take them; the arrays are read-only.
 
     A tow follows the service at once, or later: the chaser is free only after it. So it counts to
     the service, and to the window of that.
@@ -57,7 +57,7 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
 
 
 def service_begins(instance: Instance, leg: Leg) -> float:
-    """When the service at the end of a leg begins: on arrival, or once the window opens [s].
+    """Start of the service at the end of a leg: on arrival, or when the window opens [s].
 
     Of a plan that is wrong about its times no later than the leg ends.
     """
@@ -67,6 +67,6 @@ def service_begins(instance: Instance, leg: Leg) -> float:
 
 
 def _seconds(window: Window) -> tuple[float, float]:
-    """A window with +inf for one that never closes [s]."""
+    """A window as two numbers, +inf if it never closes [s]."""
     opens, closes = window
     return opens, math.inf if closes is None else closes

@@ -1,4 +1,4 @@
-"""The timetable of an instance: exact ΔV and durations of every transfer at every time."""
+"""The timetable of an instance: exact ΔV and duration of every transfer at every time."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ from .service_limits import limits_of
 from .timetable_size import too_large
 
 SLICE_ENTRIES = 20_000
-"""Entries computed in one go: some 20 ms, after which a build can be broken off."""
+"""Number of entries computed at once: about 20 ms, after which a build can be interrupted."""
 
 SLICE_SAMPLES = 1_000_000
 """Entries of matrices looked up in one go, after which Ctrl-C is heard."""
 
 
 class Timetable(Shown):
-    """The transfers of an instance: the one chosen at every time, and all connections of a pair.
+    """The transfers of an instance: the one chosen at each time, and all connections of a pair.
 
     What a chaser takes that is ready at a time, and does not look ahead, is a choice among all
     connections that depart then or later (docs/model.md section 4); the table holds that of one
@@ -54,7 +54,7 @@ class Timetable(Shown):
     pairs : Pairs, optional
         Of which pairs, and in which order, where others need not be there; all by default.
     most : int, optional
-        Of so many of them, from the first on.
+        Maximum number of them, from the first on.
     enough : callable, optional
         Asked every few ten milliseconds with the share that is built of the table of all pairs.
         Once it says so, the table is that of the pairs that are there by then.
@@ -76,7 +76,7 @@ class Timetable(Shown):
     instance : Instance
     pairs : Pairs
     built : int
-        So many of the pairs are there, from the first on.
+        Number of pairs built, from the first on.
     table : adr_opt.kernels.tables.timetable.Table
         The read-only arrays, for kernels.
     limits : adr_opt.kernels.tables.timetable_making.ServiceLimits
@@ -172,7 +172,7 @@ class Timetable(Shown):
         self.time_value_m_s_per_h = time_value_m_s_per_h
 
     def of_variant(self, instance: Instance, connecting: ConnectionFinder) -> Timetable:
-        """The same timetable for a variant of its instance, with nothing worked out again.
+        """The same timetable for a variant of its instance, without recomputation.
 
         Parameters
         ----------
@@ -205,7 +205,7 @@ class Timetable(Shown):
     def from_connections(
         cls, instance: Instance, connections: Any, *, file: str | None = None
     ) -> Timetable:
-        """The timetable of an instance whose connections are given one by one.
+        """A timetable from given connections in rows.
 
         Its :attr:`instance` knows of them: it can be planned, checked and saved.
 
@@ -239,9 +239,9 @@ class Timetable(Shown):
         *,
         file: str | None = None,
     ) -> Timetable:
-        """The timetable of an instance whose connections leave at some departures.
+        """A timetable from given connections as matrices by departure.
 
-        Who is ready between two departures waits for the next one.
+        A chaser ready between two departures waits for the next one.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class Timetable(Shown):
         resolution_m_s: float = 0.0,
         file: str | None = None,
     ) -> Timetable:
-        """The timetable of an instance whose connections a function knows.
+        """A timetable from given connections as a function.
 
         Parameters
         ----------
@@ -298,16 +298,16 @@ class Timetable(Shown):
 
     @property
     def is_whole(self) -> bool:
-        """Whether all pairs are there."""
+        """Whether the table holds all pairs."""
         return self.built == len(self.names) * (len(self.names) - 1)
 
     @property
     def is_on_demand(self) -> bool:
-        """Whether nothing is held, and what is chosen is worked out when somebody asks."""
+        """Whether the table is empty and chosen connections are computed on demand."""
         return kernels.source_of(self.table) is not None
 
     def holds(self, origin: int, destination: int) -> bool:
-        """Whether planners that look at the table look at a pair."""
+        """Whether the table holds a pair."""
         source = kernels.source_of(self.table)
         if source is not None:
             return bool((source.near[:, origin] == destination).any())
@@ -320,7 +320,7 @@ class Timetable(Shown):
 
     @property
     def most_events(self) -> int:
-        """For how many departure events of a pair the table has room."""
+        """Maximum number of departure events per pair in the table."""
         return kernels.most_events(self.table)
 
     def index(self, body: int | str) -> int:
@@ -379,7 +379,7 @@ class Timetable(Shown):
         *,
         resolution_m_s: float | None = None,
     ) -> Connections:
-        """Every transfer of a pair that a chaser may want, who is free to wait.
+        """Every transfer of a pair that may be worth waiting for.
 
         Other than :meth:`lookup`, which tells one that a time value picks, these are *all*
         sequences of all departure events but those that another one dominates: it departs no
@@ -461,7 +461,7 @@ class Timetable(Shown):
             Times since the epoch at which the chaser is ready [s].
         choose : {"earliest", "cheapest"} or float, optional
             Choose one of all :meth:`connections` that depart at the ready time or later: the one
-            that arrives first, the one that costs least, or the one with the least ΔV plus so many
+            that arrives first, the one that costs least, or the one with the least ΔV plus this
             m/s per hour until arrival. Windows are not looked at. By default what :meth:`lookup`
             tells, which looks at them. Waiting counts to the duration.
 
@@ -490,14 +490,14 @@ class Timetable(Shown):
         return Matrices(times, self.names, delta_v, duration, _words(choose))
 
     def _without_spent(self, delta_v: FloatArray) -> None:
-        """Take out of costs by origin what was spent before the start."""
+        """Subtract ΔV spent before the start from costs, by origin."""
         for i in range(len(self.names)):
             others = np.arange(len(self.names)) != i
             delta_v[:, i, others] -= self.connecting.spent_m_s(i)
 
 
 def _words(choose: Choice) -> str:
-    """Which transfers a choice stands for, as files state it."""
+    """The choice of transfers in words, as stated in files."""
     words = choose if choose in CHOICES else f"least ΔV + {float(choose):g} m/s per hour"
     return f"{words}, waiting allowed"
 
@@ -509,7 +509,7 @@ def _in_slices(
     threads: int,
     enough: Callable[[int], bool],
 ) -> int:
-    """Fill pairs slice by slice in threads; how many are filled, from the first on."""
+    """Fill pairs in slices, in threads; returns the number filled, from the first on."""
     if pairs == 0:
         return 0
     fill(0, 1)  # compiles once, before the threads

@@ -1,4 +1,4 @@
-"""How large a timetable is going to be: what it takes is known before it is built."""
+"""Size of a timetable, estimated before it is built."""
 
 from __future__ import annotations
 
@@ -11,27 +11,27 @@ from ..kernels.tables import timetable as kernels
 from ..problem.instance import Instance
 
 MEMORY_SHARE = 0.7
-"""Part of the free memory that building a timetable may take; planners need some too."""
+"""Share of free memory that building a timetable may take; planners need some too."""
 
 LARGE_BYTES = 2.0**28
-"""Who builds connections that take more is told beforehand: some seconds' work."""
+"""Builds expected to exceed this print a notice first (a few seconds of work)."""
 
 BYTES_PER_CONNECTION = 30
-"""Memory that a connection takes that is kept."""
+"""Memory per cached connection [bytes]."""
 
 PAIRS_AT_ONCE = 32
-"""Where connections do not fit, those of at least so many pairs are kept."""
+"""Minimum number of pairs whose connections are cached where not all fit."""
 
 TABLE_BYTES = 2**31
-"""Who can plan on the nearest pairs takes no more for a table."""
+"""Table size above which planners that can do so use only the nearest pairs [bytes]."""
 
 TEMPORARY_BYTES = 8
-"""Memory that working out the costs of eccentricity takes for each pair of bodies."""
+"""Memory per pair of bodies while costs of eccentricity are computed [bytes]."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How large a timetable is going to be: nothing of it is built.
+    """Expected size of a timetable, without building it.
 
     Attributes
     ----------
@@ -48,17 +48,17 @@ class Size:
 
     @property
     def connections(self) -> int:
-        """Number of connections that are kept, about."""
+        """Approximate number of cached connections."""
         return int(self.bodies * (self.bodies - 1) * self.listed)
 
     @property
     def entries(self) -> int:
-        """Number of (pair, departure event) entries, at most."""
+        """Maximum number of (pair, departure event) entries."""
         return self.bodies * (self.bodies - 1) * self.events
 
     @property
     def bytes(self) -> int:
-        """Memory that building it takes, with all connections kept."""
+        """Memory needed to build it with all connections cached [bytes]."""
         return self._table_bytes + BYTES_PER_CONNECTION * self.connections
 
     @property
@@ -66,11 +66,11 @@ class Size:
         return self._with(self.bodies)
 
     def _with(self, slots: int) -> int:
-        """Memory that the table takes with room for so many destinations of each body."""
+        """Memory of the table with a number of destinations per body [bytes]."""
         return kernels.size_of(self.bodies, self.events, slots) + TEMPORARY_BYTES * self.bodies**2
 
     def slots(self, table_bytes: float = TABLE_BYTES) -> int:
-        """For how many destinations of each body there is room in so much memory."""
+        """Number of destinations per body that fit in an amount of memory."""
         free = min(table_bytes, MEMORY_SHARE * available_bytes())
         if self._table_bytes <= free:
             return self.bodies
@@ -79,18 +79,18 @@ class Size:
 
     @property
     def room_bytes(self) -> float:
-        """Memory that is left for connections where not all of them fit; else +inf."""
+        """Memory left for connections if not all fit; else +inf [bytes]."""
         free = MEMORY_SHARE * available_bytes()
         return math.inf if self.bytes <= free else free - self._table_bytes
 
     @property
     def is_large(self) -> bool:
-        """Whether its connections are so many that one wants to know beforehand."""
+        """Whether building it takes long enough for a notice."""
         return self.connections > 0 and self.bytes > LARGE_BYTES
 
     def __str__(self) -> str:
         connections = f"{self.connections:.2g}".replace("e+0", "e").replace("e+", "e")
-        kept = "" if math.isinf(self.room_bytes) else "; what does not fit is worked out when asked"
+        kept = "" if math.isinf(self.room_bytes) else "; the rest is computed when needed"
         return (
             f"about {connections} connections of {self.bodies} bodies, which take "
             f"{self.bytes / 2**30:.2g} GiB of memory{kept}"
@@ -98,13 +98,13 @@ class Size:
 
     @property
     def fits(self) -> bool:
-        """Whether there is memory for it now, with connections of some pairs kept at a time."""
+        """Whether it fits in memory now, with the connections of some pairs cached at a time."""
         pairs = min(PAIRS_AT_ONCE, self.bodies * (self.bodies - 1))
         return BYTES_PER_CONNECTION * pairs * self.listed <= self.room_bytes
 
 
 def too_large(instance: Instance, size: Size) -> str:
-    """Why there is no timetable."""
+    """The message for a timetable that does not fit in memory."""
     if instance.transfer.given is not None:
         return (
             f"there are {size}, and {available_bytes() / 2**30:.3g} GiB are free; give fewer, or "

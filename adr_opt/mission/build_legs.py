@@ -1,4 +1,4 @@
-"""From a sequence of bodies to a plan: legs, burns, and a reason for every target left out."""
+"""Plans from sequences of bodies: legs, burns, and a reason for each target left out."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from .schedule import left_at_start
 FloatArray = npt.NDArray[np.float64]
 
 APPROXIMATE = (
-    "some orbits are eccentric: the burns fly between circles of the same semi-major axes, and "
-    "delta_v_m_s includes what matching the eccentricity vectors costs beyond that, if it is flown "
-    "at its best; this is an approximation"
+    "some orbits are eccentric: burns fly between circles of the same semi-major axes, and "
+    "delta_v_m_s includes the least cost of matching the eccentricity vectors; this is an "
+    "approximation"
 )
 
 
 def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
-    """Price a sequence of bodies leg by leg.
+    """Price a sequence of bodies, leg by leg.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
 def _towing(
     mission: Mission, tows: Mapping[int, RemovalFlight], moves: list[int], legs: list[Leg]
 ) -> Iterator[Leg]:
-    """Legs with the tows that follow them: as late as the next leg allows."""
+    """Legs with the tows that follow them, each as late as the next leg allows."""
     for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
         tow = tows.get(j)
         if tow is None:
@@ -73,7 +73,7 @@ def _towing(
 
 
 def tow_flown(orbit: FloatArray, tow: RemovalFlight, start_s: float) -> TowFlown:
-    """A tow that begins at a time, as plans state it.
+    """A tow that begins at a time, as stated in plans.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def transfer_leg(
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
-    """The targets that all sequences leave out, each with its reason (see :class:`Unvisited`).
+    """Targets left out of all sequences, each with its reason (see :class:`Unvisited`).
 
     Parameters
     ----------
@@ -153,11 +153,11 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
 _FURTHEST: tuple[Reason, ...] = (
     "not-considered", "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
 )  # fmt: skip
-"""What keeps a chaser from a target, the harder first."""
+"""Obstacles to reaching a target, hardest first."""
 
 
 def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]]:
-    """The targets that are not among the moves of a chaser, and why."""
+    """Targets not among the moves of a chaser, with reasons."""
     timing = mission.time(moves)
     rules = mission.rules
     body = moves[-1] if moves else rules.start
@@ -187,7 +187,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
 
 
 def _is_one_too_many(mission: Mission, moves: list[int], j: int) -> bool:
-    """Whether a chaser that makes these moves may not service one more, or has no kit for it."""
+    """Whether a chaser with these moves is at its maximum of targets, or out of kits."""
     instance, chaser, first = mission.instance, mission.chaser, mission.rules.first_target
     targets = [instance.targets[move - first] for move in (*moves, j) if move >= first]
     kits = sum(target.service.takes_kit for target in targets)

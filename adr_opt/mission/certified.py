@@ -1,4 +1,4 @@
-"""Results of orders of bodies: legs built, prices and status worked out."""
+"""Results from orders of bodies: legs, prices and status."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from .result import Result, cost_gap, cost_status, proven_of, versions
 
 
 def _lacks(problem: Prizes, lacking: tuple[int, ...], status: Status) -> str:
-    """What to say where there is no plan for want of required targets."""
+    """The note where no plan exists because required targets are missing."""
     names = ", ".join(repr(problem.names[body]) for body in lacking)
     if status == "infeasible":
-        return f"no plan services all required targets; the best one found lacks {names}"
-    return f"no plan was found that services all required targets; the best one lacks {names}"
+        return f"no plan services all required targets; the best attempt misses {names}"
+    return f"no plan found services all required targets; the best attempt misses {names}"
 
 
 def _refuse_doubles(problem: Prizes, moves: Sequence[int]) -> None:
-    """A target is done once, by one chaser.
+    """Refuse routes that service a target twice.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def certify(  # noqa: PLR0913
     counters: Mapping[str, float] | None = None,
     notes: Iterable[str] = (),
 ) -> Result:
-    """Make the certificate of a sequence of bodies and a bound: the way every method ends.
+    """Make the result of a sequence of bodies and a bound, as every method does at its end.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def certify(  # noqa: PLR0913
     upper_bound : float
         Proven bound on what plans are worth to a planner (:attr:`Prizes.bonus`), +inf for none.
     cost_bound : float, optional
-        Proven: no plan that collects as much costs less. None if nobody asked.
+        Proven: no plan that collects as much costs less. None if not proven.
     evidence : Evidence, optional
         What the upper bound rests on.
     counters, notes
@@ -98,7 +98,7 @@ def certify_routes(  # noqa: PLR0913
     counters: Mapping[str, float] | None = None,
     notes: Iterable[str] = (),
 ) -> Result:
-    """Make the certificate of the routes of all chasers, likewise.
+    """Make the result of the routes of all chasers and a bound.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Certificates of what methods have proven."""
+"""Certificates of proofs."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from .result import Result
 
 
 def certificate_of(instance: Instance, result: Result) -> Certificate:
-    """The certificate of what a method has proven.
+    """The certificate of a method's proof.
 
-    Where the last step of a proof is one that nobody could verify more quickly than repeat, it is
+    Where the last step of a proof could only be verified by repeating it, the certificate is
     that of the bound before.
 
     Parameters
@@ -48,7 +48,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     if not prizes.meets(bound, most):
         if evidence is None:
             raise InputError(
-                f"{result.method} does not say what its bound rests on, so there is no certificate"
+                f"{result.method} gives no evidence for its bound, so there is no certificate"
             )
         proven = _proven(prizes, evidence)
         bound = bound if prizes.meets(bound, proven) else proven
@@ -78,7 +78,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
 
 
 def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
-    """What was proven of walks, by the names of bodies and chasers."""
+    """The proven walks, with names of bodies and chasers."""
     names = instance.names
     remembered = {
         names[i]: tuple(names[j] for j in np.flatnonzero(row))
@@ -93,7 +93,7 @@ def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
 
 
 def _proven(prizes: Prizes, evidence: Evidence) -> float:
-    """The bound that evidence shows."""
+    """The bound implied by evidence."""
     parts = [len(each.chasers) * each.most for each in evidence.walks]
     paid = StationLimits(prizes.instance).total(evidence.multipliers)
     below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most

@@ -1,4 +1,4 @@
-"""What a proof rests on: the facts from which somebody else can conclude the same bound."""
+"""Evidence of a proof: the facts from which its bound can be recomputed."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 WORD = 63
-"""Targets remembered in one integer of a neighbourhood."""
+"""Number of targets per integer of a neighbourhood."""
 
 
 @dataclass(frozen=True, eq=False)
 class Walks:
-    """What was proven of the walks of some chasers that can do the same.
+    """Evidence on the walks of interchangeable chasers.
 
     A walk visits targets, again and again if it has forgotten them, and collects at each what the
     target is worth less its multiplier.
@@ -40,7 +40,7 @@ class Walks:
 
 @dataclass(frozen=True)
 class Floors:
-    """What was proven by the least time and the least ΔV that every service takes.
+    """Evidence from the least time and the least ΔV of every service.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Floors:
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """What a bound rests on (docs/model.md section 8).
+    """Evidence for a bound (docs/model.md section 8).
 
     All plans together collect less than the sum of the multipliers, each as often as its body may
     be gone to, and, for each chaser, the most of its walks.
@@ -65,7 +65,7 @@ class Evidence:
     Attributes
     ----------
     multipliers : (bodies,) float64
-        At least 0, and 0 but for targets and for stations with so many refuellings only.
+        At least 0, and 0 but for targets and for stations with limited refuellings.
     walks : tuple of Walks
         Of all chasers, each once.
     delta_v_slot_m_s : float

@@ -1,4 +1,4 @@
-"""The mission of a chaser: an instance with a timetable and rules, as every planner gets it."""
+"""The mission of one chaser: an instance with a timetable and rules, as given to planners."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Sequence = npt.NDArray[np.int64]
 
 
 class Mission(Shown, Prizes):
-    """What a chaser of an instance may do, ready for planning.
+    """The mission of a chaser of an instance, ready for planning.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Mission(Shown, Prizes):
 
     @cached_property
     def timetable(self) -> Timetable:
-        """The exact costs of the connection chosen for every transfer at every time."""
+        """The timetable: exact costs of the connection chosen for every transfer at every time."""
         if self._twin is not None:
             return self._twin.timetable
         return Timetable(
@@ -116,12 +116,12 @@ class Mission(Shown, Prizes):
 
     @property
     def has_timetable(self) -> bool:
-        """Whether the timetable is built."""
+        """Whether the timetable has been built."""
         return "timetable" in self.__dict__ or (self._twin is not None and self._twin.has_timetable)
 
     @property
     def is_whole(self) -> bool:
-        """Whether no timetable is built, or one that has all pairs."""
+        """Whether there is no timetable yet, or one with all pairs."""
         return not self.has_timetable or self.timetable.is_whole
 
     def build(
@@ -130,7 +130,7 @@ class Mission(Shown, Prizes):
         enough: Callable[[float], bool] = lambda share: False,
         most: int | None = None,
     ) -> None:
-        """Build the timetable, be it that of some pairs.
+        """Build the timetable, of all pairs or some.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class Mission(Shown, Prizes):
         )  # fmt: skip
 
     def ask(self, near: Neighbours) -> None:
-        """Do without a timetable: work out what is chosen of a pair when somebody asks.
+        """Do without a timetable: costs of a pair are computed when a search first asks for them.
 
         Parameters
         ----------
@@ -159,14 +159,14 @@ class Mission(Shown, Prizes):
         )  # fmt: skip
 
     def _forget(self) -> None:
-        """Forget what was made of another timetable."""
+        """Discard everything derived from another timetable."""
         for name in ("rules", "has_transfer"):
             self.__dict__.pop(name, None)
         self._variants = {self.time_value_m_s_per_h: self}
 
     @cached_property
     def rules(self) -> kernels.Rules:
-        """The mission as the kernels take it; its arrays are read-only."""
+        """The mission as kernels take it; its arrays are read-only."""
         limits, table = self.timetable.limits, self.timetable.table
         instance, chaser = self.instance, self.chaser
         bodies, stations = limits.service.size, len(instance.stations)
@@ -202,16 +202,16 @@ class Mission(Shown, Prizes):
 
     @property
     def reserve_m_s(self) -> float:
-        """What is kept back of each tank [m/s]."""
+        """ΔV reserved in each tank [m/s]."""
         return self.margin * self.chaser.tank.delta_v_m_s
 
     @property
     def most_targets(self) -> int | None:
-        """So many targets may be serviced; None for all of them."""
+        """Maximum number of targets; ``None`` if unlimited."""
         return most_targets(self.instance, self.chaser)
 
     def _like(self, **changes: Any) -> Mission:
-        """The same mission but for some arguments."""
+        """The same mission with some arguments changed."""
         arguments: dict[str, Any] = {
             "threads": self._threads, "margin": self.margin,
             "time_value_m_s_per_h": self.time_value_m_s_per_h, "chaser": self._number,
@@ -221,11 +221,11 @@ class Mission(Shown, Prizes):
         return Mission(arguments.pop("instance", self.instance), **arguments)
 
     def with_margin(self, margin: float) -> Mission:
-        """The same mission, timetable included, with another share of each tank kept back."""
+        """The same mission with another reserved share of each tank; the timetable is shared."""
         return self._like(timetable=self.__dict__.get("timetable"), margin=margin)
 
     def offering(self, worths: npt.NDArray[np.float64]) -> Mission:
-        """The same mission where targets are worth otherwise to a planner, and none is required.
+        """The same mission with other prizes for planners, and no required targets.
 
         Parameters
         ----------
@@ -256,7 +256,7 @@ class Mission(Shown, Prizes):
         delta_v_m_s: float | None = None,
         propellant_kg: float | None = None,
     ) -> Mission:
-        """The same mission of another duration or with another tank, on what is known of this one.
+        """The same mission with another duration or tank, reusing known connections.
 
         Missions that are made so of one share its timetable where only tanks differ, and the
         connections that it keeps where it is shortened. Under J2, and where departures are spaced,
@@ -291,14 +291,14 @@ class Mission(Shown, Prizes):
         return made
 
     def corrected(self, corrections: Corrections) -> Mission:
-        """The same mission over connections that cost more than the model says.
+        """The same mission with corrected costs of connections.
 
         What is kept of the model's connections is shared; the timetable is another one.
         """
         return self._like(connecting=self.connecting.corrected(corrections))
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Mission:
-        """The same mission with the timetable of another choice; what was built before is kept.
+        """The same mission with the timetable of another choice; earlier tables are kept.
 
         Itself where its timetable is that of some pairs: another one takes as long as there is.
 
@@ -328,12 +328,12 @@ class Mission(Shown, Prizes):
 
     @cached_property
     def connecting(self) -> ConnectionFinder:
-        """Works out the connections of pairs."""
+        """Finder of the connections of pairs."""
         return ConnectionFinder(self.instance)
 
     @cached_property
     def schedules(self) -> Scheduler:
-        """Finds the best schedule of an order of bodies."""
+        """Finder of the best schedule of an order of bodies."""
         if self._twin is not None:
             return self._twin.schedules.under(self.rules, self.chaser)
         return Scheduler(
@@ -347,12 +347,12 @@ class Mission(Shown, Prizes):
     ) -> tuple[
         npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64], TransferRule
     ]:
-        """What transfers follow from, as of :attr:`.ConnectionFinder.inputs`."""
+        """Data that determine transfers, as in :attr:`.ConnectionFinder.inputs`."""
         return self.connecting.inputs
 
     @cached_property
     def has_transfer(self) -> npt.NDArray[np.bool_]:
-        """Whether any body has a transfer to a body at any departure event, shape (bodies,)."""
+        """Whether any body has a transfer to each body, at any departure event, shape (bodies,)."""
         table = self.rules.table
         if source_of(table) is not None:  # one would have to ask for all pairs
             return np.ones(len(self.names), dtype=np.bool_)
@@ -360,7 +360,7 @@ class Mission(Shown, Prizes):
         return found
 
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
-        """The numbers of bodies that are given by number or by name.
+        """Numbers of bodies given by number or name.
 
         Raises
         ------
@@ -385,7 +385,7 @@ class Mission(Shown, Prizes):
         return numbers.astype(np.int64)
 
     def named(self, sequence: Iterable[int | str]) -> tuple[str, ...]:
-        """The names of bodies that are given by number or by name.
+        """Names of bodies given by number or name.
 
         Raises
         ------
@@ -395,7 +395,7 @@ class Mission(Shown, Prizes):
         return tuple(self.names[j] for j in self.numbers(sequence).tolist())
 
     def time(self, sequence: Iterable[int | str]) -> Schedule:
-        """The best schedule of an order of bodies, by number or by name, as far as it is legal.
+        """The best schedule of an order of bodies, by number or name, as far as it is legal.
 
         Of all schedules over all connections, waiting allowed, the one of least cost. Moves that
         the rules of the order forbid end it.
@@ -404,7 +404,7 @@ class Mission(Shown, Prizes):
         return self.schedules.of(moves[: self.in_order(moves)])
 
     def in_order(self, moves: tuple[int, ...]) -> int:
-        """How many moves the rules of the order allow: no target twice, refuelling earned."""
+        """Number of leading moves within the rules of orders: no repeats, refuelling earned."""
         rules = self.rules
         body, since, visited = rules.start, 0, set[int]()
         for made, j in enumerate(moves):
@@ -428,7 +428,7 @@ class Mission(Shown, Prizes):
         return bool(rules.may_end[sequence[-1] if sequence else rules.start])
 
     def closed(self, sequence: Iterable[int | str]) -> tuple[int, ...]:
-        """A sequence as a mission ends: without a refuelling that nothing follows, and at an end.
+        """A sequence made to end legally: without an unused refuelling, and at an allowed end.
 
         By number or by name; those that it gives are numbers. Where the mission must end at a
         station, the one is added that can be reached at least cost; a sequence after which none
@@ -453,7 +453,7 @@ class Mission(Shown, Prizes):
 def _shortest_sortie(
     table: Table, service: npt.NDArray[np.float64], budget: float, stations: int, first_target: int
 ) -> float:
-    """Least time from the departure from a station to the end of a service, or less [s]."""
+    """Lower bound on the time from a station's departure to the end of a service [s]."""
     source = source_of(table)
     if source is not None:
         return float(on_demand.shortest_sortie(source, stations, first_target))

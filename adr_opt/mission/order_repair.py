@@ -1,4 +1,4 @@
-"""From a visiting order that somebody else made, at other costs, to one that is legal here.
+"""Repair of visiting orders that were made elsewhere, at other costs.
 
 Solvers for static matrices promise more than the mission keeps. :func:`as_it_is` says how much of
 an order is legal when it is timed exactly, and :func:`mended` what can be saved of it by refuelling
@@ -17,11 +17,11 @@ from ..kernels.rules.rules import State
 from .mission import Mission
 
 Body = TypeVar("Body", int, str)
-"""By number, or by name."""
+"""A body by number or by name."""
 
 
 def as_it_is(mission: Mission, order: Iterable[Body]) -> tuple[Body, ...]:
-    """The legal beginning of an order.
+    """The longest legal prefix of an order.
 
     Parameters
     ----------
@@ -63,10 +63,10 @@ def _best(mission: Mission, moves: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def _follow(mission: Mission, order: Iterable[int], guard: int) -> tuple[int, ...]:
-    """Fly an order; refuel where the next move is not legal, else leave it out.
+    """Fly an order; where the next move is not legal, refuel, or else skip it.
 
     With ``guard`` a move to a target also counts as not legal if the station is out of reach
-    after it; at the end the guard is dropped, as nobody has to return.
+    after it; at the end the guard is dropped, as there is no need to return.
     """
     rules = mission.rules
     visited = np.zeros(len(mission.names), dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""A problem: the missions of all chasers of an instance over its targets.
+"""A problem: the missions of all chasers of an instance.
 
 A mission of one chaser is a campaign of one. See docs/model.md section 5.
 """
@@ -30,7 +30,7 @@ Routes = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True)
 class ChaserType:
-    """Chasers that can do the same: what one of them flies any other could.
+    """Interchangeable chasers: any of them could fly another's route.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class ChaserType:
 
 
 class Problem(Shown, Prizes):
-    """An instance ready for planning, with all its chasers, one or several.
+    """An instance ready for planning, with one chaser or several.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ class Problem(Shown, Prizes):
 
     @classmethod
     def of(cls, mission: Mission) -> Problem:
-        """The problem of a mission, the only one of its instance; what it offers is offered here.
+        """The problem of an instance's only mission, with the same worths.
 
         Raises
         ------
@@ -114,8 +114,8 @@ class Problem(Shown, Prizes):
         """
         if len(mission.instance.chasers) > 1:
             raise InputError(
-                f"{mission.instance.name!r} has several chasers, and a Mission is that of one; "
-                "hand over the instance in place of a Mission"
+                f"{mission.instance.name!r} has several chasers, but a Mission has only one; "
+                "pass the instance in place of a Mission"
             )
         made = cls(mission.instance, missions=(mission,))
         for name in ("planning_prizes", "is_required", "prize_step"):  # a mission may offer others
@@ -124,12 +124,12 @@ class Problem(Shown, Prizes):
 
     @property
     def connecting(self) -> ConnectionFinder:
-        """Works out the connections of pairs."""
+        """Finder of the connections of pairs."""
         return self.missions[0].connecting
 
     @cached_property
     def alone(self) -> Mission | None:
-        """The mission of the one chaser, where a plan is nothing but its route.
+        """The mission of the only chaser, where a plan is a single route.
 
         None with several chasers, and where loads, what stations have or the expense of a chaser
         that is used count as well. What is quicker with one chaser is chosen by it.
@@ -143,7 +143,7 @@ class Problem(Shown, Prizes):
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:
-        """Number of the kind of each chaser."""
+        """Number of each chaser's type."""
         numbers = {
             chaser: number for number, kind in enumerate(self.kinds) for chaser in kind.chasers
         }
@@ -151,7 +151,7 @@ class Problem(Shown, Prizes):
 
     @cached_property
     def networks(self) -> tuple[tuple[int, ...], ...]:
-        """Numbers of kinds that move on one network, the earliest first.
+        """Numbers of types that share a network, earliest first.
 
         They differ in nothing but where they start, and since when.
         """
@@ -169,18 +169,18 @@ class Problem(Shown, Prizes):
 
     @property
     def has_timetable(self) -> bool:
-        """Whether the timetables of all chasers are built."""
+        """Whether the timetables of all chasers have been built."""
         return all(mission.has_timetable for mission in self.missions)
 
     @property
     def is_whole(self) -> bool:
-        """Whether no timetable is built, or one that has all pairs."""
+        """Whether there is no timetable yet, or one with all pairs."""
         return self.missions[0].is_whole
 
     def build(
         self, pairs: Pairs | None, enough: Callable[[float], bool] = lambda share: False
     ) -> None:
-        """Build the timetables, be it those of some pairs: as many for all as for the first chaser.
+        """Build the timetables, of all pairs or of as many for each chaser as for the first.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class Problem(Shown, Prizes):
             mission.ask(near)
 
     def with_margin(self, margin: float) -> Problem:
-        """The same with another share of each tank kept back; one timetable that is there stays."""
+        """The same problem with another reserved share of each tank; a built timetable stays."""
         if len(self.missions) == 1:
             return Problem.of(self.missions[0].with_margin(margin))
         return self._of(self.instance, self.connecting, margin)
@@ -210,7 +210,7 @@ class Problem(Shown, Prizes):
         delta_v_m_s: float | None = None,
         propellant_kg: float | None = None,
     ) -> Problem:
-        """The same of another duration or with other tanks, see :meth:`Mission.with_limits`.
+        """The same problem with another duration or tanks, see :meth:`Mission.with_limits`.
 
         The connections are shared, as far as they do not depend on tanks; of several chasers each
         has a table of its own.
@@ -227,7 +227,7 @@ class Problem(Shown, Prizes):
         return self._of(instance, self.connecting.limited(instance), self.margin)
 
     def corrected(self, corrections: Corrections) -> Problem:
-        """The same over connections that cost more than the model says."""
+        """The same problem with corrected costs of connections."""
         if len(self.missions) == 1:
             return Problem.of(self.missions[0].corrected(corrections))
         return self._of(self.instance, self.connecting.corrected(corrections), self.margin)
@@ -236,21 +236,21 @@ class Problem(Shown, Prizes):
         return Problem(instance, threads=self._threads, margin=margin, connecting=connecting)
 
     def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
-        """What a chaser takes of stations by moves with so much ΔV each [m/s]."""
+        """Use of station supplies by a chaser's moves with given ΔV [m/s]."""
         if not self.limits:
             return ()
         legs = [(self.names[j], float(spent)) for j, spent in zip(moves, delta_vs, strict=True)]
         return self.limits.use(mission.chaser, legs)
 
     def closed(self, routes: Iterable[Iterable[int | str]]) -> Routes:
-        """Routes as missions end, see :meth:`Mission.closed`."""
+        """Routes made to end legally, see :meth:`Mission.closed`."""
         return tuple(
             mission.closed(route) for mission, route in zip(self.missions, routes, strict=True)
         )
 
 
 AnyProblem = AnyInstance | Mission | Problem
-"""What can be planned: an instance in any form, ready for planning or not."""
+"""An instance in any form, or already prepared for planning."""
 
 
 def problem_of(instance: AnyProblem, threads: int | None = None) -> Problem:
@@ -275,7 +275,7 @@ def _missions(
     connecting: ConnectionFinder,
     timetables: Sequence[Timetable],
 ) -> list[Mission]:
-    """The missions of all chasers; those there at the same times choose the same transfers."""
+    """The missions of all chasers; chasers with equal time windows share their choices."""
     there: dict[Any, Mission] = {}
     missions = []
     for number, since in enumerate(instance.available_s):

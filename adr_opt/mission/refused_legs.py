@@ -1,4 +1,4 @@
-"""Why the next leg of an order cannot be flown: what it takes, what is left, and when it ends."""
+"""Reasons why the next leg of an order cannot be flown: its cost, the remaining ΔV, its end."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class _Ways(NamedTuple):
-    """All ways to fly the leg, by arrays: what each takes, a tow included, and when it ends.
+    """All ways to fly the leg, as arrays: cost of each, tow included, and its end.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class _Ways(NamedTuple):
 
 
 def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
-    """What keeps a chaser from the next move of an order that keeps to the rules of orders.
+    """Reason why a chaser cannot make the next move of an otherwise legal order.
 
     Of all ways to have flown the moves before it, and of all connections. ΔV is named if some way
     would be in time, time if some way can be paid, and both if neither is so, or either would do.
@@ -41,10 +41,10 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
     rules, j = mission.rules, moves[made]
     name = repr(mission.names[j])
     if rules.closes[j] == -math.inf:
-        return f"goes to {name}, where nobody is refuelled any more"
+        return f"goes to {name}, where no refuelling is left"
     ways = _ways(mission, moves, made)
     if not ways.end_s.size:
-        return f"goes to {name}, to which there is no transfer any more"
+        return f"goes to {name}, to which no transfer is left"
     lacks_m_s = ways.needs_m_s - ways.left_m_s
     in_time, paid = ways.end_s <= rules.closes[j], lacks_m_s <= 0.0
     told = []
@@ -58,7 +58,7 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
         )
     if paid.any() or not in_time.any():
         earliest_s = float(np.min(ways.end_s[paid | ~paid.any()]))
-        what = "what can be paid " if in_time.any() else ""
+        what = "an affordable leg " if in_time.any() else ""
         told.append(
             f"{what}ends on {_day(earliest_s)} at the earliest{_after(mission, j, earliest_s)}"
         )
@@ -66,7 +66,7 @@ def why_not_flown(mission: Mission, moves: list[int], made: int) -> str:
 
 
 def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
-    """Every connection of the leg from every way to be where it begins."""
+    """Every connection of the leg, from every state in which it may begin."""
     rules, schedules, j = mission.rules, mission.schedules, moves[made]
     whole = tuple(moves[: mission.in_order(tuple(moves))])
     # The kits of all of the order are aboard, as when it was timed.
@@ -88,7 +88,7 @@ def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
 
 
 def _for_service(loads: Loads | None, body: int, kits: int) -> float:
-    """What has to be left on arrival for the service, that of a tow [m/s]."""
+    """ΔV needed on arrival for the service, as for a tow [m/s]."""
     if loads is None:
         return 0.0
     scale, loss = loads.scale[body, kits], loads.loss[body, kits]
@@ -98,7 +98,7 @@ def _for_service(loads: Loads | None, body: int, kits: int) -> float:
 
 
 def _after(mission: Mission, body: int, end_s: float) -> str:
-    """What an end is too late for."""
+    """The limit that an end violates."""
     rules = mission.rules
     closes_s = float(rules.closes[body])
     if end_s <= rules.duration:
@@ -115,7 +115,7 @@ def _day(time_s: float) -> str:
 
 
 def _lasting(duration_s: float) -> str:
-    """A duration with the unit in which it is easiest to read."""
+    """A duration in its most readable unit."""
     for unit_s, name in ((DAY_S, "d"), (HOUR_S, "h"), (60.0, "min")):
         if duration_s >= unit_s:
             return f"{duration_s / unit_s:.3g} {name}"

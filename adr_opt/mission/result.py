@@ -1,4 +1,4 @@
-"""The result of a planner or a bound: a certificate."""
+"""The result of a planner or a bound, with a quality certificate."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ PACKAGES = ("adr-opt", "numpy", "numba", "ortools")
 
 
 def versions() -> dict[str, str]:
-    """Versions of the packages that a plan depends on."""
+    """Versions of the packages that plans depend on."""
     return dict(_installed())
 
 
 @cache
 def _installed() -> dict[str, str]:
-    """Looked up once: each look-up reads files."""
+    """Versions, looked up once, as each look-up reads files."""
     found = {}
     for package in PACKAGES:
         try:
@@ -37,7 +37,7 @@ def _installed() -> dict[str, str]:
 
 @dataclass(frozen=True, repr=False)
 class Result(Shown):
-    """What a planner or a bound has to say about a mission.
+    """The result of a planner or a bound for a mission.
 
     Attributes
     ----------
@@ -85,23 +85,23 @@ class Result(Shown):
 
     @property
     def destinations(self) -> tuple[str, ...]:
-        """:attr:`sequence` by names; empty without a plan."""
+        """:attr:`sequence` as names; empty without a plan."""
         return () if self.plan is None else self.plan.destinations
 
     @property
     def orders(self) -> dict[str, tuple[str, ...]]:
-        """:attr:`routes` by names, by the name of the chaser; empty without a plan."""
+        """:attr:`routes` as names, by name of the chaser; empty without a plan."""
         return {} if self.plan is None else self.plan.orders
 
     @property
     def gap(self) -> float:
-        """(upper bound − objective) / upper bound; +inf if one of them is missing."""
+        """(upper bound − objective) / upper bound; +inf if either is missing."""
         if not math.isfinite(self.upper_bound) or self.plan is None:
             return math.inf
         return relative_gap(self.objective, self.upper_bound)
 
     def to_dict(self) -> dict[str, Any]:
-        """The result of a bound as plain data: what ``bound --json`` prints."""
+        """The result of a bound as plain data: the output of ``bound --json``."""
         return {
             "method": self.method,
             "upper_bound": self.upper_bound if math.isfinite(self.upper_bound) else None,
@@ -116,12 +116,12 @@ class Result(Shown):
 
 
 def cost_gap(cost: float, bound: float) -> float:
-    """(cost − bound) / cost; 0 where the plan costs nothing."""
+    """(cost − bound) / cost; 0 if the cost is 0."""
     return (cost - bound) / cost if cost > 0.0 else 0.0
 
 
 def cost_status(cost: float, bound: float) -> Status:
-    """What is proven of the cost of a plan among all that collect as much.
+    """Status of a plan's cost among all plans with equal prizes.
 
     Costs have no steps: that is the least which exceeds its bound by no more than
     :data:`adr_opt.common.tolerance.COST_RELATIVE` of it.
@@ -130,13 +130,13 @@ def cost_status(cost: float, bound: float) -> Status:
 
 
 def status_of(problem: Prizes, objective: float, upper_bound: float) -> Status:
-    """What is proven of a plan; all prizes collected is a proof without any bound."""
+    """Status of a plan; collecting all prizes is a proof without a bound."""
     met = problem.meets(objective, min(upper_bound, problem.total_prize))
     return "optimal" if met else "feasible"
 
 
 class Claim(NamedTuple):
-    """What a plan says of what is proven of it.
+    """A plan's claim about what is proven.
 
     Attributes
     ----------
@@ -151,7 +151,7 @@ class Claim(NamedTuple):
 
 
 def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) -> Claim:
-    """What is proven of a plan; where all prizes are collected their sum is its bound.
+    """Claim of a plan; if all prizes are collected, their sum is its bound.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def proven_of(problem: Prizes, objective: float, upper_bound: float = math.inf) 
 
 
 def noted(result: Result, notes: Sequence[str]) -> Result:
-    """A result with more notes, its plan included."""
+    """A result with additional notes, its plan included."""
     if not notes:
         return result
     plan = result.plan

@@ -1,4 +1,4 @@
-"""When to fly an order of bodies: the schedule of least cost, exactly (docs/model.md section 4)."""
+"""Scheduling an order of bodies at least cost, exactly (docs/model.md section 4)."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 PAIRS_KEPT = 2_000
-"""Pairs whose connections are kept: some 50 kB each in a mission of a week."""
+"""Number of pairs whose connections are cached: about 50 kB each in a mission of a week."""
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """What happens when an order of bodies is visited as far as the rules allow, at least cost.
+    """Least-cost schedule of an order of bodies, as far as the rules allow.
 
     Attributes
     ----------
@@ -66,14 +66,14 @@ class Schedule:
 
     @property
     def connections(self) -> Connections:
-        """The one that each leg flies, in order of legs."""
+        """The connection flown by each leg, in order."""
         return Connections(
             self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families
         )
 
 
 class Front(NamedTuple):
-    """All ways worth having to be at the last body of an order: labels, none dominates another.
+    """Undominated labels at the last body of an order.
 
     Attributes
     ----------
@@ -95,12 +95,12 @@ class Front(NamedTuple):
 
 
 def left_at_start(rules: Rules, kits: int) -> float:
-    """What is in a tank at the start with so many kits aboard [m/s]."""
+    """ΔV in the tank at the start with a number of kits aboard [m/s]."""
     return rules.budget if rules.loads is None else float(rules.loads.first[kits])
 
 
 class Scheduler:
-    """Schedules orders of one mission; what two orders begin with in common is worked out once.
+    """Schedules orders of one mission; common beginnings of orders are computed once.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class Scheduler:
     cost : {"delta-v", "duration", "expense"}
         What the best schedule of an order has least of.
     chaser : Chaser
-        Who flies.
+        The chaser.
     time_m_s_per_s : float
         Price of the time from when the chaser may fly to the end of an order [m/s per s].
     """
@@ -144,7 +144,7 @@ class Scheduler:
         self._last: tuple[tuple[int, ...], int, tuple[Front, ...]] = ((), 0, ())
 
     def under(self, rules: Rules, chaser: Chaser | None = None) -> Scheduler:
-        """The same under other rules, or of another chaser; connections are shared."""
+        """A scheduler with other rules or of another chaser; connections are shared."""
         made = copy(self)
         made._rules = lambda: rules
         made._chaser = chaser or self._chaser
@@ -152,19 +152,19 @@ class Scheduler:
         return made
 
     def over(self, connections: Callable[[int, int], Connections]) -> Scheduler:
-        """The same over other connections: a function of origin and destination gives them."""
+        """A scheduler over other connections, from a function of origin and destination."""
         made = copy(self)
         made.connections = connections
         made._last = ((), 0, ())
         return made
 
     def kits_for(self, order: tuple[int, ...]) -> int:
-        """How many kits the services of an order take: so many are taken along."""
+        """Number of kits that the services of an order need, all taken along."""
         loads = self._rules().loads
         return 0 if loads is None else int(loads.takes[list(order)].sum())
 
     def ways(self, order: tuple[int, ...]) -> Iterator[tuple[int, Front]]:
-        """The labels after an order, for every number of kits that may be left then."""
+        """Labels after an order, by number of kits that may remain."""
         loads = self._rules().loads
         taken = self.kits_for(order)
         for kits in range(taken, taken + 1 if loads is None else loads.full.size):
@@ -173,14 +173,14 @@ class Scheduler:
                 yield kits - taken, fronts[-1]
 
     def fronts(self, order: tuple[int, ...], kits: int | None = None) -> tuple[Front, ...]:
-        """The labels at the start and after each move, as far as the order can be flown.
+        """Labels at the start and after each move, as far as the order can be flown.
 
         Parameters
         ----------
         order : tuple of int
             Bodies; its moves keep to the rules of the order.
         kits : int, optional
-            That are taken along; as many as are needed by default.
+            Number of kits taken along; by default the number needed.
         """
         rules = self._rules()
         if kits is None:
@@ -209,7 +209,7 @@ class Scheduler:
         return self._last[2]
 
     def beginning(self, kits: int) -> Front:
-        """The label at the start, with so many kits aboard."""
+        """The label at the start, with a number of kits aboard."""
         rules, nothing, needed = self._rules(), np.zeros(1, dtype=np.int64), np.zeros(1)
         left = left_at_start(rules, kits)
         if self._weighs:
@@ -251,13 +251,13 @@ class Scheduler:
 
     @property
     def _weighs(self) -> bool:
-        """Whether cost is what the chaser carries."""
+        """Whether the cost is the mass that the chaser carries."""
         return self._by_expense and self._chaser.priced.counts_mass
 
     def _paid(
         self, here: Front, delta_v: FloatArray, aboard: int, refuelled: bool, body: int
     ) -> tuple[FloatArray, FloatArray]:
-        """What connections add to the cost of labels: weights of these, prices of those.
+        """Cost added to labels by connections: the weights, and their prices.
 
         Weights are empty where all are one. Where expenses count, legs after the first refuelling
         cost nothing, as do all of a chaser whose expense does not go by mass. A tow that follows
@@ -280,7 +280,7 @@ class Scheduler:
         return empty_kg * np.exp(here.spent / exhaust), price
 
     def least_cost(self, order: tuple[int, ...]) -> float:
-        """No schedule of an order costs less: each leg at its least ΔV, and tows [m/s]; or 0."""
+        """Lower bound on the cost of an order: each leg at its least ΔV, and tows [m/s]; or 0."""
         if self._by_time or self._by_expense:
             return 0.0
         rules = self._rules()
@@ -289,11 +289,11 @@ class Scheduler:
         return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown - self._before(order)
 
     def _before(self, order: tuple[int, ...]) -> float:
-        """What the first leg takes out of the tank because it was spent before the start [m/s]."""
+        """ΔV charged to the first leg for expenditure before the start [m/s]."""
         return self._spent_m_s(self._rules().start) if order else 0.0
 
     def paid(self, last: Front) -> FloatArray:
-        """The cost of labels if the order ends with them: with the price of the time until then.
+        """Cost of labels if the order ends with them, including the price of time.
 
         That is paid at the end alone, so that on the way a label that is ready no later, has no
         less left and has cost no more makes another one superfluous whatever time costs.
@@ -301,7 +301,7 @@ class Scheduler:
         return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
 
     def endings(self, order: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-        """When an order can be over, and the least ΔV of that: of a later end less and less.
+        """Possible ends of an order with their least ΔV, which falls with later ends.
 
         Returns
         -------
@@ -320,7 +320,7 @@ class Scheduler:
         return ends[falls], costs[falls] - self._before(order)
 
     def of(self, order: tuple[int, ...]) -> Schedule:
-        """The schedule of least cost: the earliest end of least ΔV, or the other way round."""
+        """Least-cost schedule: the earliest end of least ΔV, or the other way round."""
         fronts = self.fronts(order)
         rules = self._rules()
         made = len(fronts) - 1

@@ -1,1 +1,1 @@
-"""What is flown, as data: plans, refined plans, certificates, and what follows from them."""
+"""Plans as data: plans, refined plans, certificates, and quantities derived from them."""

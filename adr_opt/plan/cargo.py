@@ -1,4 +1,4 @@
-"""What chasers carry and tow, and how a tank by mass goes with it (docs/model.md section 5)."""
+"""Cargo and tows of chasers, and the rocket equation of tanks by mass (docs/model.md section 5)."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
 
 LEAST_SHARE = 1e-9
-"""A mass is no less than so much of that without propellant, wherever a plan may have led it."""
+"""Lower limit of a mass relative to that without propellant, whatever a plan states."""
 
 
 def most_targets(instance: Instance, chaser: Chaser) -> int | None:
-    """So many targets a chaser may service; None for all of them."""
+    """Maximum number of targets of a chaser; ``None`` if unlimited."""
     limits = [chaser.max_targets]
     if all(target.service.takes_kit for target in instance.targets):
         limits.append(chaser.kits)
@@ -29,7 +29,7 @@ def most_targets(instance: Instance, chaser: Chaser) -> int | None:
 
 
 def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
-    """What a chaser carries, as the kernels take it; None where that makes no difference.
+    """Loads of a chaser as kernels take them; None if they make no difference.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
 
 
 def most_left_m_s(loads: Loads) -> float:
-    """The most that is ever left of a tank, with the slack of the model [m/s].
+    """Largest ΔV that a tank ever holds, with the slack of the model [m/s].
 
     With a margin that may be more than a tank without kits is filled up to: what has been kept
     back meanwhile is worth more than the same share of that, and what leaves the tank less.
@@ -90,7 +90,7 @@ def most_left_m_s(loads: Loads) -> float:
 
 
 class Aboard(NamedTuple):
-    """What a chaser has aboard after a leg and the service or refuelling that follows it.
+    """Cargo of a chaser after a leg and the service or refuelling that follows it.
 
     Attributes
     ----------
@@ -100,7 +100,7 @@ class Aboard(NamedTuple):
     mass_kg : float or None
         Of the chaser with propellant and kits; None where the tank is not one by mass.
     kits : int
-        So many more are left behind.
+        Number of further kits left behind.
     on_arrival_m_s : float
         What was left before the service [m/s].
     removal_kg, removal_m_s : float
@@ -116,7 +116,7 @@ class Aboard(NamedTuple):
 
 
 def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
-    """The kits that a route leaves behind, and so those that its chaser takes along."""
+    """Number of kits that a route leaves behind, all of which its chaser takes along."""
     takers = {target.name for target in instance.targets if target.service.takes_kit}
     return len(takers.intersection(destinations))
 
@@ -124,7 +124,7 @@ def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
 def followed(
     instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
 ) -> tuple[Aboard, ...]:
-    """What a chaser has aboard at the start, and after each leg.
+    """Cargo of a chaser at the start and after each leg.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def followed(
         elif destination in takers:
             takers.remove(destination)
             mass, kits = _mass_kg(chaser, kits, left), kits - 1
-            # What a tank lacks does not grow: nobody knows what masses would be then.
+            # What a tank lacks does not grow: masses would then be unknown.
             if mass is not None and chaser.kit_mass_kg > 0.0 and left > 0.0:
                 left = _left_m_s(chaser, kits, mass - chaser.kit_mass_kg)
         elif destination in tows:
@@ -162,7 +162,7 @@ def followed(
 
 
 class Carried(NamedTuple):
-    """What a chaser carries along its route.
+    """Cargo of a chaser along its route.
 
     Attributes
     ----------
@@ -186,7 +186,7 @@ class Carried(NamedTuple):
 
 
 def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> Carried:
-    """What a chaser carries along its route; see :func:`followed`."""
+    """Cargo of a chaser along its route; see :func:`followed`."""
     stages, tank = followed(instance, chaser, legs), chaser.tank
     start, end = stages[0], stages[-1]
     if not isinstance(tank, TankByMass) or start.mass_kg is None or end.mass_kg is None:
@@ -203,14 +203,14 @@ def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]
 
 
 def what_counts(instance: Instance) -> str:
-    """What of an instance may make loads count, as a word: kits, tows or both."""
+    """The kind of loads that may matter in an instance, as a word: kits, tows or both."""
     there = {target.service.counted for target in instance.targets}
     words = [kind.counted for kind in SERVICES.values() if kind.counted and kind.counted in there]
     return " and ".join(words) or "kits"
 
 
 def carries(instance: Instance) -> bool:
-    """Whether masses or kits of any chaser are counted, so that there is something to tell."""
+    """Whether masses or kits of any chaser are tracked."""
     by_mass = any(isinstance(chaser.tank, TankByMass) for chaser in instance.chasers)
     return by_mass or any(target.service.takes_kit for target in instance.targets)
 
@@ -218,7 +218,7 @@ def carries(instance: Instance) -> bool:
 def tank_worths(
     instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
 ) -> tuple[float, ...]:
-    """What each tank of a chaser is worth over the legs and tows that it flies from it [m/s].
+    """ΔV of each tank of a chaser over the legs and tows flown from it [m/s].
 
     That of a tank by mass goes with what is left behind or towed meanwhile, and when.
     """
@@ -238,7 +238,7 @@ def tank_worths(
 
 
 def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
-    """Mass with so many kits and so much left in the tank [kg]."""
+    """Mass with a number of kits and a remaining ΔV [kg]."""
     tank = chaser.tank
     if not isinstance(tank, TankByMass):
         return None
@@ -247,7 +247,7 @@ def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:
 
 
 def _left_m_s(chaser: Chaser, kits: int, mass_kg: float) -> float:
-    """What is left in the tank at a mass, with so many kits [m/s].
+    """Remaining ΔV at a mass, with a number of kits [m/s].
 
     Of a mass that cannot be, which only a plan has that takes far more than there is, less by far.
     """

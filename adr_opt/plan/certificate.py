@@ -1,4 +1,4 @@
-"""The certificate file ``adr-opt-certificate/1``: what a bound rests on, for others to verify."""
+"""The certificate file ``adr-opt-certificate/1``: the evidence for a bound, for verification."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from .plan import FORMER_MODEL, InstanceReference, Model, Plan, without_former_m
 FORMAT: Literal["adr-opt-certificate/1"] = "adr-opt-certificate/1"
 
 LARGEST_WORTH = 1e100
-"""Sums are exact, whatever the numbers; this is far beyond any prize, and no float is exceeded."""
+"""Largest sum of prizes, far beyond any prize and within float range; sums are exact."""
 
 Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
 Names = Annotated[tuple[Name, ...], Field(strict=False)]
 
 
 class ProvenWalks(Record):
-    """What is said of the walks of chasers that can do the same.
+    """Evidence on the walks of interchangeable chasers.
 
     No walk of one of ``chasers`` collects ``most``, where each service counts what the target is
     worth less its multiplier, and each refuelling takes off that of the station. A walk may come
     back to a target that it has forgotten: when it comes to a body, it goes on remembering those of
     ``neighbourhoods`` there and the target that it comes from, and no others.
 
-    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays so much for ΔV,
+    Where ``worth_per_m_s`` is given it does not have to keep to its tanks: it pays that for ΔV,
     and collects the price of what is in the tank at the start and after each refuelling.
     """
 
@@ -57,7 +57,7 @@ class ProvenFloors(Record):
 
 
 class Certificate(Shown, Record):
-    """What a bound rests on.
+    """Evidence for a bound.
 
     No plan collects more than ``upper_bound``; null says that no plan keeps to all rules. A target
     is worth its prize, and ``required_worth`` more if it is required. ``multipliers`` are those of
@@ -115,7 +115,7 @@ class Certificate(Shown, Record):
         return parse_model(text, cls, str(path))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the certificate file, whole or not at all; packed if its name ends in ``.gz``."""
+        """Write the certificate file completely or not at all; gzipped if named ``.gz``."""
         content = self.to_json().encode()
         write_bytes(path, gzip.compress(content, mtime=0) if _is_packed(path) else content)
 
@@ -128,7 +128,7 @@ def _is_packed(path: str | os.PathLike[str]) -> bool:
 
 
 def sha256_of(plan: Plan) -> str:
-    """SHA-256 of the plan file that :meth:`Plan.to_json` gives, without what its flight came to.
+    """SHA-256 of the plan file written by :meth:`Plan.to_json`, without the outcome of its flight.
 
     A plan may be flown after the certificate is written.
     """

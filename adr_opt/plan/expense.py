@@ -1,4 +1,4 @@
-"""What it takes to use chasers: by what they carry when they start, and by their days."""
+"""Cost of using chasers: by their mass at the start, and by their days."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .tows import removals_by_name
 def carried_kg(
     instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
 ) -> float | None:
-    """Kits and the least propellant that a route takes along; None where nobody knows masses.
+    """Kits and least propellant that a route carries at the start; None if masses are unknown.
 
     Counted backwards from the end of the first tank, where nothing but kits is left aboard that
     are left behind later: the mass before a leg is the one after it times exp(ΔV / g₀ Isp), and a
@@ -50,14 +50,14 @@ def carried_kg(
 
 
 def expense_of(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> float:
-    """What a chaser takes that flies some legs; nothing for none."""
+    """Cost of a chaser that flies some legs; zero for none."""
     if not legs:
         return 0.0
     return chaser.priced.of(carried_kg(instance, chaser, legs) or 0.0)
 
 
 def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
-    """What routes cost together, as the instance counts it [m/s, s, or as of expenses]."""
+    """Total cost of routes, as the instance counts it [m/s, s, or the unit of expenses]."""
     routes = tuple(routes)
     if instance.objective.cost != "expense":
         return cost_of(instance.objective, legs_of(routes)) + time_paid_m_s(instance, routes)
@@ -72,7 +72,7 @@ def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
 
 
 def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:
-    """What the days of routes cost, from when each chaser may fly to the end of its last stay."""
+    """Cost of the days of routes, from each chaser's availability to the end of its last stay."""
     numbers, since_s = _numbers(instance, routes), instance.available_s
     flown_s = [
         route.legs[-1].done_s - since_s[numbers[route.chaser]][0] for route in routes if route.legs
@@ -81,12 +81,12 @@ def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:
 
 
 def _numbers(instance: Instance, routes: Iterable[Route]) -> dict[str, int]:
-    """Numbers of the chasers of routes, by the names in these."""
+    """Numbers of the chasers of some routes, by name."""
     if len(instance.chasers) == 1:  # a route of an only chaser is its own, whatever it is called
         return dict.fromkeys((route.chaser for route in routes), 0)
     return {chaser.name: number for number, chaser in enumerate(instance.chasers)}
 
 
 def legs_of(routes: Iterable[Route]) -> tuple[Leg, ...]:
-    """The legs of all routes, one route after the other."""
+    """Legs of all routes, one route after another."""
     return tuple(leg for route in routes for leg in route.legs)

@@ -1,4 +1,4 @@
-"""The kinds of legs: what files, flights and pages have to know of each.
+"""Kinds of legs: the facts that files, flights and pages need.
 
 How legs of a kind are found and flown is for its family to say (:mod:`adr_opt.legs.families`),
 which adds a kind when it is registered.
@@ -17,12 +17,12 @@ from pydantic_core import PydanticCustomError, core_schema
 from ..common.errors import InputError
 
 ENTRY_POINTS = "adr_opt.leg_families"
-"""Group of the functions of installed packages that register families of legs."""
+"""Entry-point group of functions of installed packages that register families of legs."""
 
 
 @dataclass(frozen=True)
 class LegKind:
-    """A kind of leg, as far as nothing has to be computed.
+    """A kind of leg, without computations.
 
     Attributes
     ----------
@@ -58,12 +58,12 @@ GIVEN = LegKind("given", "given leg", "given", has_burns=False)
 _known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN)}
 
 _installed = [entry_points]
-"""Asked for the families of installed packages, once: emptied before they are loaded, which may
-ask for kinds themselves."""
+"""Pending lookup of installed families, done once: emptied before they are loaded, as
+loading may ask for kinds."""
 
 
 def _load_installed() -> None:
-    """Have installed packages register their families, on the first call."""
+    """Let installed packages register their families, on the first call."""
     while _installed:
         for entry in _installed.pop()(group=ENTRY_POINTS):
             try:
@@ -76,19 +76,19 @@ def _load_installed() -> None:
 
 
 def leg_kinds() -> tuple[LegKind, ...]:
-    """All kinds; the place of each is the number of its family."""
+    """All kinds, each at the number of its family."""
     _load_installed()
     return tuple(_known.values())
 
 
 def leg_kind(name: str) -> LegKind:
-    """The kind of a name."""
+    """The kind with a name."""
     _load_installed()
     return _known[name]
 
 
 def add_leg_kind(kind: LegKind) -> None:
-    """Make a kind known, of which legs in files may be from then on.
+    """Register a kind, which legs in files may then have.
 
     Raises
     ------
@@ -101,12 +101,12 @@ def add_leg_kind(kind: LegKind) -> None:
 
 
 def drop_leg_kind(kind: LegKind) -> None:
-    """Forget a kind that was added."""
+    """Remove a registered kind."""
     del _known[kind.name]
 
 
 class OneOf:
-    """Annotation of a text in a file that has to be one of some words, which may become more.
+    """Annotation of a text in a file that must be one of an extensible set of words.
 
     Parameters
     ----------

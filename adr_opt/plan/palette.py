@@ -1,4 +1,4 @@
-"""The colours of what is drawn beside phases: chasers, stations, zones and targets."""
+"""Colours of things drawn beside phases: chasers, stations, zones and targets."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from .phases import COLOURS
 from .routes import several
 
 CHASERS = ("#6d5fe0", "#d9681d", "#1791b5", "#8a8f1e", "#c542c0", "#2f9a5d", "#d4486a", "#5f7d95")
-"""Where there are several chasers, each has one of these, in the order of the instance; none is
-that of a phase."""
+"""Colours of several chasers, in the order of the instance; none is that of a phase."""
 
 ZONE = "#d4553f"
 STATION = COLOURS["refuelling"]
@@ -20,14 +19,14 @@ REASONS = {
     "duration": "one more leg to it would end too late for the mission, or for its window",
     "delta-v": "one more leg to it, in time, would need more ΔV than is left",
     "capacity": "its chaser has no kit left for it, or services as many as it may",
-    "not-worth-it": "it could still be added at the end, and the plan does not",
-    "not-considered": "nobody looked for a way: the time or the memory did not allow it",
+    "not-worth-it": "it could still be added at the end, but the plan leaves it out",
+    "not-considered": "no route to it was searched for: time or memory ran out",
 }
-"""What the reasons of a plan's unvisited targets mean."""
+"""Meaning of the reasons for unvisited targets."""
 
 
 def chaser_colours(instance: Instance) -> dict[str, str]:
-    """The colour of each chaser; of the only one that of phasing."""
+    """Colour of each chaser; an only chaser has that of phasing."""
     if not several(instance):
         return {instance.chasers[0].name: COLOURS["phasing"]}
     return {chaser.name: CHASERS[at % len(CHASERS)] for at, chaser in enumerate(instance.chasers)}

@@ -1,4 +1,4 @@
-"""The phases of a mission: their order, what people call them, and one colour for each.
+"""Phases of a mission: their order, labels and colours.
 
 See docs/model.md section 2. The colours are middle tones: each has at least three to one of
 contrast to white and to the dark background of the report.
@@ -48,35 +48,35 @@ _known = [
 ]
 
 PHASES: dict[str, Phase] = {phase.name: phase for phase in _known}
-"""The phases of burns, with the wait before them and the service after them, by name."""
+"""Phases of burns by name, with the wait before and the service after them."""
 
 LABELS = {phase.name: phase.label for phase in _known}
 COLOURS = {phase.name: phase.colour for phase in _known}
 
 
 def refuse_known_phase(phase: Phase) -> None:
-    """Raise :class:`ValueError` for a phase whose name is taken."""
+    """Raise :class:`ValueError` if the name of a phase is taken."""
     if phase.name in PHASES:
         raise ValueError(f"there is a phase {phase.name!r} already")
 
 
 def add_phase(phase: Phase) -> None:
-    """Make a phase known, which burns of plans may begin from then on."""
+    """Register a phase, which burns of plans may then begin."""
     PHASES[phase.name] = phase
     LABELS[phase.name], COLOURS[phase.name] = phase.label, phase.colour
 
 
 def drop_phase(phase: Phase) -> None:
-    """Forget a phase that was added."""
+    """Remove a registered phase."""
     for table in (PHASES, LABELS, COLOURS):
         del table[phase.name]
 
 
 def burn_phases() -> tuple[str, ...]:
-    """Those that burns of plans begin."""
+    """Phases begun by burns of plans."""
     return tuple(phase.name for phase in PHASES.values() if phase.begun_by == "burn")
 
 
 def refined_phases() -> tuple[str, ...]:
-    """Those that burns of refined plans begin."""
+    """Phases begun by burns of refined plans."""
     return tuple(phase.name for phase in PHASES.values() if phase.begun_by)

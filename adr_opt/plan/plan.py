@@ -1,4 +1,4 @@
-"""The plan file ``adr-opt-plan/2``: what is flown, when, at what cost, and how good it is."""
+"""The plan file ``adr-opt-plan/2``: legs with their times and costs, and a quality certificate."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from .plan_flight import PlanFlight
 FORMAT: Literal["adr-opt-plan/2"] = "adr-opt-plan/2"
 
 MODEL: Literal[3] = 3
-"""The version of docs/model.md that costs are worked out by."""
+"""Version of docs/model.md by which costs are computed."""
 
 FORMER_MODEL: Literal[2] = 2
-"""The version of plans and certificates that name none: phase cost nothing in legs that drift."""
+"""Version of plans and certificates that state none: phasing was free in drift legs."""
 
 Model = Literal[2, 3]
 
@@ -39,13 +39,13 @@ Vector = tuple[DeltaV, DeltaV, DeltaV]
 
 
 class InstanceReference(Record):
-    """Which instance a plan belongs to: its name and the SHA-256 of its file."""
+    """Reference to the instance of a plan: its name and the SHA-256 of its file."""
 
     name: Name
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
     def is_of(self, instance: Instance) -> bool:
-        """Whether an instance has this name and its file this SHA-256."""
+        """Whether an instance has this name and SHA-256."""
         return (self.name, self.sha256) == (instance.name, instance.sha256)
 
 
@@ -65,7 +65,7 @@ class Burn(Record):
 def burns_of(
     times_s: Iterable[float], vectors_m_s: Iterable[npt.NDArray[np.float64]], phases: Iterable[str]
 ) -> tuple[Burn, ...]:
-    """Impulses as plans state them, of times, vectors of three and names of phases."""
+    """Impulses as stated in plans, from times, 3-vectors and names of phases."""
     return tuple(
         Burn(
             time_s=float(time),
@@ -77,7 +77,7 @@ def burns_of(
 
 
 class Tow(Record):
-    """How the object that was serviced is carried down to the disposal orbit.
+    """Tow of a serviced object down to the disposal orbit.
 
     See docs/model.md section 5.
 
@@ -92,7 +92,7 @@ class Tow(Record):
 
 
 class Leg(Shown, Record):
-    """One transfer with the service that follows it.
+    """A transfer with the service that follows it.
 
     ``ready_s`` is when the chaser is free at the origin, ``departure_s`` the node crossing (of a
     leg that drifts, when the time begins within which the phase is met), ``arrival_s`` the end of
@@ -103,7 +103,7 @@ class Leg(Shown, Record):
     that of the transfer: ``short`` is the co-elliptic sequence, ``drift`` waits on an orbit whose
     node moves otherwise; its ``delta_v_m_s`` is that of the closed form, near the sum of its burns;
     ``launch`` puts a chaser that starts anywhere onto its first target, at once and for nothing;
-    ``given`` is a connection that somebody gave, which has no burns; other kinds are those of
+    ``given`` is a given connection, which has no burns; other kinds are those of
     families that were registered. ``mass_kg``, that of the
     chaser at ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there
     where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
@@ -136,27 +136,27 @@ class Leg(Shown, Record):
 
     @property
     def traits(self) -> LegKind:
-        """Its kind."""
+        """The kind of the leg."""
         return leg_kind(self.kind)
 
     @property
     def done_s(self) -> float:
-        """When it is over: its service, or the tow that follows [s]."""
+        """End of the service, or of the tow that follows [s]."""
         return self.end_s if self.tow is None else self.tow.end_s
 
     @property
     def free_s(self) -> float:
-        """Since when the chaser may leave the destination: after the service, and a tow [s]."""
+        """Time from which the chaser may leave its destination: after service and tow [s]."""
         return self.end_s + (0.0 if self.tow is None else self.tow.end_s - self.tow.start_s)
 
     @property
     def removal_m_s(self) -> float:
-        """ΔV of what is flown after the service, with the object [m/s]."""
+        """ΔV flown after the service, with the object [m/s]."""
         return 0.0 if self.tow is None else self.tow.delta_v_m_s
 
     @property
     def removal_burns(self) -> tuple[Burn, ...]:
-        """The burns after the service, with the object; none where it stays."""
+        """Burns after the service, with the object; none if it stays."""
         return () if self.tow is None else self.tow.burns
 
     @property
@@ -166,40 +166,40 @@ class Leg(Shown, Record):
 
     @property
     def leaves_s(self) -> float:
-        """When the chaser leaves its origin: at the first burn, where there is one [s]."""
+        """Departure of the chaser from its origin: the first burn, if there is one [s]."""
         return self.burns[0].time_s if self.burns else self.departure_s
 
     @property
     def all_burns(self) -> tuple[Burn, ...]:
-        """Those of the transfer, and of the removal after it."""
+        """Burns of the transfer and of the removal after it."""
         return (*self.burns, *self.removal_burns)
 
     @property
     def docked_s(self) -> float:
-        """When it has docked: at the last burn, where there is one [s]."""
+        """End of docking: the last burn, if there is one [s]."""
         return self.burns[-1].time_s if self.burns else self.arrival_s
 
     @property
     def burns_delta_v_m_s(self) -> float:
-        """Sum of the burns: of a short leg ``delta_v_m_s`` less the part without burns [m/s]."""
+        """Sum of the burns: for a short leg, ``delta_v_m_s`` less the part without burns [m/s]."""
         return math.fsum(burn.size_m_s for burn in self.burns)
 
 
 class Route(Shown, Record):
-    """What one chaser flies, in order."""
+    """The legs of one chaser, in order."""
 
     chaser: Name
     legs: Annotated[tuple[Leg, ...], Field(strict=False)]
 
 
 class Unvisited(Record):
-    """A target that the plan leaves out, and why.
+    """A target left out of the plan, with the reason.
 
     The reason is read off the end of the plan: ``no-transfer`` if no body of the mission has a
     connection to the target that leaves time for service, else ``duration`` if none from where the
     plan ends does, or ``delta-v`` if all of those need more ΔV than is left, or ``capacity`` if the
-    chaser has no kit for it or services as many as it may, else ``not-worth-it``: one more leg
-    fits, and the plan does not fly it. ``not-considered`` is one to which nobody has looked for a
+    chaser has no kit for it or has reached its ``max_targets``, else ``not-worth-it``: one more leg
+    fits, and the plan does not fly it. ``not-considered`` is one without a search for a
     way from where the plan ends, because the time or the memory did not allow it; a note of the
     plan says more.
     """
@@ -209,11 +209,11 @@ class Unvisited(Record):
 
 
 class Plan(Shown, Record):
-    """A mission plan with its certificate.
+    """A mission plan with its quality certificate.
 
     ``status`` speaks of ``objective``, the prize: ``upper_bound`` is what no plan exceeds.
     ``cost_status`` speaks of ``cost`` at that prize: ``cost_bound`` is what no plan costs less than
-    that collects as much; the three are null where nobody asked for them. ``model`` is the version
+    that collects as much; the three are null if not proven. ``model`` is the version
     of docs/model.md that its costs are of. ``flown`` says what came of flying it, where that was
     done; files say nothing of it where it was not.
     """
@@ -244,29 +244,29 @@ class Plan(Shown, Record):
 
     @property
     def has_former_drifts(self) -> bool:
-        """Whether legs drift that were planned as if phase cost nothing."""
+        """Whether the plan has drift legs from the former model, without a cost of phasing."""
         return self.model < MODEL and any(leg.kind == DRIFT.name for leg in self.legs)
 
     @property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs of all routes, one route after the other."""
+        """Legs of all routes, one route after another."""
         return tuple(leg for route in self.routes for leg in route.legs)
 
     @property
     def legs_sha256(self) -> str:
-        """What names the legs: a digest of all routes."""
+        """Digest of all routes, which identifies the legs."""
         routes = [route.model_dump(mode="json") for route in self.routes]
         return hashlib.sha256(json.dumps(routes).encode()).hexdigest()
 
     @property
     def own_flight(self) -> PlanFlight | None:
-        """What it says of the flight of just these legs; None if it says nothing of them."""
+        """The stated flight of exactly these legs; None if there is none."""
         flown = self.flown
         return flown if flown is not None and flown.legs_sha256 == self.legs_sha256 else None
 
     @property
     def lead_ins(self) -> dict[int, tuple[Burn, ...]]:
-        """The burns that lead from the orbit of a body to where a leg begins, by number from 1.
+        """Burns that lead from the orbit of a body to the start of a leg, by leg number from 1.
 
         Those of the tow that it follows upon: what leaves a disposal orbit has some, and no other
         leg. The last of them is made as the leg leaves.
@@ -283,12 +283,12 @@ class Plan(Shown, Record):
 
     @property
     def destinations(self) -> tuple[str, ...]:
-        """Names of the bodies in the order of the plan."""
+        """Names of the destinations in order."""
         return tuple(leg.destination for leg in self.legs)
 
     @property
     def orders(self) -> dict[str, tuple[str, ...]]:
-        """Names of the bodies in order, by the name of the chaser that goes to them."""
+        """Names of the destinations in order, by name of the chaser."""
         return {route.chaser: tuple(leg.destination for leg in route.legs) for route in self.routes}
 
     @property
@@ -317,12 +317,12 @@ class Plan(Shown, Record):
         return read_model(path, cls)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the plan file, whole or not at all."""
+        """Write the plan file, completely or not at all."""
         write_text(path, self.to_json())
 
 
 def without_former_model(content: dict[str, Any]) -> dict[str, Any]:
-    """The content of a file; the former model goes without saying, so that digests last."""
+    """The content of a file without a mention of the former model, so that digests stay valid."""
     return {k: v for k, v in content.items() if k != "model" or v != FORMER_MODEL}
 
 
@@ -336,7 +336,7 @@ def json_schema() -> dict[str, Any]:
 
 
 def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
-    """What legs cost as an instance counts it: total ΔV [m/s], or when the last one ends [s].
+    """Cost of legs as an instance counts it: total ΔV [m/s], or the end of the last one [s].
 
     Tows count.
     What chasers take, and their days cost, is for :func:`.expense.cost_of_routes` to say.
@@ -347,5 +347,5 @@ def cost_of(objective: Objective, legs: Iterable[Leg]) -> float:
 
 
 def relative_gap(objective: float, upper_bound: float) -> float:
-    """(upper bound − objective) / upper bound; 0 where both are 0."""
+    """(upper bound − objective) / upper bound; 0 if both are 0."""
     return (upper_bound - objective) / upper_bound if upper_bound > 0.0 else 0.0

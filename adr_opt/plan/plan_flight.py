@@ -1,4 +1,4 @@
-"""What a plan file says of its own flight: what its legs took, and what each tank had left then.
+"""A plan file's record of its own flight: the cost of its legs, and what each tank had left.
 
 It speaks of the legs that were flown. Their digest stands beside it, so that a plan whose legs were
 changed afterwards does not go for a flown one.
@@ -21,7 +21,7 @@ def _families() -> tuple[str, ...]:
 
 
 class FamilyFlight(Record):
-    """What the legs of a family were planned with, and what they took; null where unknown."""
+    """Planned and flown cost of the legs of a family; null if unknown."""
 
     family: Annotated[str, OneOf(_families)]
     legs: Annotated[int, Field(ge=0)]
@@ -38,7 +38,7 @@ class FamilyFlight(Record):
 
 
 class TankLeft(Record):
-    """What one tank had left, below 0 where it was not enough; null where that is unknown."""
+    """ΔV left in one tank, negative if it did not suffice; null if unknown."""
 
     chaser: Name | None = None
     tank: Annotated[int, Field(ge=1)]
@@ -50,7 +50,7 @@ class TankLeft(Record):
 
 
 class PlanFlight(Record):
-    """How a plan was flown when it was made, and what came of it.
+    """How a plan was flown when it was made, with the outcome.
 
     ``how`` is ``mean``: its burns in the mean motion of the instance, aimed at targets on their
     true orbits, or ``refined``: burns of their own in integrated motion. ``legs_sha256`` is that of
@@ -65,7 +65,7 @@ class PlanFlight(Record):
     tanks: Annotated[tuple[TankLeft, ...], Field(strict=False)]
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+        """The record as plain data."""
         return self.model_dump(mode="json")
 
     def __str__(self) -> str:
@@ -76,7 +76,7 @@ class PlanFlight(Record):
 
 
 def left_in(tanks: tuple[TankLeft, ...]) -> str:
-    """What is left in each tank, chaser after chaser, in words."""
+    """ΔV left in each tank, by chaser, in words."""
     if not tanks:
         return "no tank is used"
     chasers = dict.fromkeys(tank.chaser for tank in tanks)

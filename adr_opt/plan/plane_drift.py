@@ -1,4 +1,4 @@
-"""How much the planes of a two-body instance drift under J2, which it leaves out, measured."""
+"""Size of the plane drift under J2 that a two-body instance neglects."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .plan import Plan
 
 LEAST_DEG = 0.1
 LEAST_SHARE = 0.01
-"""Less drift than this, and less of the ΔV of a plan, is not worth a warning."""
+"""Least drift, and least share of a plan's ΔV, that is worth a warning."""
 
 MOST_RATES = 1000
-"""Of more bodies as many, evenly spread in the order of their rates, stand for all pairs."""
+"""Largest number of bodies whose pairs are all compared; of more, an evenly spread sample."""
 
 
 def node_rates(instance: Instance) -> npt.NDArray[np.float64]:
@@ -33,7 +33,7 @@ def node_rates(instance: Instance) -> npt.NDArray[np.float64]:
 
 
 def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
-    """A sentence about the drift of the nodes, or None where it is not worth one.
+    """A sentence about the drift of the nodes, or None if it is negligible.
 
     Nor is it where the model knows about it, under J2, or where costs are given.
 
@@ -62,7 +62,7 @@ def drift_warning(instance: Instance, plan: Plan | None = None) -> str | None:
     if most_deg < LEAST_DEG and worth < LEAST_SHARE * plan.delta_v_m_s:
         return None
     return (
-        "nodes drift under J2, which the model does not know: when this plan flies its legs, their "
+        "nodes drift under J2, which the model neglects: when this plan flies its legs, their "
         f"planes have moved by up to {most_deg:.2g}° against each other, which may change up to "
         f"{worth:.0f} of its {plan.delta_v_m_s:.0f} m/s"
     )
@@ -79,7 +79,7 @@ def _of_all_pairs(
     if np.degrees(high) < LEAST_DEG:
         return None
     return (
-        "nodes drift under J2, which the model does not know: in the "
+        "nodes drift under J2, which the model neglects: in the "
         f"{duration_s / DAY_S:.3g} days of the mission those of two bodies move by "
         f"{np.degrees(middle):.2g}° against each other in the median and by "
         f"{np.degrees(high):.2g}° or more for a tenth of the pairs, which is worth "
@@ -88,7 +88,7 @@ def _of_all_pairs(
 
 
 def _turn_m_s(instance: Instance) -> npt.NDArray[np.float64]:
-    """What a radian of node is worth at each body, V sin i, shape (bodies,) [m/s]."""
+    """ΔV per radian of node at each body, V sin i, shape (bodies,) [m/s]."""
     orbits = instance.orbits()
     speed = np.sqrt(MU_M3_S2 / elements.radii(orbits, EPOCH_S))
     worth: npt.NDArray[np.float64] = speed * np.sin(elements.inclinations(orbits, EPOCH_S))

@@ -1,4 +1,4 @@
-"""Orbital planes, turns between them and arcs in them, in the mean dynamics.
+"""Orbital planes, turns between them and arcs within them, in the mean dynamics.
 
 See docs/model.md section 2.
 """
@@ -17,17 +17,17 @@ from ..kernels.orbits import ephemeris
 FloatArray = npt.NDArray[np.float64]
 
 CLOSE_M = 1e-7
-"""A radius that a step moves by less is found [m]."""
+"""Step of the radius below which the iteration ends [m]."""
 
 
 class Plane(NamedTuple):
-    """An orbital plane at some time: inclination and RAAN [rad]."""
+    """An orbital plane at a time: inclination and RAAN [rad]."""
 
     inclination: float
     raan: float
 
     def carried(self, angle: float) -> Plane:
-        """The plane after its node has moved."""
+        """The plane after a shift of its node."""
         return Plane(self.inclination, self.raan + angle)
 
 
@@ -51,13 +51,13 @@ class Turn(NamedTuple):
 
 
 def turn_between(first: Plane, second: Plane) -> Turn:
-    """The change from one plane to another, as if neither moved meanwhile."""
+    """The change from one plane to another, as if both were fixed meanwhile."""
     before, after, angle = ephemeris.relative_node(*first, *second)
     return Turn(before, after, angle, between(first, second, angle, 0.5))
 
 
 def between(first: Plane, second: Plane, angle: float, share: float) -> Plane:
-    """The plane that a share of a turn leads to, which is by an angle in all [rad]."""
+    """The plane after a share of a turn with a given total angle [rad]."""
     rest = 1.0 - share
     if angle > 0.0:
         rest, share = math.sin(rest * angle), math.sin(share * angle)
@@ -68,7 +68,7 @@ def between(first: Plane, second: Plane, angle: float, share: float) -> Plane:
 
 
 def normal_of(plane: Plane) -> tuple[float, float, float]:
-    """Unit vector across a plane, as :func:`adr_opt.kernels.orbits.ephemeris.frame` has it."""
+    """Unit normal of a plane, as in :func:`adr_opt.kernels.orbits.ephemeris.frame`."""
     sine = math.sin(plane.inclination)
     return (
         sine * math.sin(plane.raan),
@@ -84,21 +84,21 @@ class Arcs:
         self._oblateness = oblateness
 
     def half(self, r1: float, r2: float, inclination: float) -> tuple[float, float]:
-        """Half a revolution between two apsides: how long [s], and how far its node moves."""
+        """Half a revolution between two apsides: its duration [s] and node shift [rad]."""
         a = 0.5 * (r1 + r2)
         time = math.pi / self.latitude_rate(a, inclination)
         return time, time * self.node_rate(a, inclination)
 
     def node_rate(self, radius: float, inclination: float) -> float:
-        """Rate of the node of a circle [rad/s]."""
+        """Node rate of a circle [rad/s]."""
         return float(ephemeris.node_rate(radius, inclination, self._oblateness))
 
     def latitude_rate(self, radius: float, inclination: float) -> float:
-        """Rate of the argument of latitude of a circle [rad/s]."""
+        """Rate of the argument of latitude on a circle [rad/s]."""
         return float(ephemeris.latitude_rate(radius, inclination, self._oblateness))
 
     def radius_of(self, rate: float, inclination: float) -> float:
-        """The radius of the circle on which the latitude advances at a rate."""
+        """Radius of the circle with a given rate of the argument of latitude."""
         r = float((MU_M3_S2 / rate**2) ** (1.0 / 3.0))
         for _ in range(20):
             step = (self.latitude_rate(r, inclination) - rate) * r / (1.5 * rate)
@@ -109,7 +109,7 @@ class Arcs:
 
 
 def outward(plane: Plane, latitude: float) -> FloatArray:
-    """Unit vector from the Earth to an argument of latitude of a plane, shape (3,)."""
+    """Unit vector from the Earth towards an argument of latitude in a plane, shape (3,)."""
     ascending, beyond, _ = ephemeris.frame(*plane)
     vector: FloatArray = math.cos(latitude) * ascending + math.sin(latitude) * beyond
     return vector
@@ -123,7 +123,7 @@ def ahead(plane: Plane, position: FloatArray) -> FloatArray:
 
 
 def turned(vector: FloatArray, angle: float) -> FloatArray:
-    """A vector turned about the axis of the Earth, shape (3,)."""
+    """A vector rotated about the axis of the Earth, shape (3,)."""
     copy = vector.copy()
     ephemeris.turn(copy, angle)
     return copy

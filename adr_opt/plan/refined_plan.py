@@ -25,7 +25,7 @@ from .plan import InstanceReference, Plan, Vector
 FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
 
 ADDS_UP_M_S = 1e-6
-"""How far the ΔV of a leg may be from the sum of its burns."""
+"""Tolerance between the ΔV of a leg and the sum of its burns [m/s]."""
 
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 Freedom = Literal["free", "planned"]
@@ -42,7 +42,7 @@ Velocity = Annotated[Vector, Field(strict=False)]
 
 
 class PlanReference(Record):
-    """Which plan was refined: who made it, and the SHA-256 of its file."""
+    """Reference to the plan that was refined: its planner, and the SHA-256 of its file."""
 
     method: Name
     seed: Annotated[int, Field(ge=0)]
@@ -50,7 +50,7 @@ class PlanReference(Record):
 
 
 class BodyState(Record):
-    """Where a body is at the epoch: an osculating state in the inertial frame of the elements."""
+    """Osculating state of a body at the epoch, in the inertial frame of the elements."""
 
     name: Name
     position_m: Position
@@ -58,7 +58,7 @@ class BodyState(Record):
 
 
 class RefinedBurn(Record):
-    """An impulse. ``phase`` is that of the plan's burn, or ``transfer`` where burns are free.
+    """An impulse; ``phase`` is that of the plan's burn, or ``transfer`` for free burns.
 
     Those of tows have ``tow``.
     """
@@ -74,7 +74,7 @@ class RefinedBurn(Record):
 
 
 class RefinedState(Record):
-    """An osculating state of the chaser at an event, after the burn if there is one."""
+    """Osculating state of the chaser at an event, after its burn if there is one."""
 
     event: Literal["departure", "burn", "stand-off", "arrival", "release"]
     time_s: Time
@@ -83,7 +83,7 @@ class RefinedState(Record):
 
 
 class RefinedTow(Record):
-    """How an object is carried down in true dynamics: from its own orbit, by two burns.
+    """Tow of an object in true dynamics: from its own orbit, by two burns.
 
     They are made at the plan's times and as large, against the motion that there is. ``released``
     is where chaser and object are after the second one.
@@ -106,7 +106,7 @@ class RefinedTow(Record):
 
     @property
     def delta_v_m_s(self) -> float:
-        """Of both burns [m/s]."""
+        """ΔV of both burns [m/s]."""
         return math.fsum(burn.size_m_s for burn in self.burns)
 
 
@@ -117,7 +117,7 @@ class RefinedLeg(Record):
     wants it behind the destination, at rest relative to that point; at ``arrival_s`` it has docked.
     The residuals are the larger ones of those two. ``planned_delta_v_m_s`` is that of the plan,
     ``retargeted_delta_v_m_s`` that of the plan's own burns, kept near what they were, and
-    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is who flies it, where there are several;
+    ``flown_delta_v_m_s`` the sum of ``burns``. ``chaser`` is its chaser, where there are several;
     where there is one, files say nothing of it. ``tow`` is that of the destination after its
     service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
     in neither sum. Where there are none, files say nothing of them. ``after_launch`` says that the
@@ -148,28 +148,28 @@ class RefinedLeg(Record):
 
     @property
     def removal_m_s(self) -> float:
-        """ΔV of the tow of the destination, and after a launch of that before it [m/s]."""
+        """ΔV of the tow of the destination, and after a launch of the tow before it [m/s]."""
         before = self.tow_before if self.after_launch else None
         return math.fsum(tow.delta_v_m_s for tow in (before, self.tow) if tow is not None)
 
     @property
     def removal_burns(self) -> tuple[RefinedBurn, ...]:
-        """The burns after the service, with the object; none where it stays."""
+        """Burns after the service, with the object; none if it stays."""
         return () if self.tow is None else self.tow.burns
 
     @property
     def is_led(self) -> bool:
-        """Whether it begins where a removal has led, and not at a body."""
+        """Whether the leg begins where a removal ended, and not at a body."""
         return self.tow_before is not None
 
     @property
     def removal_s(self) -> float:
-        """How long the tow of the destination takes [s]."""
+        """Duration of the tow of the destination [s]."""
         return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
 
     @property
     def done_s(self) -> float:
-        """When the leg is over: its service, or the tow that follows [s]."""
+        """End of the service, or of the tow that follows [s]."""
         return self.end_s if self.tow is None else self.tow.released.time_s
 
     @model_serializer(mode="wrap")
@@ -204,7 +204,7 @@ class RefinedLeg(Record):
 
 
 class Missing(Record):
-    """A leg that was not refined, and why: ``interrupted``, or what went wrong."""
+    """A leg that was not refined, and the reason: ``interrupted``, or an error."""
 
     leg: Annotated[int, Field(ge=1)]
     reason: Name
@@ -249,12 +249,12 @@ class RefinedPlan(Shown, Record):
 
     @property
     def planned_delta_v_m_s(self) -> float:
-        """ΔV of the refined legs and their tows as the plan states it [m/s]."""
+        """Planned ΔV of the refined legs and their tows [m/s]."""
         return math.fsum(leg.planned_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
     @property
     def retargeted_delta_v_m_s(self) -> float:
-        """The same with the plan's own burns, kept near what they were [m/s]."""
+        """ΔV with the plan's own burns, kept close to the plan [m/s]."""
         return math.fsum(leg.retargeted_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
     @property
@@ -282,7 +282,7 @@ class RefinedPlan(Shown, Record):
         return read_model(path, cls)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the refined plan file, whole or not at all."""
+        """Write the refined plan file, completely or not at all."""
         write_text(path, self.to_json())
 
 
@@ -290,7 +290,7 @@ load_refined = RefinedPlan.load
 
 
 def is_refined(path: str | os.PathLike[str]) -> bool:
-    """Whether a file says that it is a refined plan; what is wrong with it is for others to say."""
+    """Whether a file claims to be a refined plan; its errors are reported by others."""
     try:
         content = json.loads(read_text(path))
     except (ValueError, RecursionError):  # InputError among them
@@ -300,7 +300,7 @@ def is_refined(path: str | os.PathLike[str]) -> bool:
 
 
 def reference(plan: Plan) -> PlanReference:
-    """What names a plan."""
+    """Reference to a plan."""
     digest = hashlib.sha256(plan.to_json().encode()).hexdigest()
     return PlanReference(method=plan.method, seed=plan.seed, sha256=digest)
 

@@ -1,4 +1,4 @@
-"""The legs of a plan by chaser: who flies which of them, and from which tank."""
+"""Legs of a plan by chaser and by tank."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Arriving = TypeVar("Arriving", bound=_Arriving)
 
 @dataclass(frozen=True)
 class Flown:
-    """What one chaser flies.
+    """The flight of one chaser.
 
     Attributes
     ----------
@@ -37,12 +37,12 @@ class Flown:
 
     @property
     def end_s(self) -> float:
-        """When its last service ends, or tow; 0 for one that flies nothing [s]."""
+        """End of its last service or tow; 0 without legs [s]."""
         return self.legs[-1][1].done_s if self.legs else 0.0
 
     @property
     def delta_v_m_s(self) -> float:
-        """Of all its legs and tows [m/s]."""
+        """ΔV of all its legs and tows [m/s]."""
         return sum(leg.spent_m_s for _, leg in self.legs)
 
     @property
@@ -51,24 +51,24 @@ class Flown:
         return [(leg.destination, leg.delta_v_m_s) for _, leg in self.legs]
 
     def aboard(self, instance: Instance) -> tuple[Aboard, ...]:
-        """What it has aboard at the start, and after each leg."""
+        """Cargo at the start and after each leg."""
         return followed(instance, self.chaser, self.spent)
 
     def carried(self, instance: Instance) -> Carried:
-        """What it carries, and what is left of it at the end."""
+        """Cargo along the route and at its end."""
         return carried(instance, self.chaser, self.spent)
 
     def tank_worths(self, instance: Instance) -> tuple[float, ...]:
-        """What each of its tanks is worth over the legs that are flown from it [m/s]."""
+        """ΔV of each of its tanks over the legs flown from it [m/s]."""
         return tank_worths(instance, self.chaser, self.spent)
 
     def refuellings(self, instance: Instance) -> int:
-        """How often it refuels."""
+        """Number of refuellings."""
         return sum(leg.destination in instance.station_names for _, leg in self.legs)
 
 
 def weighed(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> tuple[Leg, ...]:
-    """The legs of a chaser with what is left after each of them, where its tank is one by mass."""
+    """Legs of a chaser with its mass after each, if its tank is one by mass."""
     legs = tuple(legs)
     if not isinstance(chaser.tank, TankByMass):
         return legs
@@ -80,12 +80,12 @@ def weighed(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> tuple[Le
 
 
 def several(instance: Instance) -> bool:
-    """Whether there is more than one chaser, so that it has to be said whose a leg is."""
+    """Whether there are several chasers, so that legs must name theirs."""
     return len(instance.chasers) > 1
 
 
 def routes_of(instance: Instance, plan: Plan) -> tuple[Flown, ...]:
-    """What each chaser flies, in the order of the plan; those without a route come last.
+    """Flight of each chaser, in the order of the plan; chasers without a route come last.
 
     Where there is one chaser, all legs are its own.
 
@@ -111,7 +111,7 @@ def routes_of(instance: Instance, plan: Plan) -> tuple[Flown, ...]:
 
 
 def refused_chaser(instance: Instance, name: str, otherwise: str) -> str:
-    """Why a name is refused: it is no chaser's, or for another reason."""
+    """Reason for refusing a name: no such chaser, or another reason."""
     names = [chaser.name for chaser in instance.chasers]
     if name in names:
         return otherwise
@@ -121,7 +121,7 @@ def refused_chaser(instance: Instance, name: str, otherwise: str) -> str:
 def chaser_wanted(
     instance: Instance, whose: Mapping[int, str], chaser: str | None, leg: int | None
 ) -> str | None:
-    """Whose flight is meant by who may name a chaser or a leg; None where there is one chaser.
+    """The chaser selected by an optional chaser or leg; None if there is only one chaser.
 
     Parameters
     ----------
@@ -140,12 +140,12 @@ def chaser_wanted(
     """
     names = ", ".join(repr(each.name) for each in instance.chasers)
     if chaser is not None and all(each.name != chaser for each in instance.chasers):
-        raise InputError(f"chaser = {chaser!r}: the instance has none of that name, but {names}")
+        raise InputError(f"chaser = {chaser!r}: not a chaser of the instance, which has {names}")
     if not several(instance):
         return None
     if leg is not None and leg in whose:
         if chaser not in (None, whose[leg]):
-            raise InputError(f"leg = {leg}: it is one of {whose[leg]!r}, not of {chaser!r}")
+            raise InputError(f"leg = {leg}: it belongs to {whose[leg]!r}, not to {chaser!r}")
         return whose[leg]
     if chaser is None and leg is None:
         raise InputError(f"there are several chasers; name one (--chaser): {names}")
@@ -153,7 +153,7 @@ def chaser_wanted(
 
 
 def owners(instance: Instance, plan: Plan) -> dict[int, str]:
-    """The name of the chaser that flies each leg, by its number; empty where there is one."""
+    """Name of the chaser of each leg, by leg number; empty if there is only one."""
     if not several(instance):
         return {}
     return {
@@ -162,7 +162,7 @@ def owners(instance: Instance, plan: Plan) -> dict[int, str]:
 
 
 def by_tank(legs: Iterable[Arriving], stations: Collection[str]) -> list[list[Arriving]]:
-    """The legs of one chaser tank by tank; a tank ends with the leg to a station."""
+    """Legs of one chaser by tank; a tank ends with the leg to a station."""
     tanks: list[list[Arriving]] = [[]]
     for leg in legs:
         tanks[-1].append(leg)

@@ -1,4 +1,4 @@
-"""What stations have for all chasers together, and what routes take of it.
+"""Station supplies shared by all chasers, and their use by routes.
 
 See docs/model.md section 5.
 """
@@ -16,13 +16,13 @@ from ..problem.instance import Instance
 from .cargo import followed
 
 Use = tuple[float, ...]
-"""What is taken of each limit."""
+"""Amounts used of each limit."""
 
 FloatArray = npt.NDArray[np.float64]
 
 
 class StationLimits:
-    """The limits of an instance: refuellings, and kilograms of propellant.
+    """Limits of an instance's stations: refuellings, and kilograms of propellant.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ class StationLimits:
     Attributes
     ----------
     most : (limits,) float64
-        What there is of each: refuellings of a station, or propellant [kg].
+        Supply of each: refuellings of a station, or propellant [kg].
     of_body : (bodies,) float64
-        How often each body may be gone to: targets once, a station for so many refuellings.
+        Maximum number of visits of each body: targets once, a station by its refuellings.
     """
 
     def __init__(self, instance: Instance) -> None:
@@ -59,11 +59,11 @@ class StationLimits:
 
     @property
     def nothing(self) -> Use:
-        """What a route takes that refuels nowhere."""
+        """Use by a route without refuellings."""
         return (0.0,) * len(self._limits)
 
     def use(self, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> Use:
-        """What a chaser takes that flies some legs.
+        """Use by a chaser that flies some legs.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class StationLimits:
         return tuple(taken)
 
     def refuellings(self, stops: Sequence[int]) -> Use:
-        """What is taken by refuelling at these stations, propellant left out."""
+        """Use by refuellings at these stations, propellant excluded."""
         names = self._instance.station_names
         return tuple(
             0.0 if weighs else float(sum(names[stop] == name for stop in stops))
@@ -101,18 +101,18 @@ class StationLimits:
         )
 
     def left(self, uses: Iterable[Use]) -> FloatArray:
-        """What is left of each limit; less than 0 where more is taken than there is."""
+        """Remaining supply of each limit; negative if overused."""
         left = np.array(self.most)
         for use in uses:
             left -= use
         return left
 
     def allow(self, uses: Iterable[Use]) -> bool:
-        """Whether there is enough for all of them."""
+        """Whether the supplies suffice for all of them."""
         return not self or bool((self.left(uses) >= 0.0).all())
 
     def exhausted(self, left: FloatArray) -> tuple[int, ...]:
-        """The stations at which nobody can be refuelled with so much left, by their numbers."""
+        """Numbers of the stations whose remaining supplies allow no refuelling."""
         names = self._instance.station_names
         return tuple(
             names.index(name)
@@ -121,11 +121,11 @@ class StationLimits:
         )
 
     def total(self, prices: FloatArray) -> float:
-        """What all that may be taken so often only comes to at prices of shape (bodies,)."""
+        """Value of all limited supplies at prices of shape (bodies,)."""
         paid = prices > 0.0
         return math.fsum(self.of_body[paid] * prices[paid])
 
     @property
     def stations(self) -> tuple[int, ...]:
-        """The stations that have a limit, by their numbers."""
+        """Numbers of the stations with limits."""
         return tuple(sorted({self._instance.station_names.index(name) for name, _ in self._limits}))

@@ -1,10 +1,10 @@
-"""Towing: an object is carried down to a disposal orbit, where the chaser goes on from.
+"""Tows: an object is lowered to a disposal orbit, where the chaser continues from.
 
 A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
 on (docs/model.md section 1) to one at the disposal altitude, in the object's plane: two burns
 against the motion, half a revolution apart. The object is released after the second one. The chaser
 may wait before a tow, but not after it: a tow ends when the next transfer leaves. Where there is
-none, plans have it follow the service at once, and it may be later. So who leaves a towed object at
+none, plans have it follow the service at once, and it may be later. So a chaser leaving a tow at
 a time t is on the disposal orbit then,
 
     u(t) = u_j(t − T) + π,    Ω(t) = Ω_j(t − T) + Ω̇_h T,
@@ -39,7 +39,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class RemovalFlight(NamedTuple):
-    """How the chaser carries an object away after its service: by a tow.
+    """Flight of a chaser that removes an object after its service: a tow.
 
     Attributes
     ----------
@@ -63,12 +63,12 @@ class RemovalFlight(NamedTuple):
 
     @property
     def delta_v_m_s(self) -> float:
-        """Of both burns [m/s]."""
+        """ΔV of both burns [m/s]."""
         return math.fsum(self.burns_m_s)
 
 
 def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
-    """The removals that chasers fly, by the number of the body that is removed."""
+    """Removals flown by chasers, by number of the removed body."""
     altitude = instance.mission.disposal_altitude_m
     if altitude is None:
         return {}
@@ -88,13 +88,13 @@ def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
 
 
 def removals_by_name(instance: Instance) -> dict[str, RemovalFlight]:
-    """The same by the name of the target."""
+    """Removals flown by chasers, by name of the target."""
     names = instance.names
     return {names[body]: tow for body, tow in removals_of(instance).items()}
 
 
 def leaving_orbits(instance: Instance) -> FloatArray:
-    """The bodies as they are left, shape (bodies, columns): as :meth:`Instance.orbits` says.
+    """Bodies at departure, shape (bodies, columns): as in :meth:`Instance.orbits`.
 
     Those that are towed are left from the disposal orbit. Where there are some, rows have one
     column more, see :func:`adr_opt.kernels.orbits.body_rows.as_left`.
@@ -122,7 +122,7 @@ def leaving_orbits(instance: Instance) -> FloatArray:
 
 
 def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
-    """The disposal orbit of a chaser that has released an object at a time, and stays there."""
+    """Disposal orbit of a chaser that released an object at a time, and stays there."""
     row = leaving_orbits(instance)[instance.names.index(name)]
     radius = float(ephemeris.radius_at(row, time_s))
     inclination = float(ephemeris.inclination_at(row, time_s))
@@ -141,7 +141,7 @@ def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
 
 
 def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> FloatArray:
-    """What matching eccentricity vectors alone costs who leaves so [m/s].
+    """Cost of matching eccentricity vectors alone after such a departure [m/s].
 
     As :meth:`Instance.eccentricity_delta_v`, shape (origin, destination); a disposal orbit is a
     circle.
@@ -160,7 +160,7 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
 def burn_vectors(
     orbit: FloatArray, tow: RemovalFlight, start_s: float
 ) -> tuple[FloatArray, FloatArray]:
-    """The two burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
+    """Both burns of a tow that begins at a time, inertial, shape (3,) each [m/s].
 
     Parameters
     ----------

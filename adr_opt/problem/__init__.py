@@ -1,1 +1,1 @@
-"""What is asked: instances and their parts."""
+"""The problem: instances and their parts."""

@@ -1,4 +1,4 @@
-"""Rules between the parts of an instance; each raises ``ValueError`` and names the field."""
+"""Consistency checks of an instance's parts; each raises ``ValueError`` and names the field."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .settings import MissionSettings, Objective, TransferSettings
 def check_names(
     stations: Sequence[Station], targets: Sequence[Target], chasers: Sequence[Chaser]
 ) -> None:
-    """All bodies and chasers have names of their own."""
+    """Names of bodies and chasers must be unique."""
     seen = set()
     named: tuple[tuple[str, Sequence[Station | Target | Chaser]], ...] = (
         ("stations", stations), ("targets", targets), ("chasers", chasers),
@@ -29,7 +29,7 @@ def check_names(
 
 
 def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> None:
-    """Chasers start and end at stations that there are, and what is given out can be weighed."""
+    """Stations named by chasers must exist, and limited propellant must be measurable by mass."""
     known = [station.name for station in stations]
     for number, chaser in enumerate(chasers):
         for field in ("start", "end"):
@@ -45,17 +45,17 @@ def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> No
         if station.max_propellant_kg is not None and by_delta_v:
             raise ValueError(
                 f"field stations[{number}].max_propellant_kg = {station.max_propellant_kg!r}: the "
-                f"tank of {by_delta_v[0]!r} is counted in ΔV and knows no kilograms; give its "
+                f"tank of {by_delta_v[0]!r} is given in ΔV, without masses; give its "
                 "dry_mass_kg, propellant_kg and isp_s, or limit max_refuellings"
             )
 
 
 def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:
-    """Where the least expense is best, some chaser says what it takes."""
+    """Minimising the expense requires a chaser that states one."""
     if objective.cost == "expense" and all(chaser.expense is None for chaser in chasers):
         raise ValueError(
-            'field objective.cost = "expense": no chaser says what it takes to use it; give '
-            'chasers[0] an expense, as {"fixed": 1.0}, or write "delta-v"'
+            'field objective.cost = "expense": no chaser has one; give chasers[0] an expense, as '
+            '{"fixed": 1.0}, or write "delta-v"'
         )
 
 
@@ -66,7 +66,7 @@ def check_orbits(
     *,
     is_given: bool,
 ) -> None:
-    """All bodies have an orbit where it is asked for: not where connections are given."""
+    """All bodies need an orbit, unless connections are given."""
     fields: tuple[tuple[str, Sequence[Station | Target], str, str], ...] = (
         ("stations", stations, "refuel_revolutions", "write 0.0"),
         ("targets", targets, "service_revolutions", "give service_s instead"),
@@ -93,7 +93,7 @@ def check_removals(
     *,
     zones: bool,
 ) -> None:
-    """What is towed has a mass and an orbit above that of disposal, and chasers have masses, too.
+    """Towed objects need a mass and an orbit above that of disposal; chasers need masses, too.
 
     ``check_orbits`` has seen to orbits where connections are the model's.
     """
@@ -103,24 +103,24 @@ def check_removals(
     field = f'field targets[{towed[0][0]}].removal = "tow"'
     if transfer.given is not None:
         raise ValueError(
-            f"{field}: connections are given, and nobody knows what it takes to go on from the "
-            'disposal orbit; write "visit" or "kit"'
+            f'{field}: given connections hold no costs from the disposal orbit; write "visit" or '
+            '"kit"'
         )
     if zones:
         raise ValueError(
-            f"{field}: how a tow keeps out of zones is not planned; leave keep_out_zones out, or "
-            'write "visit" or "kit"'
+            f"{field}: tows cannot be planned around keep-out zones; leave keep_out_zones out, "
+            'or write "visit" or "kit"'
         )
     for chaser_number, chaser in enumerate(chasers):
         if not isinstance(chaser.tank, TankByMass):
             raise ValueError(
-                f"{field}: what a tow takes goes with masses, which the tank of "
-                f"chasers[{chaser_number}] does not know; give its dry_mass_kg, propellant_kg and "
+                f"{field}: the cost of a tow depends on masses, but the tank of "
+                f"chasers[{chaser_number}] is given in ΔV; give its dry_mass_kg, propellant_kg and "
                 "isp_s"
             )
     altitude = mission.disposal_altitude_m
     if altitude is None:
-        raise ValueError(f"{field}: where to is not said; give mission.disposal_altitude_m")
+        raise ValueError(f"{field}: no disposal orbit; give mission.disposal_altitude_m")
     stated = f"field mission.disposal_altitude_m = {altitude!r}"
     if not transfer.min_altitude_m <= altitude <= transfer.max_altitude_m:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""The bodies of an instance that a chaser goes to: stations and targets."""
+"""Bodies of an instance that chasers visit: stations and targets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .services import SERVICES, ServiceKind
 
 LARGEST_PRIZE = 1e12
 LEAST_PRIZE = 1e-12
-"""Prizes are summed and divided: far beyond any use, and near enough for arithmetic to hold."""
+"""Least prize, which keeps sums and quotients of prizes within floating-point range."""
 
 
 def _is_nothing_or_enough(prize: float) -> float:
@@ -38,18 +38,18 @@ Prize = Annotated[
 ]
 
 ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
-"""As messages may hold it: printable ASCII, mostly ``1997-051C``."""
+"""Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""
 
 Removal = Literal["visit", "kit", "tow"]
 
 
 class Station(Record):
-    """Where chasers refuel, and may start; it may have no orbit where connections are given.
+    """A refuelling station, where chasers may start; without an orbit if connections are given.
 
     It fills at most ``max_refuellings`` tanks of all chasers together, and gives out at most
     ``max_propellant_kg`` for that; null for no limit. Neither field is in files that do not state
-    it, nor is ``object_id``, as of a target. Whoever arrives there refuels, also at the end of its
-    route.
+    it, nor is ``object_id``, as of a target. Chasers refuel on every arrival, also at the end
+    of its route.
     """
 
     name: Name
@@ -60,7 +60,7 @@ class Station(Record):
 
     @property
     def is_limited(self) -> bool:
-        """Whether it may run empty."""
+        """Whether its supply is limited."""
         return self.max_refuellings is not None or self.max_propellant_kg is not None
 
     @model_serializer(mode="wrap")
@@ -69,7 +69,7 @@ class Station(Record):
 
 
 class Target(Record):
-    """A debris object that may be visited, and what servicing it is worth.
+    """A debris object that may be visited, and the prize for servicing it.
 
     Its service begins not before ``window_s`` opens and ends before it closes. ``required``: a plan
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
@@ -89,7 +89,7 @@ class Target(Record):
 
     @property
     def service(self) -> ServiceKind:
-        """The kind of its service."""
+        """The kind of service."""
         return SERVICES[self.removal]
 
     @model_serializer(mode="wrap")

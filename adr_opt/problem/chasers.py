@@ -1,4 +1,4 @@
-"""The chasers of an instance: where they start and end, when, and with what in the tank."""
+"""Chasers of an instance: start, end, availability and tank."""
 
 from __future__ import annotations
 
@@ -40,19 +40,19 @@ TWO_KINDS = (
 
 
 class AtStation(Record):
-    """At a station, which has its name."""
+    """Start or end at a station, given by name."""
 
     station: Name
 
 
 class InOrbit(Record):
-    """In an orbit of its own, which is a body by the name of the chaser."""
+    """Start in an orbit of its own, which is a body under the chaser's name."""
 
     orbit: Orbit
 
 
 def _kind(value: Any) -> str | None:
-    """Which of the kinds of a place a value is; those in brackets are for the reader alone."""
+    """Tag of the kind of place that a value describes; tags in brackets are for readers only."""
     if value == "anywhere":
         return "(word)"
     for kind, model in (("station", AtStation), ("orbit", InOrbit)):
@@ -83,7 +83,7 @@ End = Annotated[
 
 
 class _OfTwoKinds(Record):
-    """A tank: made in Python, a mistake is one sentence that names the two kinds."""
+    """Base of both kinds of tank: an error in Python is one sentence that names them."""
 
     def __init__(self, /, **values: Any) -> None:
         try:
@@ -96,7 +96,7 @@ class _OfTwoKinds(Record):
 
 
 class Tank(_OfTwoKinds):
-    """What a full tank is worth: at the start, and after refuelling.
+    """ΔV of a full tank: at the start, and after refuelling.
 
     ``initial_delta_v_m_s`` is what is left of it at the start, where it is not full then.
     """
@@ -114,22 +114,22 @@ class Tank(_OfTwoKinds):
         return _without(write(self), "initial_delta_v_m_s")
 
     def spent_with_m_s(self, cargo_kg: float) -> float:
-        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
+        """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
         return self.spent_m_s
 
     @property
     def spent_m_s(self) -> float:
-        """What is lacking of a full tank at the start [m/s]."""
+        """ΔV missing from a full tank at the start [m/s]."""
         initial = self.initial_delta_v_m_s
         return 0.0 if initial is None else self.delta_v_m_s - initial
 
     @property
     def exhaust_m_s(self) -> float:
-        """Nothing is known of masses, so that none makes a difference [m/s]."""
+        """Exhaust speed; infinite, as masses are unknown and make no difference [m/s]."""
         return math.inf
 
     def full_m_s(self, cargo_kg: float) -> float:
-        """What it is worth when it is full, with so much aboard [m/s]."""
+        """ΔV of a full tank, with cargo aboard [m/s]."""
         return self.delta_v_m_s
 
 
@@ -139,14 +139,14 @@ def _check_initial(field: str, initial: float | None, full: float) -> None:
 
 
 def _without(content: dict[str, Any], field: str) -> dict[str, Any]:
-    """What is written of a tank: nothing of a start that is as usual, so that files stay."""
+    """The written form of a tank without a default start, so that files stay as they are."""
     if content.get(field) is None:
         content.pop(field, None)
     return content
 
 
 class TankByMass(_OfTwoKinds):
-    """A tank of so much propellant, of a chaser that has a mass without it and without cargo.
+    """A propellant tank of a chaser with a known mass without propellant and cargo.
 
     ``initial_propellant_kg`` is what is left at the start, where it is not full then.
     """
@@ -166,7 +166,7 @@ class TankByMass(_OfTwoKinds):
         return _without(write(self), "initial_propellant_kg")
 
     def spent_with_m_s(self, cargo_kg: float) -> float:
-        """What is lacking of a full tank at the start, with so much aboard [m/s]."""
+        """ΔV missing from a full tank at the start, with cargo aboard [m/s]."""
         initial = self.initial_propellant_kg
         if initial is None:
             return 0.0
@@ -175,13 +175,13 @@ class TankByMass(_OfTwoKinds):
 
     @property
     def spent_m_s(self) -> float:
-        """What is lacking of a full tank at the start, nothing being aboard [m/s]."""
+        """ΔV missing from a full tank at the start, without cargo [m/s]."""
         return self.spent_with_m_s(0.0)
 
     @model_validator(mode="after")
     def _can_be_counted(self) -> Self:
         if self.delta_v_m_s > LARGEST_DELTA_V_M_S:
-            raise ValueError(f"is worth {self.delta_v_m_s:g} m/s, more than anybody can count")
+            raise ValueError(f"is worth {self.delta_v_m_s:g} m/s, which is too large")
         return self
 
     @property
@@ -191,16 +191,16 @@ class TankByMass(_OfTwoKinds):
 
     @property
     def delta_v_m_s(self) -> float:
-        """What it is worth when it is full and nothing is aboard [m/s]."""
+        """ΔV of a full tank without cargo [m/s]."""
         return self.full_m_s(0.0)
 
     def full_m_s(self, cargo_kg: float) -> float:
-        """What it is worth when it is full, with so much aboard [m/s]."""
+        """ΔV of a full tank, with cargo aboard [m/s]."""
         return self.exhaust_m_s * math.log1p(self.propellant_kg / (self.dry_mass_kg + cargo_kg))
 
 
 def _kind_of_tank(value: Any) -> str:
-    """Which of the kinds of a tank a value is; those in brackets are for the reader alone."""
+    """Tag of the kind of tank that a value describes; tags in brackets are for readers only."""
     by_mass = isinstance(value, TankByMass) or (
         isinstance(value, dict) and not TANK_BY_MASS.isdisjoint(value)
     )
@@ -217,7 +217,7 @@ Price = Annotated[float, Field(ge=0.0, le=LARGEST_EXPENSE)]
 
 
 class Expense(Record):
-    """What it takes to use a chaser, by what it carries when it starts, in any unit of money.
+    """Cost of using a chaser, by the mass it carries at the start, in any currency.
 
     fixed + per_kg · c + per_kg_squared · c², with c [kg] the kits that its route leaves behind and
     the least propellant that it can be flown with, up to the first refuelling.
@@ -229,16 +229,16 @@ class Expense(Record):
 
     @property
     def counts_mass(self) -> bool:
-        """Whether it depends on what is carried."""
+        """Whether it depends on the carried mass."""
         return self.per_kg > 0.0 or self.per_kg_squared > 0.0
 
     def of(self, carried_kg: float) -> float:
-        """Of a chaser that is used and carries so much."""
+        """The cost of a chaser that is used and carries a mass."""
         return self.fixed + (self.per_kg + self.per_kg_squared * carried_kg) * carried_kg
 
 
 NO_EXPENSE = Expense()
-"""Of a chaser of which nothing is said."""
+"""Expense of a chaser that states none."""
 
 
 class Chaser(Record):
@@ -267,9 +267,8 @@ class Chaser(Record):
         counts = self.expense is not None and self.expense.counts_mass
         if counts and not isinstance(self.tank, TankByMass):
             raise ValueError(
-                "expense counts what is carried, of which a tank that is counted in ΔV knows "
-                "nothing; give its dry_mass_kg, propellant_kg and isp_s, or per_kg and "
-                "per_kg_squared 0.0"
+                "expense depends on the carried mass, but the tank is given in ΔV; give its "
+                "dry_mass_kg, propellant_kg and isp_s, or per_kg and per_kg_squared 0.0"
             )
         return self
 
@@ -277,7 +276,7 @@ class Chaser(Record):
     def _weighs(self) -> Self:
         if self.kit_mass_kg > 0.0 and not isinstance(self.tank, TankByMass):
             raise ValueError(
-                f"kit_mass_kg = {self.kit_mass_kg!r}: a tank that is counted in ΔV knows no "
+                f"kit_mass_kg = {self.kit_mass_kg!r}: the tank is given in ΔV, without "
                 "masses; give its dry_mass_kg, propellant_kg and isp_s, or kit_mass_kg 0.0"
             )
         return self
@@ -286,8 +285,8 @@ class Chaser(Record):
     def _begins_with_it(self) -> Self:
         if self.tank.spent_m_s > 0.0 and isinstance(self.start, AtStation):
             raise ValueError(
-                "field tank: what it holds at the start is given, and at a station it is filled; "
-                "start in an orbit, or leave it out"
+                "field tank: its content at the start is given, but a station fills it; start in "
+                "an orbit, or leave it out"
             )
         return self
 
@@ -298,7 +297,7 @@ class Chaser(Record):
 
     @property
     def lacks_by_mass(self) -> bool:
-        """Whether its tank is not full at the start, and masses make a difference to what lacks.
+        """Whether its tank is not full at the start and the ΔV missing depends on masses.
 
         Then what lacks goes with the kits that are taken along, or must not be counted as flown.
         """
@@ -307,7 +306,7 @@ class Chaser(Record):
 
     @property
     def start_name(self) -> str:
-        """Name of the body where it starts: a station, or its own for an orbit of its own.
+        """Name of the body where it starts: a station, or its own name for an orbit of its own.
 
         And its own for a chaser that is launched onto its first target, and is nowhere before.
         """
@@ -315,17 +314,17 @@ class Chaser(Record):
 
     @property
     def priced(self) -> Expense:
-        """Its expense; nothing where nothing is said of it."""
+        """Its expense; zero if none is stated."""
         return self.expense or NO_EXPENSE
 
     @property
     def is_launched(self) -> bool:
-        """Whether it is launched onto its first target."""
+        """Whether it is launched directly to its first target."""
         return self.start == "anywhere"
 
 
 def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window, ...]:
-    """When each chaser may fly, launches kept apart [s].
+    """Time window of each chaser, with launches kept apart [s].
 
     Those that are launched are so in their order, each as soon as it may: to wait at the first
     target is no worse. Whether those before it are used or not, each has its place in the order.
@@ -341,7 +340,7 @@ def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window
 
 
 def free_name(taken: Collection[str]) -> str:
-    """The name of the one chaser of an instance that does not name it: "chaser", or a numbered one.
+    """Name of an instance's only chaser if it has none: "chaser", or a numbered one.
 
     Parameters
     ----------

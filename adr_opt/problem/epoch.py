@@ -1,4 +1,4 @@
-"""The epoch of an instance: a time of the calendar with a zone, in files one in UTC."""
+"""The epoch of an instance: a calendar time with a time zone, in UTC in files."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pydantic import AfterValidator, AwareDatetime, BeforeValidator, Field, Plai
 
 
 def _is_calendar_time(value: Any) -> Any:
-    """Refuse what pydantic would take for seconds since 1970."""
+    """Refuse values that pydantic would read as seconds since 1970."""
     if isinstance(value, datetime) or (isinstance(value, str) and value[4:5] == "-"):
         return value
     raise ValueError("must be a time like 2026-01-01T00:00:00Z")
 
 
 def _has_utc(epoch: datetime) -> datetime:
-    """Refuse what is out of the calendar in UTC."""
+    """Refuse times outside the calendar in UTC."""
     try:
         epoch.astimezone(UTC)
     except OverflowError:

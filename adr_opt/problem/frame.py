@@ -1,4 +1,4 @@
-"""The inertial frame that the elements of an instance are in, where it says so."""
+"""Inertial frame of an instance's elements, if stated."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .epoch import Epoch
 FrameName = Literal["EME2000", "GCRF", "ICRF", "TEME"]
 
 FRAMES: tuple[FrameName, ...] = get_args(FrameName)
-"""Inertial frames about the Earth that can be named, as CCSDS messages call them."""
+"""Inertial frames about the Earth by name, as in CCSDS messages."""
 
 OF_DATE = ("TEME",)
-"""Frames whose axes move with the equator and the equinox, so that they have to say of when."""
+"""Frames whose axes follow the equator and equinox of date, and so need a date."""
 
 
 class Frame(Record):
-    """A frame with axes that do not move.
+    """A frame with fixed axes.
 
     Those of TEME (true equator, mean equinox) are of ``axes_epoch``: of another date they are
     others, 34 m in low orbit after a week. Axes of the other frames are of no date, and their files
@@ -38,11 +38,11 @@ class Frame(Record):
     def _says_when(self) -> Self:
         if self.name in OF_DATE and self.axes_epoch is None:
             raise ValueError(
-                f'axes_epoch is missing: the axes of "{self.name}" move, so say of which time '
-                "they are"
+                f'axes_epoch is missing: the axes of "{self.name}" move, so give the time they '
+                "refer to"
             )
         if self.name not in OF_DATE and self.axes_epoch is not None:
-            raise ValueError(f'axes_epoch: the axes of "{self.name}" are of no date; leave it out')
+            raise ValueError(f'axes_epoch: the axes of "{self.name}" are fixed; leave it out')
         return self
 
     def __str__(self) -> str:

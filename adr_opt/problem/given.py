@@ -1,4 +1,4 @@
-"""Connections that somebody gives: costs from elsewhere, in place of the model's.
+"""Given connections: costs from elsewhere in place of the model's.
 
 See docs/model.md section 9.
 
@@ -28,13 +28,13 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 COLUMNS = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
-"""What a row states."""
+"""Columns of a row."""
 
 LEAST_S = 1e-3
-"""No connection takes less: proofs go through a mission in order of time [s]."""
+"""Least duration of a connection: proofs proceed through a mission in order of time [s]."""
 
 Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.ArrayLike]]
-"""Durations [s] and costs from an origin to each of some destinations at a departure [s]."""
+"""Durations [s] and costs from an origin to some destinations at a departure [s]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,7 +78,7 @@ class Given(Shown):
 
     @cached_property
     def sha256(self) -> str:
-        """SHA-256 of what is given, whatever the file looks like that holds it.
+        """SHA-256 of the connections, independent of the file that holds them.
 
         That of the names as a JSON list and a line feed, and of the columns one after the other,
         as little-endian numbers of 4 (origin, destination) and 8 bytes, in the order of the rows.
@@ -91,7 +91,7 @@ class Given(Shown):
         return digest.hexdigest()
 
     def of_pair(self, origin: str, destination: str) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Departures, arrivals [s] and costs of a pair, in order; of no rows for strangers."""
+        """Departures, arrivals [s] and costs of a pair, in order; empty for unknown pairs."""
         i, j = self._number.get(origin, -1), self._number.get(destination, -1)
         rows = slice(0)
         if min(i, j) >= 0:
@@ -100,7 +100,7 @@ class Given(Shown):
         return self.departure[rows], self.arrival[rows], self.cost[rows]
 
     def sizes(self, names: Sequence[str]) -> tuple[int, int]:
-        """Most departures of a pair of some bodies, and all connections between them."""
+        """Maximum number of departures of a pair of bodies, and number of all connections."""
         known = np.array([name in set(names) for name in self.names], dtype=np.bool_)
         mine = known[self.origin] & known[self.destination] if known.size else slice(0)
         pair = self.origin[mine].astype(np.int64) * len(self.names) + self.destination[mine]
@@ -141,7 +141,7 @@ def among(
 
 
 def of_rows(columns: Any, names: Sequence[str]) -> Given:
-    """Connections row by row, in any order.
+    """Connections from rows in any order.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
                 f"column {name} is missing; a row has the columns {', '.join(COLUMNS)}"
             ) from None
         if found[name].ndim != 1 or found[name].size != found["origin"].size:
-            raise InputError(f"column {name} has not one value for each row; give as many")
+            raise InputError(f"column {name} must have one value for each row")
     ends = [_numbers(found[name], name, names) for name in COLUMNS[:2]]
     times = [_floats(found[name], name, of_time=name in COLUMNS[2:4]) for name in COLUMNS[2:]]
     return _made(ends[0], ends[1], times[0], times[1], times[2], names, "row {}")
@@ -175,12 +175,12 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
 def of_matrices(
     departures: npt.ArrayLike, duration: npt.ArrayLike, cost: npt.ArrayLike, names: Sequence[str]
 ) -> Given:
-    """Connections that leave at some departures, each from every body to every other one.
+    """Connections from matrices: at each departure from every body to every other one.
 
     Parameters
     ----------
     departures : (departures,) float
-        Since the epoch, each later than the one before [s]. Who is ready in between waits for the
+        Since the epoch, each later than the one before [s]. A chaser ready in between waits for the
         next one.
     duration : (departures, bodies, bodies) float
         By (departure, origin, destination), +inf for no connection [s]. The diagonal is not
@@ -223,7 +223,7 @@ def of_matrices(
 def of_function(
     f: Costs, departures: npt.ArrayLike, names: Sequence[str], resolution: float = 0.0
 ) -> Given:
-    """Connections that leave at some departures, worked out one by one.
+    """Connections from a function, evaluated at each departure.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def of_function(
 
 
 def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[FloatArray]:
-    """Durations and costs of one call, shape (choices, destinations)."""
+    """Durations and costs from one call, shape (choices, destinations)."""
     answer = f(i, others, float(at))
     try:
         duration, cost = (
@@ -316,11 +316,11 @@ NO_NUMBERS = {
     "b": "true and false", "U": "text", "S": "text", "M": "dates", "m": "times",
     "c": "complex numbers",
 }  # fmt: skip
-"""Kinds of arrays that NumPy would make numbers of, and that nobody meant as such."""
+"""Kinds of arrays that NumPy would convert to numbers, against any likely intention."""
 
 
 def _floats(values: Any, name: str, *, of_time: bool = False) -> FloatArray:
-    """Numbers as an array of its own; differences of times, where they are meant, in seconds.
+    """A copy of values as floats, with time differences in seconds.
 
     Raises
     ------
@@ -352,8 +352,8 @@ def _numbers(values: npt.NDArray[Any], column: str, names: Sequence[str]) -> Int
         wrong = np.flatnonzero((values < 0) | (values >= len(names)))
         if wrong.size:
             raise InputError(
-                f"row {wrong[0]}: {column} = {values[wrong[0]]} is not the number of a body, which "
-                f"are 0 to {len(names) - 1}"
+                f"row {wrong[0]}: {column} = {values[wrong[0]]} is not the number of a body, "
+                f"from 0 to {len(names) - 1}"
             )
         return values.astype(np.int32)
     known = {name: number for number, name in enumerate(names)}
@@ -376,7 +376,7 @@ def _made(
     names: Sequence[str],
     where: str,
 ) -> Given:
-    """The connections, checked and in order; ``where`` says in errors which one it is."""
+    """Validated connections in order; ``where`` locates a row in errors."""
 
     def refuse(wrong: npt.NDArray[np.bool_], told: Callable[[int], str]) -> None:
         if wrong.any():
@@ -384,7 +384,7 @@ def _made(
             ends = f"{names[int(origin[at])]!r} to {names[int(destination[at])]!r}"
             raise InputError(f"{where.format(at)}, {ends}: {told(at)}")
 
-    refuse(origin == destination, lambda at: "leads to where it begins; leave it out")
+    refuse(origin == destination, lambda at: "ends where it begins; leave it out")
     for values, name, most in (
         (departure, "departure_s", LARGEST_TIME_S),
         (arrival, "arrival_s", LARGEST_TIME_S),
@@ -399,7 +399,7 @@ def _made(
     refuse(
         arrival - departure < LEAST_S,
         lambda at: (
-            f"takes {float(arrival[at] - departure[at])!r} s; must take {LEAST_S:g} s at least"
+            f"takes {float(arrival[at] - departure[at])!r} s; must take at least {LEAST_S:g} s"
         ),
     )
     used = np.flatnonzero(
@@ -419,7 +419,7 @@ def _made(
 
 
 def _are_in_order(*columns: npt.NDArray[Any]) -> bool:
-    """Whether rows ascend by their columns, the first one first."""
+    """Whether rows are in lexicographic order of their columns."""
     same = np.ones(max(columns[0].size - 1, 0), dtype=np.bool_)
     for column in columns:
         before, after = column[:-1], column[1:]

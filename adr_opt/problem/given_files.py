@@ -1,4 +1,4 @@
-"""Files of given connections: ``.parquet`` with a row for each, ``.nc`` with matrices (``[io]``).
+"""Files of given connections: rows in ``.parquet``, matrices in ``.nc`` (``[io]``).
 
 What `matrix` writes with these suffixes can be given back.
 """
@@ -27,10 +27,10 @@ BODIES = COLUMNS[:2]
 COST = COLUMNS[4]
 
 BYTES_EACH = 24
-"""Memory for each number of a file: as it is read, as it is kept, and while it is sorted."""
+"""Memory for each number of a file, while it is read, stored and sorted [bytes]."""
 
 LONGEST_SHOWN = 150
-"""What files say is cut in error messages."""
+"""Length beyond which texts from files are cut in error messages."""
 
 
 def read_given(path: str | os.PathLike[str], names: Sequence[str]) -> Given:
@@ -67,7 +67,7 @@ def read_given(path: str | os.PathLike[str], names: Sequence[str]) -> Given:
 def read_named(
     instance_path: str | os.PathLike[str], reference: GivenFile, names: Sequence[str]
 ) -> Given:
-    """The connections that an instance file names; they lie beside it.
+    """Read the connections that an instance file names, from a file beside it.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def read_named(
 
 
 def write_given(path: str | os.PathLike[str], given: Given) -> None:
-    """Write connections as ``.parquet``, whole or not at all.
+    """Write connections as ``.parquet``, completely or not at all.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
     except Exception as error:  # of a damaged file pyarrow raises whatever it runs into
         raise InputError(f"not a Parquet file that can be read ({_first_line(error)})") from None
     if doubled:
-        raise InputError(f"column {doubled[0]} is there twice; give each once")
+        raise InputError(f"column {doubled[0]} occurs twice; give each once")
     columns = {}
     for name in there:
         column, field = table.column(name), fields.field(name)
@@ -166,7 +166,7 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
 
 
 def _refuse_kind(name: str, kind: Any) -> None:
-    """Raise :class:`InputError` for a column of another type than names or numbers."""
+    """Raise :class:`InputError` for a column that holds neither names nor numbers."""
     types = import_module("pyarrow").types
     inner = kind.value_type if types.is_dictionary(kind) else kind
     if name in BODIES:
@@ -183,15 +183,15 @@ def _refuse_kind(name: str, kind: Any) -> None:
 
 
 def _refuse_size(values: int) -> None:
-    """Raise :class:`InputError` before a small file takes more memory than there is."""
+    """Raise :class:`InputError` before a small file takes more memory than is available."""
     if values * BYTES_EACH > available_bytes():
         raise InputError(
-            f"holds {values:.3g} numbers, for which memory is short; leave out what is not needed"
+            f"holds {values:.3g} numbers, too many for the memory; leave out those not needed"
         )
 
 
 def _factor(name: str, stated: Mapping[Any, Any]) -> float:
-    """What a number is to be multiplied with by the unit that is stated of it."""
+    """Conversion factor of a number by its stated unit."""
     said = [stated[key] for key in ("units", b"units", "unit", b"unit") if key in stated]
     unit = said[0] if said else None
     is_cost = name in (COST, "delta_v")
@@ -199,7 +199,7 @@ def _factor(name: str, stated: Mapping[Any, Any]) -> float:
 
 
 def _bodies(column: Any, name: str, names: Sequence[str]) -> npt.NDArray[Any]:
-    """A column of names as numbers of bodies; each name is looked up once."""
+    """A column of names as body numbers; each name is looked up once."""
     known, parts = {name: number for number, name in enumerate(names)}, []
     try:
         chunks = column.dictionary_encode().chunks
@@ -216,7 +216,7 @@ def _bodies(column: Any, name: str, names: Sequence[str]) -> npt.NDArray[Any]:
 
 
 def _read_netcdf(path: Path, names: Sequence[str]) -> Given:
-    """Matrices (departure, origin, destination) of ``duration`` and ``delta_v``, with names."""
+    """Read matrices (departure, origin, destination) ``duration`` and ``delta_v``, with names."""
     h5py = _need("h5py", "reading given connections")
     _need("h5netcdf", "reading given connections")
     xarray = _need("xarray", "reading given connections")
@@ -255,7 +255,7 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> Given:
 
 
 def _ends(found: npt.NDArray[Any], axis: str, names: Sequence[str]) -> list[int]:
-    """Names along an axis as numbers of bodies."""
+    """Names along an axis as body numbers."""
     known = {name: number for number, name in enumerate(names)}
     told = [
         name.decode(errors="replace") if isinstance(name, bytes) else str(name)
@@ -270,7 +270,7 @@ def _ends(found: npt.NDArray[Any], axis: str, names: Sequence[str]) -> list[int]
 
 
 def _scaled(variable: Any) -> npt.NDArray[np.float64]:
-    """The numbers of a variable in seconds or metres per second, by its unit."""
+    """Values of a variable, converted to seconds or metres per second by its unit."""
     values, name = np.asarray(variable.values), str(variable.name)
     if values.dtype.kind not in "iuf":
         raise InputError(f"{name} holds {_cut(str(values.dtype))}; it must hold numbers")
@@ -286,7 +286,7 @@ def _cut(text: str) -> str:
 
 
 def _first_line(error: BaseException) -> str:
-    """What a library says, as far as it can be printed."""
+    """The first line of a library's message, as far as it is printable."""
     told = error.args[0] if isinstance(error, KeyError) and error.args else error
     said = (str(told).splitlines() or [""])[0] or type(error).__name__
     return "".join(each if each.isprintable() else "�" for each in _cut(said))

@@ -1,4 +1,4 @@
-"""Units that files of given connections state, as factors to seconds and metres per second."""
+"""Units in files of given connections, as factors to seconds and metres per second."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TIMES_S = {
     "min": 60.0, "minute": 60.0, "h": 3600.0, "hr": 3600.0, "hour": 3600.0,
     "d": 86400.0, "day": 86400.0,
 }  # fmt: skip
-"""Units of time, the longer ones in the plural, too [s]."""
+"""Units of time, longer ones also in the plural [s]."""
 
 LENGTHS_M = {
     "mm": 1e-3, "millimetre": 1e-3, "millimeter": 1e-3, "cm": 1e-2, "centimetre": 1e-2,
@@ -29,11 +29,11 @@ SPEED = (
 """Spellings of a length per time: ``m/s``, ``m / s``, ``m s-1``, ``m s^-1``, ``m*s**-1``."""
 
 LONGEST_SHOWN = 40
-"""Longer units are cut in error messages."""
+"""Length beyond which units are cut in error messages."""
 
 
 def time_factor(unit: Any, name: str) -> float:
-    """Seconds in a unit of time; none stands for seconds.
+    """Seconds in a unit of time; without a unit, 1.
 
     Parameters
     ----------
@@ -58,14 +58,13 @@ def time_factor(unit: Any, name: str) -> float:
                 "of the instance, in s, min, h or days"
             )
         raise InputError(
-            f"{name}: its unit {_shown(text)} is no unit of time that is read here; give s, min, "
-            "h or days"
+            f"{name}: its unit {_shown(text)} is not a known unit of time; give s, min, h or days"
         )
     return factor
 
 
 def cost_factor(unit: Any, name: str) -> float:
-    """Metres per second in a unit of speed; none, and "1", stand for a number as it is.
+    """Metres per second in a unit of speed; without a unit, or with "1", 1.
 
     Parameters
     ----------
@@ -87,13 +86,13 @@ def cost_factor(unit: Any, name: str) -> float:
             if length is not None and time is not None:
                 return length / time
     raise InputError(
-        f"{name}: its unit {_shown(text)} is no speed that is read here; give m s-1 or km s-1, or "
-        "leave the unit out where the cost is something else"
+        f"{name}: its unit {_shown(text)} is not a known unit of speed; give m s-1 or km s-1, or "
+        "leave the unit out where the cost is no speed"
     )
 
 
 def _factor(text: str, known: dict[str, float]) -> float | None:
-    """Words may be in the plural and in capitals, signs may not: "S" is no second."""
+    """Factor of a unit: words may be plural and capitalised, symbols may not ("S" is no second)."""
     if text in known:
         return known[text]
     word = text.lower().removesuffix("s")
@@ -106,7 +105,7 @@ def _text(unit: Any, name: str) -> str:
     if isinstance(unit, bytes):
         unit = unit.decode(errors="replace")
     if not isinstance(unit, str):
-        raise InputError(f"{name}: its unit is no text; give s, min, h or days, or m s-1")
+        raise InputError(f"{name}: its unit is not a text; give s, min, h or days, or m s-1")
     return " ".join(unit.split())
 
 

@@ -1,4 +1,4 @@
-"""The instance: a mission over a field of debris, as data and as a file.
+"""The instance: a mission over a field of debris objects, as data and as a file.
 
 What the file says stands in :mod:`.instance_file`, of which the published JSON Schema is made
 (:func:`json_schema`). All is frozen; :meth:`Record.replace` makes variants.
@@ -60,13 +60,13 @@ class Instance(Shown, InstanceFile):
             gone = sorted(set(made._given.names) - set(made.names))
             if gone:
                 raise InputError(
-                    f"given connections: {gone[0]!r} is a body of theirs, and would be gone; keep "
-                    "it, or first give those of the others alone (adr_opt.problem.given.among)"
+                    f"given connections: {gone[0]!r} is one of their bodies, and would go; keep "
+                    "it, or first give only those of the others (adr_opt.problem.given.among)"
                 )
         return made
 
     def _changed(self, changes: dict[str, Any]) -> Self:
-        """A validated copy, with what is no part of the file."""
+        """A validated copy that keeps data outside the file."""
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
         if made.transfer.given == self.transfer.given:
@@ -74,7 +74,7 @@ class Instance(Shown, InstanceFile):
         return made
 
     def with_given(self, given: Given, file: str | None = None) -> Self:
-        """The same instance whose connections are given, in place of the model's.
+        """The same instance with given connections in place of the model's.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Instance(Shown, InstanceFile):
 
     @property
     def given(self) -> Given | None:
-        """The connections that are given; None where they are the model's.
+        """The given connections; None if they are the model's.
 
         Raises
         ------
@@ -121,7 +121,7 @@ class Instance(Shown, InstanceFile):
 
     @property
     def nodes_drift(self) -> bool:
-        """Whether planes drift as chasers fly: under J2, where connections are the model's."""
+        """Whether planes drift during the mission: under J2, unless connections are given."""
         return self.dynamics == "j2" and self.transfer.given is None
 
     @property
@@ -130,7 +130,7 @@ class Instance(Shown, InstanceFile):
         return all(orbit is not None for orbit in self.known_orbits)
 
     def with_time_value(self, time_value_m_s_per_h: float) -> Self:
-        """The same instance for those who value an hour so, see :attr:`time_value_m_s_per_h`.
+        """The same instance with another value of an hour, see :attr:`time_value_m_s_per_h`.
 
         Raises
         ------
@@ -143,12 +143,12 @@ class Instance(Shown, InstanceFile):
         return made
 
     def same(self, other: Instance) -> bool:
-        """Whether it is equal to another one, and an hour is worth as much to both."""
+        """Whether both instances are equal and have the same value of an hour."""
         return self == other and self.time_value_m_s_per_h == other.time_value_m_s_per_h
 
     @property
     def time_value_m_s_per_h(self) -> float:
-        """What an hour is worth to whoever chooses one transfer without looking ahead [m/s per h].
+        """Value of an hour when a single transfer is chosen without lookahead [m/s per h].
 
         No part of the file, of equality and of :attr:`sha256`: a default for methods.
         """
@@ -158,10 +158,10 @@ class Instance(Shown, InstanceFile):
 
     @property
     def hurry(self) -> float:
-        """How dear time is here, against a mission of days: 1, and less where planes drift.
+        """Value of time relative to a mission of days: 1, and less where planes drift.
 
-        There time buys ΔV, and is worth what the mission spends on the average; a chaser that can
-        refuel spends more than one tank. So it is where connections are given.
+        There time buys ΔV, and is worth the mission's average expenditure; a chaser that can refuel
+        spends more than one tank. The same holds where connections are given.
         """
         is_given = self.transfer.given is not None
         return hurry_of(
@@ -169,7 +169,7 @@ class Instance(Shown, InstanceFile):
             self.largest_tank_m_s,
             time_buys_delta_v=is_given or self.transfer.max_drift_s > 0.0,
             refuels=bool(self.stations),
-            # Of given costs nobody knows the unit, so no usual value is a limit.
+            # The unit of given costs is unknown, so no usual value is a limit.
             usual_is_a_limit=not is_given,
         )
 
@@ -179,7 +179,7 @@ class Instance(Shown, InstanceFile):
 
     @property
     def start_bodies(self) -> dict[str, Orbit]:
-        """Orbits of their own where chasers start, by the name of the chaser.
+        """Chasers' own start orbits, by name of the chaser.
 
         A chaser that is launched anywhere has none: an orbit stands there so that each body has
         one, and no transfer leads to it or from it (:attr:`launches`).
@@ -188,18 +188,18 @@ class Instance(Shown, InstanceFile):
 
     @property
     def launches(self) -> dict[int, float]:
-        """When each chaser may be launched that starts anywhere, by the body of its start [s]."""
+        """Launch windows of chasers that may start in any orbit, by their start body [s]."""
         every = zip(self.starts, self.chasers, self.available_s, strict=True)
         return {body: since for body, chaser, (since, _) in every if chaser.is_launched}
 
     @property
     def available_s(self) -> tuple[Window, ...]:
-        """When each chaser may fly: as it says, and launches kept apart [s]."""
+        """Time window of each chaser, with launches kept apart [s]."""
         return availability(self.chasers, self.mission.launch_separation_s or 0.0)
 
     @property
     def spent_m_s(self) -> dict[int, float]:
-        """What first legs pay for tanks that are not full at the start, by the body of it [m/s].
+        """ΔV charged to first legs for tanks that are not full at the start, by start body [m/s].
 
         But for chasers of which masses say what is lacking: see
         :class:`adr_opt.kernels.rules.loads.Loads`.
@@ -212,32 +212,32 @@ class Instance(Shown, InstanceFile):
 
     @property
     def start(self) -> int:
-        """Number of the body where the chaser starts, where there is one."""
+        """Number of the only chaser's start body."""
         return self.names.index(self.chaser.start_name)
 
     @property
     def starts(self) -> tuple[int, ...]:
-        """Number of the body where each chaser starts."""
+        """Number of each chaser's start body."""
         return self._numbering.starts
 
     @property
     def first_target(self) -> int:
-        """Number of the first target; those before it are stations and where chasers start."""
+        """Number of the first target; stations and start orbits come before."""
         return self._numbering.first_target
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the bodies, in the order of their numbers."""
+        """Names of the bodies, in order of their numbers."""
         return self._numbering.names
 
     @property
     def known_orbits(self) -> tuple[Orbit | None, ...]:
-        """Orbits of the bodies, in the order of their numbers; None for those that have none."""
+        """Orbits of the bodies, in order of their numbers; None for bodies without one."""
         return self._numbering.orbits
 
     @property
     def body_orbits(self) -> tuple[Orbit, ...]:
-        """The same where all bodies have one.
+        """Orbits of the bodies, in order of their numbers, if all have one.
 
         Raises
         ------
@@ -253,7 +253,7 @@ class Instance(Shown, InstanceFile):
 
     @property
     def is_approximate(self) -> bool:
-        """Whether some orbit is not a circle, so that the model is an approximation of it.
+        """Whether any orbit is eccentric, so that the model is an approximation.
 
         Given connections are what they are.
         """
@@ -262,7 +262,7 @@ class Instance(Shown, InstanceFile):
         return any(orbit.eccentricity > 0.0 for orbit in self.body_orbits)
 
     def part(self, bodies: Collection[int | str]) -> Self:
-        """The instance with only some of its targets, in its own order; other bodies stay.
+        """The instance with a subset of its targets, in its own order; other bodies stay.
 
         So do connections that are given, those of targets left out as well.
 
@@ -307,7 +307,7 @@ class Instance(Shown, InstanceFile):
         return instance.with_given(read_named(path, reference, instance.names), reference.file)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the instance file, and beside it that of its connections where they are given.
+        """Write the instance file and, beside it, the file of given connections if any.
 
         Raises
         ------
@@ -321,18 +321,18 @@ class Instance(Shown, InstanceFile):
 
     @property
     def oblateness_m2(self) -> float:
-        """J2 R² of the dynamics: 0 for two bodies [m²]."""
+        """J2 R² of the dynamics: 0 in two-body motion [m²]."""
         return OBLATENESS_M2 if self.dynamics == "j2" else 0.0
 
     def orbits(self) -> npt.NDArray[np.float64]:
-        """The bodies as kernels take them, shape (bodies, columns); NaN for those without an orbit.
+        """Orbits as kernel arrays, shape (bodies, columns); NaN for bodies without an orbit.
 
         Columns are :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
         """
         return orbit_rows(self.known_orbits, self.oblateness_m2)
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
-        """What matching eccentricity vectors alone would cost, v·|Δe|/2.
+        """Cost of matching eccentricity vectors alone, v·|Δe|/2.
 
         Returns
         -------
@@ -345,7 +345,7 @@ class Instance(Shown, InstanceFile):
         return np.asarray(matchings(self.orbits(), EPOCH_S))
 
     def transfer_rule(self, time_value_m_s_per_h: float | None = None) -> TransferRule:
-        """The transfer settings and zones as the kernels take them (radii, m/s per s).
+        """Transfer settings and zones as kernels take them (radii, m/s per s).
 
         Parameters
         ----------
@@ -361,11 +361,11 @@ load = Instance.load
 
 
 AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
-"""An instance, the path of its file, or what the file says as a dictionary."""
+"""An instance, the path of its file, or the file's content as a dictionary."""
 
 
 def instance_of(given: AnyInstance) -> Instance:
-    """The instance that a caller gives, by itself, by its file or by the content of a file.
+    """The instance that a caller passes, as an object, a path or a file's content.
 
     Raises
     ------

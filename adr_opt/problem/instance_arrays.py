@@ -1,4 +1,4 @@
-"""What kernels take of an instance: its orbits and its transfer rule, as arrays and numbers."""
+"""Kernel inputs of an instance: its orbits and its transfer rule."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .settings import KeepOutZone, TransferSettings
 
 
 def orbit_rows(orbits: Sequence[Orbit | None], oblateness_m2: float) -> npt.NDArray[np.float64]:
-    """Bodies as kernels take them.
+    """Orbits as kernels take them.
 
     Parameters
     ----------

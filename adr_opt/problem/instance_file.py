@@ -1,4 +1,4 @@
-"""What an instance file says: its fields, what they must agree on, and its bytes.
+"""Content of an instance file: fields, their consistency, and bytes.
 
 The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.epoch`, :mod:`.orbit`,
 :mod:`.bodies`, :mod:`.chasers` and :mod:`.settings`.
@@ -33,10 +33,10 @@ FORMAT: Literal["adr-opt-instance/2"] = "adr-opt-instance/2"
 
 
 class InstanceFile(Record):
-    """The fields of an instance; :class:`adr_opt.Instance` is what can be planned.
+    """The fields of an instance; :class:`adr_opt.Instance` is the plannable object.
 
-    ``frame``: the inertial frame that orbits and burns are in. Where it is null nobody knows which
-    one, and files say nothing of it.
+    ``frame``: the inertial frame that orbits and burns are in. Null means unknown,
+    and is not written to files.
     """
 
     format: Literal["adr-opt-instance/2"] = FORMAT
@@ -60,14 +60,14 @@ class InstanceFile(Record):
     def _something_drifts(self) -> Self:
         if self.dynamics == "two-body" and self.transfer.max_drift_s > 0.0:
             raise ValueError(
-                f"field transfer.max_drift_s = {self.transfer.max_drift_s!r}: nothing drifts in "
+                f"field transfer.max_drift_s = {self.transfer.max_drift_s!r}: no plane drifts in "
                 'two-body motion; write 0.0, or dynamics "j2"'
             )
         return self
 
     @model_validator(mode="after")
     def _grid_follows(self) -> Self:
-        """A grid that is not given follows from the mission, where there are drift legs."""
+        """Derive the grid of drift legs from the mission if it is not given."""
         transfer = self.transfer
         if transfer.max_drift_s > 0.0 and "drift_step_s" not in transfer.model_fields_set:
             known = [body.orbit for body in self.targets if body.orbit is not None]
@@ -88,8 +88,8 @@ class InstanceFile(Record):
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
         if is_given and self.keep_out_zones:
             raise ValueError(
-                "field keep_out_zones: connections are given, and nobody knows where they lead; "
-                "leave zones out"
+                "field keep_out_zones: the paths of given connections are not known; leave zones "
+                "out"
             )
         check_removals(
             self.targets, self.chasers, self.mission, self.transfer,
@@ -98,7 +98,7 @@ class InstanceFile(Record):
         return self
 
     def __eq__(self, other: object) -> bool:
-        """Whether it is the same mission; what an hour is worth is no part of it."""
+        """Whether both describe the same mission; the value of an hour is not part of it."""
         if not isinstance(other, InstanceFile):
             return NotImplemented
         return all(
@@ -117,12 +117,12 @@ class InstanceFile(Record):
         """The same field for a mission of another duration or with other tanks.
 
         With ``delta_v_m_s`` all tanks are counted in ΔV; with ``propellant_kg`` those by mass hold
-        so much, and the rest of their masses stays.
+        that mass, and the rest of their masses stays.
 
         Raises
         ------
         InputError
-            A limit is not valid, or a tank that is to hold so much propellant knows no masses.
+            A limit is not valid, or a tank given in ΔV is to hold propellant.
         """
         if delta_v_m_s is not None and propellant_kg is not None:
             raise InputError("a tank is given by its ΔV or by its propellant; give one of the two")
@@ -141,27 +141,27 @@ class InstanceFile(Record):
 
     @property
     def chaser(self) -> Chaser:
-        """The chaser, where there is one.
+        """The chaser of an instance that has only one.
 
         Raises
         ------
         InputError
-            There are several: whoever asks works with one.
+            There are several chasers.
         """
         if len(self.chasers) > 1:
             raise InputError(
-                f"{self.name!r} has {len(self.chasers)} chasers, and this works with one; leave "
-                "one in its field chasers"
+                f"{self.name!r} has {len(self.chasers)} chasers, but this works with one; keep "
+                "only one in its field chasers"
             )
         return self.chasers[0]
 
     @property
     def time_m_s_per_s(self) -> float:
-        """The price of a second of each chaser that is used, in a cost of ΔV [m/s per s].
+        """Price of each second of a used chaser, in a cost of ΔV [m/s per s].
 
-        By default a mission of the full length costs one ΔV resolution more than one of no length:
-        what the resolution calls equal is decided by time. Given costs are in a unit that is not
-        known, so there the default is nothing, as it is where another cost than ΔV counts.
+        By default a mission of full length costs one ΔV resolution more than one of zero length, so
+        that time decides between costs equal within the resolution. The default is zero for given
+        costs, whose unit is unknown, and where the cost is not ΔV.
         """
         stated, duration_s = self.objective.time_m_s_per_day, self.mission.duration_s
         if stated is not None:
@@ -173,7 +173,7 @@ class InstanceFile(Record):
 
     @property
     def largest_tank_m_s(self) -> float:
-        """The most ΔV that a chaser has at once [m/s]."""
+        """Largest ΔV that a chaser has at once [m/s]."""
         return max(chaser.tank.delta_v_m_s for chaser in self.chasers)
 
     @property
@@ -187,12 +187,12 @@ class InstanceFile(Record):
 
     @property
     def sha256(self) -> str:
-        """SHA-256 of the file that :meth:`to_json` gives; plans carry it."""
+        """SHA-256 of the file written by :meth:`to_json`; plans carry it."""
         return hashlib.sha256(self.to_json().encode()).hexdigest()
 
 
 def _tank_of(chaser: Chaser, delta_v_m_s: float) -> dict[str, float]:
-    """Another tank of a chaser; what is left at the start stays, if it holds that."""
+    """A resized tank of a chaser; its ΔV at the start stays if it fits."""
     spent, full = chaser.tank.spent_m_s, chaser.tank.delta_v_m_s
     if spent == 0.0:
         return {"delta_v_m_s": delta_v_m_s}
@@ -200,12 +200,12 @@ def _tank_of(chaser: Chaser, delta_v_m_s: float) -> dict[str, float]:
 
 
 def _filled(chaser: Chaser, propellant_kg: float) -> TankByMass:
-    """A tank by mass with other propellant; what is left at the start stays, if it holds that."""
+    """A tank by mass with other propellant; its propellant at the start stays if it fits."""
     tank = chaser.tank
     if not isinstance(tank, TankByMass):
         raise InputError(
-            f"propellant: the tank of {chaser.name!r} is counted in ΔV, and knows no masses; say "
-            "what ΔV it holds, or give its dry_mass_kg, propellant_kg and isp_s"
+            f"propellant: the tank of {chaser.name!r} is given in ΔV, without masses; give its "
+            "ΔV, or give its dry_mass_kg, propellant_kg and isp_s"
         )
     initial = tank.initial_propellant_kg
     if initial is not None:

@@ -1,4 +1,4 @@
-"""Whether a mission is too short for any leg, by a bound on how long one takes."""
+"""Check whether a mission is too short for any leg, by a lower bound on a leg's duration."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from .instance import Instance
 FloatArray = npt.NDArray[np.float64]
 
 NODAL_SHARE = 0.99
-"""Under J2 a revolution from node to node may take some thousandths less than without."""
+"""Nodal period under J2 as a share of the two-body period, at least."""
 
 
 def least_end_s(instance: Instance) -> float | None:
-    """No service of a target ends before this; None where nothing can be said [s].
+    """Lower bound on the end of any service; None if there is none [s].
 
     A leg takes three half ellipses over the lowest phasing circle that is allowed, the approach,
     and the service (docs/model.md section 2); that to the first target of a chaser that is launched
@@ -49,7 +49,7 @@ def least_end_s(instance: Instance) -> float | None:
 
 
 def too_short(instance: Instance) -> str | None:
-    """A sentence about a mission that is over before any service can be; else None."""
+    """A sentence if the mission ends before any service can; else None."""
     least = least_end_s(instance)
     duration = instance.mission.duration_s
     if least is None or duration >= least:
@@ -61,5 +61,5 @@ def too_short(instance: Instance) -> str | None:
 
 
 def _half(axis: FloatArray | float) -> FloatArray:
-    """Half a revolution on an orbit of some semi-major axis [s]."""
+    """Half the period of an orbit, by its semi-major axis [s]."""
     return np.asarray(np.pi * np.sqrt(np.asarray(axis) ** 3 / MU_M3_S2))

@@ -1,4 +1,4 @@
-"""How the bodies of an instance are numbered.
+"""Numbering of the bodies of an instance.
 
 The stations come first, in order, then the orbits of their own where chasers start, then the
 targets, in order.
@@ -17,12 +17,12 @@ LEO = Orbit(
     semi_major_axis_m=EARTH_RADIUS_M + 700e3, eccentricity=0.0, inclination_deg=98.0,
     raan_deg=0.0, argument_of_perigee_deg=0.0, true_anomaly_deg=0.0,
 )  # fmt: skip
-"""Some orbit."""
+"""Arbitrary low orbit."""
 
 
 @dataclass(frozen=True)
 class Numbering:
-    """The bodies that stations, chasers and targets make, in the order of their numbers."""
+    """Bodies of stations, chasers and targets, in order of their numbers."""
 
     stations: tuple[Station, ...]
     chasers: tuple[Chaser, ...]
@@ -30,7 +30,7 @@ class Numbering:
 
     @property
     def start_bodies(self) -> dict[str, Orbit]:
-        """Orbits of their own where chasers start, by the name of the chaser.
+        """Chasers' own start orbits, by name of the chaser.
 
         A chaser that is launched anywhere has none: an orbit stands there so that each body has
         one, and no transfer leads to it or from it.
@@ -58,7 +58,7 @@ class Numbering:
 
     @property
     def orbits(self) -> tuple[Orbit | None, ...]:
-        """Orbits of the bodies; None for those that have none."""
+        """Orbits of the bodies; None for bodies without one."""
         return (
             *(station.orbit for station in self.stations),
             *self.start_bodies.values(),
@@ -67,6 +67,6 @@ class Numbering:
 
     @property
     def starts(self) -> tuple[int, ...]:
-        """Number of the body where each chaser starts."""
+        """Number of each chaser's start body."""
         names = self.names
         return tuple(names.index(chaser.start_name) for chaser in self.chasers)

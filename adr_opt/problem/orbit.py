@@ -1,4 +1,4 @@
-"""An orbit: Keplerian elements at the epoch of an instance, and the circle planned with."""
+"""Orbits: Keplerian elements at the epoch of an instance, and the planning circle."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Orbit(Record):
         return self
 
     def circular_elements(self) -> tuple[float, float, float, float]:
-        """The circle that is planned with: radius, inclination, RAAN, argument of latitude.
+        """The planning circle: radius, inclination, RAAN, argument of latitude.
 
         r = a and u = argument of perigee + mean anomaly (docs/model.md section 1) [m, rad].
         """
@@ -56,7 +56,7 @@ class Orbit(Record):
         )
 
     def row(self, oblateness_m2: float) -> tuple[float, ...]:
-        """What kernels take: the circle, its rates, and the shape of the orbit.
+        """Kernel row: the circle, its rates, and the shape of the orbit.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The kinds of service that a target may ask for, and which of them take a kit or a flight."""
+"""Kinds of service that a target may need, with the kits or flights they take."""
 
 from __future__ import annotations
 
@@ -36,4 +36,4 @@ SERVICES = {
         ServiceKind("tow", "tows", is_flown=True),
     )
 }
-"""All of them by name."""
+"""All kinds by name."""

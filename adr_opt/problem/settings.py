@@ -1,4 +1,4 @@
-"""What holds for a whole instance: limits, transfers, objective, keep-out zones."""
+"""Settings of a whole instance: limits, transfers, objective, keep-out zones."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from ..common.records import (
 )
 
 NOT_WRITTEN = ("service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s")
-"""Fields that are not in the file where they are None."""
+"""Fields omitted from the file if None."""
 
 
 class MissionSettings(Record):
-    """How long the mission lasts, and the time spent at a body.
+    """Duration of the mission, and time spent at bodies.
 
     Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
     and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
@@ -48,7 +48,7 @@ class MissionSettings(Record):
     @model_validator(mode="before")
     @classmethod
     def _one_service(cls, given: Any) -> Any:
-        """The default of one steps back for the other."""
+        """The default of one field gives way to a value of the other."""
         if isinstance(given, dict) and given.get("service_s") is not None:
             return {"service_revolutions": None, **given}
         return given
@@ -94,7 +94,7 @@ class SequenceSettings(Record):
 
 
 class GivenFile(Record):
-    """Which connections are given: a file beside that of the instance, and what it holds.
+    """Reference to a file of given connections beside the instance, and its digest.
 
     ``sha256`` is :attr:`.given.Given.sha256`; None for whatever the file holds.
     """
@@ -121,9 +121,9 @@ class TransferSettings(SequenceSettings):
 
     @property
     def may_drift(self) -> bool:
-        """Whether planes may drift on the way.
+        """Whether legs may use drift orbits.
 
-        So they may where costs are given: nobody knows how they change with time.
+        So they may where costs are given, whose variation with time is unknown.
         """
         return self.max_drift_s > 0.0 or self.given is not None
 
@@ -136,7 +136,7 @@ class TransferSettings(SequenceSettings):
 
 
 class Objective(Record):
-    """What decides between plans that collect as much: the least cost of this kind.
+    """Tie-breaker between plans that collect equal prizes: the least cost of this kind.
 
     ``delta-v`` is the sum over all legs and tows [m/s], ``duration`` the end of the last service,
     or tow [s], ``expense`` the sum of what the chasers that are used take
@@ -163,11 +163,11 @@ class Objective(Record):
 
     @property
     def asks_for_more(self) -> bool:
-        """Whether it asks for another cost than the usual one, ΔV at the default price of time."""
+        """Whether the cost differs from the usual one, ΔV at the default price of time."""
         return self.cost != "delta-v" or bool(self.time_m_s_per_day)
 
     def together(self, costs: Iterable[float]) -> float:
-        """What routes cost together that cost so much each."""
+        """Total cost of routes with given costs."""
         if self.cost == "duration":
             return max(costs, default=0.0)
         return math.fsum(costs)

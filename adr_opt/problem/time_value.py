@@ -1,4 +1,4 @@
-"""What an hour is worth to whoever chooses one transfer without looking ahead."""
+"""Value of an hour when a single transfer is chosen without lookahead."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from ..common.constants import HOUR_S
 from ..common.errors import InputError
 
 SPENT_BY_DRIFTING, REFUELLED = 0.8, 3.0
-"""What an hour is worth where planes drift, as a multiple of a tank over the mission; and so many
-times as much where there are stations."""
+"""Value of an hour where planes drift, as a multiple of a tank over the mission; the second
+number multiplies it where there are stations."""
 
 TIME_VALUE_M_S_PER_H = 75.0
-"""What an hour is worth, if nobody says and the mission takes days."""
+"""Default value of an hour for missions of days."""
 
 
 def hurry_of(
@@ -23,7 +23,7 @@ def hurry_of(
     refuels: bool,
     usual_is_a_limit: bool,
 ) -> float:
-    """How dear time is, against a mission of days (:attr:`adr_opt.Instance.hurry`).
+    """Value of time relative to a mission of days (:attr:`adr_opt.Instance.hurry`).
 
     Parameters
     ----------
@@ -32,11 +32,11 @@ def hurry_of(
     tank_m_s : float
         The most ΔV that a chaser has at once [m/s].
     time_buys_delta_v : bool
-        Whether who waits spends less: where planes drift, and where connections are given.
+        Whether waiting saves ΔV: where planes drift, and where connections are given.
     refuels : bool
         Whether there are stations; a chaser that can refuel spends more than one tank.
     usual_is_a_limit : bool
-        Whether no hour is worth more than it usually is.
+        Whether the usual value of an hour is an upper limit.
     """
     if not time_buys_delta_v or duration_s == 0.0:
         return 1.0
@@ -46,7 +46,7 @@ def hurry_of(
 
 
 def check_time_value(time_value_m_s_per_h: float) -> None:
-    """What an hour is worth is a finite number that is not negative.
+    """Check that the value of an hour is finite and not negative.
 
     Raises
     ------

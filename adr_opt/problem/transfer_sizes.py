@@ -1,4 +1,4 @@
-"""How finely the transfers of a mission are laid out, by its length and by its bodies.
+"""Discretisation of a mission's transfers, from its duration and its bodies.
 
 The number of connections of a mission grows with the square of its length where transfers drift:
 any of its departures may lead to any later time. A grid with a fixed number of steps, whatever the
@@ -23,33 +23,33 @@ from .orbit import Orbit
 from .settings import TransferSettings
 
 SHORT_S = 14.0 * DAY_S
-"""Missions that last no longer do without long transfers: planes hardly move against each other."""
+"""Longest mission without long transfers: planes hardly move against each other in it."""
 
 STEPS = 150
-"""Steps of the grid of long transfers over a mission, about."""
+"""Approximate number of steps in the grid of long transfers."""
 
 STEP_ROUNDING_S = 0.5 * DAY_S
-"""Steps are multiples of it, so that files are read by people."""
+"""Unit to which steps are rounded, for readable files."""
 
 PHASE_SHARE = 0.25
-"""Steps as a share of the synodic period of two bodies of the mission, of the median pair."""
+"""Steps as a share of the synodic period of two bodies, taken for the median pair."""
 
 LEAST_STEP_S, MOST_PHASE_STEP_S = 0.5 * DAY_S, 2.0 * DAY_S
-"""Limits of such steps. What a drift of hours saves, a short transfer that waits does as well; and
-orbits that are nearly alike are no reason to leave a chaser waiting for weeks."""
+"""Limits of such steps. A short transfer after a wait saves as much as a drift of hours; and nearly
+equal orbits are no reason to leave a chaser waiting for weeks."""
 
 MOST_COMPARED = 500
-"""Largest number of bodies of which all pairs are compared."""
+"""Largest number of bodies whose pairs are all compared."""
 
 UNKNOWN_STEP_S = DAY_S
-"""The same where the bodies are not known."""
+"""Step where the bodies are unknown."""
 
 SPACING = 0.4
-"""Departures of short transfers lie as many steps apart: some between any two of the grid."""
+"""Spacing of short departures in steps: several lie between two times of the grid."""
 
 FINEST_M_S = TransferSettings().delta_v_resolution_m_s
 COARSEST_M_S, COARSEST_FROM_S = 5.0, 365.0 * DAY_S
-"""The resolution grows with the length of the mission up to here."""
+"""The resolution grows with the duration of the mission up to here."""
 
 
 def transfers_for(
@@ -110,7 +110,7 @@ def transfers_for(
 
 
 def default_step_s(duration_s: float, orbits: Sequence[Orbit] = ()) -> float:
-    """Step of the grid of drift legs, where an instance does not say it [s].
+    """Default step of the grid of drift legs [s].
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _in_half_days(seconds: float) -> float:
 
 
 def phase_period_s(orbits: Sequence[Orbit]) -> float | None:
-    """Synodic period of two bodies, of the median pair: when their phase comes back [s].
+    """Synodic period of two bodies, for the median pair: the return of their phase [s].
 
     Infinite where all orbits are alike, and None of fewer than two.
 
@@ -153,7 +153,7 @@ def phase_period_s(orbits: Sequence[Orbit]) -> float | None:
 
 
 def told(transfer: TransferSettings) -> str:
-    """How transfers are laid out, for people."""
+    """The discretisation of transfers in words."""
     spacing = transfer.departure_spacing_s
     departures = "every departure"
     if spacing > 0.0:
@@ -168,6 +168,6 @@ def told(transfer: TransferSettings) -> str:
 
 
 def in_days(seconds: float) -> str:
-    """A length of time in days, for people."""
+    """A duration in days, in words."""
     days = round(seconds / DAY_S, 3)
     return f"{days:g} day{'' if days == 1.0 else 's'}"

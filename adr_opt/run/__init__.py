@@ -1,1 +1,1 @@
-"""Methods found, prepared and run."""
+"""Methods: look-up, preparation and runs."""

@@ -1,4 +1,4 @@
-"""Solve or bound an instance: the front door of the planners and of the bounds."""
+"""Entry points of planners and bounds: solve or bound an instance."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ __all__ = [
 
 DEFAULT_METHOD = "auto"
 DEFAULT_BOUND = "exact"
-"""It proves most kinds of missions, those of several chasers included."""
+"""Default bound, which proves most kinds of missions, several chasers included."""
 DEFAULT_TIME_LIMIT_S = 10.0
 DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
@@ -180,7 +180,7 @@ def run(
     building: Callable[[float], None] = lambda share: None,
     sizing: Callable[[Size], None] = lambda size: None,
 ) -> Result:
-    """Run a planner or a bound: what :func:`solve` and :func:`bound` have in common.
+    """Run a planner or a bound: the common part of :func:`solve` and :func:`bound`.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def run(
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
-    """Tell of the size of a large timetable before it is built.
+    """Announce the size of a large timetable before it is built.
 
     Raises
     ------
@@ -282,7 +282,7 @@ def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
 
 
 def _beyond_the_model(problem: Problem, result: Result) -> Result:
-    """A result with what its reader has to know of the margin and of what the model leaves out."""
+    """A result with notes on the margin and on what the model neglects."""
     notes, plan = _of_what_is_proven(problem, result.upper_bound), result.plan
     if plan is not None and (problem.margin or problem.connecting.corrections):
         # A plan file is read together with its instance, whose tanks may be used to the end, and
@@ -298,10 +298,10 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
 
 
 def _of_what_is_proven(problem: Problem, upper_bound: float) -> list[str]:
-    """What is said of all plans, where it is not said of those of the instance."""
+    """The note for a bound that holds for the model but not for the instance."""
     corrections, notes, of, other = problem.connecting.corrections, [], "", "that does not"
     if corrections:
-        notes.append(f"connections are corrected by what refined legs cost: {corrections}")
+        notes.append(f"connections are corrected by the costs of refined legs: {corrections}")
         of, other = " of the corrected connections", "of the model's connections"
     if problem.margin:
         reserves = sorted({each.reserve_m_s for each in problem.missions})

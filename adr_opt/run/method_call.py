@@ -1,4 +1,4 @@
-"""Methods with everything settled but the mission: found, checked, and warmed up by practice."""
+"""Method calls with everything settled but the mission: found, checked and warmed up."""
 
 from __future__ import annotations
 
@@ -26,30 +26,30 @@ from .warm_up import PracticeStop, asking_problem, practice_problem
 Taken = TypeVar("Taken")
 
 FALLBACK = "greedy-guarded"
-"""Takes a millisecond: the least that any planner returns when its time is over."""
+"""Planner that takes a millisecond: the least that any planner returns when time runs out."""
 
 PUBLISHED = "greedy"
-"""A baseline that stays as it is."""
+"""A baseline that never changes."""
 
 
 class _Shown:
-    """A stop that is asked about prizes by methods that think in worths (:meth:`Mission.shown`)."""
+    """A stopping criterion in terms of prizes, for methods using worths (:meth:`Mission.shown`)."""
 
     def __init__(self, problem: Problem, stop: Stop) -> None:
         self._problem = problem
         self._stop = stop
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self._stop(self._problem.shown(incumbent), self._problem.shown(bound))
 
     def remaining_s(self) -> float:
-        """Time that is left [s]."""
+        """Remaining time [s]."""
         return self._stop.remaining_s()
 
 
 def _shown(problem: Problem, progress: Progress) -> Progress:
-    """A progress that is told of prizes, likewise."""
+    """A progress callback that receives prizes, for methods that count worths."""
 
     def tell(incumbent: float, bound: float) -> None:
         progress(problem.shown(incumbent), problem.shown(bound))
@@ -59,9 +59,9 @@ def _shown(problem: Problem, progress: Progress) -> Progress:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A method with everything settled but the mission and the stop.
+    """A method call with everything settled but the mission and the stopping criterion.
 
-    Whoever runs several methods side by side prepares each and gives them one stop.
+    To run several methods side by side, prepare each and give them one stop.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Prepared:
 
     @property
     def on_demand(self) -> bool:
-        """Whether rows of the timetable may be worked out on demand for it."""
+        """Whether its timetable rows may be computed on demand."""
         return not self.spec.needs_table(self.arguments["options"])
 
     def __call__(self, problem: Problem, stop: Stop, progress: Progress = silent) -> Result:
@@ -103,11 +103,11 @@ class Prepared:
     def beginning_from(
         self, problem: Problem, destinations: tuple[tuple[str, ...], ...], repair: bool
     ) -> Self:
-        """The same from a start plan, or from as much of each of its routes as is legal."""
+        """The same call from a start plan, or from the legal beginning of each of its routes."""
         notes, routes = self.notes, []
         done: set[str] = set()
         for each, wanted in zip(problem.missions, destinations, strict=True):
-            # What was another chaser's is nobody else's; without repair it was refused.
+            # Targets of earlier chasers are dropped here; without repair this was refused.
             left = takewhile(lambda name: name not in done, wanted)
             sequence = legal_beginning(each, left, repair=repair)
             routes.append(sequence)
@@ -123,7 +123,7 @@ class Prepared:
     def _at_least_the_fallback(
         self, problem: Problem, result: Result, stop: Stop, progress: Progress
     ) -> Result:
-        """What a method has that ran out of time, or the plan of :data:`FALLBACK` if better."""
+        """The result of a method that ran out of time, or that of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
         quick = _loaded(fallback)(
             given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
@@ -143,7 +143,7 @@ class Prepared:
 
 
 def _check_result(method: str, result: object) -> None:
-    """Refuse what is no result.
+    """Refuse an invalid result.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def prepare(
     jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> Prepared:
-    """Find a method and check everything that it is to be called with but the start plan.
+    """Find a method and check all its arguments except the start plan.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def prepare(
 
 
 def method_of(name: str, group: str = PLANNERS) -> Planner:
-    """The planner (or bound) of a name, ready to be called.
+    """The planner (or bound) with a name, ready to be called.
 
     Raises
     ------
@@ -212,7 +212,7 @@ def method_of(name: str, group: str = PLANNERS) -> Planner:
 
 
 def spec_of(name: str, group: str = PLANNERS) -> MethodSpec:
-    """What the planner (or bound) of a name can do.
+    """Specification of the planner (or bound) with a name.
 
     Raises
     ------
@@ -227,7 +227,7 @@ def _loaded(known: MethodSpec) -> Planner:
 
 
 def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> Taken:
-    """What is taken of a specification, with a sentence for all that may go wrong."""
+    """Read a specification, with a sentence for each possible error."""
     if group == BOUNDS and not names(group):
         raise InputError(
             f"bound {name!r} is unknown and none is installed; "
@@ -238,18 +238,18 @@ def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> T
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"method {name!r} is declared, but cannot be imported ({error}); "
-            "install the package that declares it anew"
+            "reinstall the package that declares it"
         ) from error
 
 
 def _others(group: str, able: Callable[[MethodSpec], bool]) -> str:
-    """The end of a sentence that says which methods are able to do something."""
+    """End of a sentence that lists the methods with an ability."""
     found = [name for name in names(group) if _can(name, group, able)]
     return f", or use one of: {', '.join(found)}" if found else ""
 
 
 def _can(name: str, group: str, able: Callable[[MethodSpec], bool]) -> bool:
-    """Whether an installed method can be called, and is able to do something."""
+    """Whether an installed method can be called and has an ability."""
     try:
         return able(spec(name, group))
     except (ImportError, AttributeError, InputError):
@@ -257,12 +257,12 @@ def _can(name: str, group: str, able: Callable[[MethodSpec], bool]) -> bool:
 
 
 def given_to(problem: Problem, method: MethodSpec) -> Any:
-    """What a method is given of a problem: all of it, or the mission of the only chaser."""
+    """The argument of a method: the problem, or the mission of the only chaser."""
     return problem if method.several else problem.missions[0]
 
 
 def refuse_unable(problem: Problem, method: MethodSpec) -> None:
-    """Refuse a method that does not know what a problem has.
+    """Refuse a method that does not support a rule of a problem.
 
     Raises
     ------
@@ -290,20 +290,20 @@ def refuse_unable(problem: Problem, method: MethodSpec) -> None:
     if method.several or chasers == 1:
         unknown = sorted(counts - method.rules)
         word = what_counts(instance) if unknown[0] == LOADS else unknown[0]
-        why = f"knows no {word}, and {_THEY[unknown[0]].format(instance.name)}"
+        why = f"does not support {word}, {_NEED[unknown[0]].format(instance.name)}"
     raise InputError(f"method {method.name!r} {why}; use one of: {others}")
 
 
-_THEY = {
-    LOADS: "those of {!r} count",
-    STATIONS: "those of {!r} do",
-    EXPENSE: "that of {!r} is what plans are to have least of",
+_NEED = {
+    LOADS: "and those of {!r} matter",
+    STATIONS: "and {!r} has some",
+    EXPENSE: "the cost of {!r}",
 }
-"""Why a rule counts for an instance of a name."""
+"""Reasons why a rule applies to an instance."""
 
 
 def _rules_of(problem: Problem) -> frozenset[str]:
-    """The rules that count for a problem, and that not every method knows."""
+    """Rules of a problem that not every method supports."""
     instance = problem.instance
     loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
     counts = {
@@ -325,7 +325,7 @@ def warm_up(
     several: bool = False,
     asks: bool = False,
 ) -> Exception | None:
-    """Let a method compile its kernels, by a run on a small mission, with the options asked for.
+    """Let a method compile its kernels by a run on a small mission, with the requested options.
 
     Parameters
     ----------

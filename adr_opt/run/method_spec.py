@@ -1,4 +1,4 @@
-"""Specifications of planners and bounds: what each can do, said where nothing of it is imported."""
+"""Specifications of planners and bounds: their abilities, stated without importing them."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-LOADS, STATIONS, EXPENSE = "kits", "stations that run empty", "expense"
-"""Rules of campaigns that not every method knows."""
+LOADS, STATIONS, EXPENSE = "kits", "stations with limited supplies", "expense"
+"""Rules of campaigns that not every method supports."""
 
 ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
 
 
 @dataclass(frozen=True)
 class Practice:
-    """How a method practises for :func:`.front.warm_up`, so that its kernels are compiled.
+    """Practice of a method in :func:`.front.warm_up`, which compiles its kernels.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Practice:
 
 @dataclass(frozen=True)
 class MethodSpec:
-    """What a planner or a bound can do.
+    """Abilities of a planner or a bound.
 
     Entry points of the groups ``adr_opt.planners`` and ``adr_opt.bounds`` name one, or a function,
     which is then a method for one chaser that can do what its parameters say, and no more.
@@ -91,5 +91,5 @@ class MethodSpec:
         return getattr(import_module(module), function)
 
     def needs_table(self, options: object) -> bool:
-        """Whether all pairs have to be in the timetable for the method with some options."""
+        """Whether a method with some options needs all pairs in the timetable."""
         return not self.on_demand or any(getattr(options, name) for name in self.table_options)

@@ -1,4 +1,4 @@
-"""What a planner is, and where planners and bounds are found."""
+"""Interface and look-up of planners and bounds."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 PLANNERS = "adr_opt.planners"
 BOUNDS = "adr_opt.bounds"
-"""Entry-point groups; a package that declares one of them shows up by being installed."""
+"""Entry-point groups; a package that declares one of them is found once installed."""
 
 FIXED = frozenset({"seed", "stop", "progress", "start"})
-"""Parameters of methods that are no options."""
+"""Parameters of methods that are not options."""
 
 
 class Planner(Protocol):
-    """A planner or a bound: same problem, seed and work, same result.
+    """A planner or a bound: the same problem, seed and work give the same result.
 
     A method that can begin from a known plan has a parameter ``start``, a sequence of bodies or
     None; one that has options has a parameter ``options``, whose default is those of its own
@@ -41,7 +41,7 @@ class Planner(Protocol):
     def __call__(
         self, mission: Any, /, *, seed: int, stop: Stop, progress: Progress, **more: Any
     ) -> Result:
-        """Plan (or bound) a mission until it is enough."""
+        """Plan (or bound) a mission until told to stop."""
         ...
 
 
@@ -55,7 +55,7 @@ def names(group: str = PLANNERS) -> tuple[str, ...]:
 
 
 def spec(name: str, group: str = PLANNERS) -> MethodSpec:
-    """What the planner (or bound) of a name can do.
+    """Specification of the planner (or bound) with a name.
 
     Raises
     ------
@@ -72,7 +72,7 @@ def spec(name: str, group: str = PLANNERS) -> MethodSpec:
 
 
 def get(name: str, group: str = PLANNERS) -> Planner:
-    """The planner (or bound) of a name, imported.
+    """The planner (or bound) with a name, imported.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def get(name: str, group: str = PLANNERS) -> Planner:
 
 
 def spec_of_function(name: str, planner: Any) -> MethodSpec:
-    """What a function that comes without a specification can do: what its parameters say.
+    """Specification of a function without one, from its parameters.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def spec_of_function(name: str, planner: Any) -> MethodSpec:
 
 
 def adapted(name: str, planner: Any) -> Planner:
-    """What is installed under a name, as it is called here: its options are those of a class.
+    """An installed method in the form called here, with its options in a class.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def adapted(name: str, planner: Any) -> Planner:
 
 
 def _check_signature(name: str, planner: Any) -> None:
-    """Refuse what cannot be called as planners are.
+    """Refuse functions that cannot be called as planners.
 
     Raises
     ------
@@ -136,7 +136,7 @@ def _check_signature(name: str, planner: Any) -> None:
 
 
 def options_of(planner: Planner) -> type[Options]:
-    """The class of the options of a method that :func:`get` has found."""
+    """Class of the options of a method from :func:`get`."""
     found = _options(planner)
     assert found is not None
     return type(found)
@@ -150,7 +150,7 @@ def _options(planner: Planner) -> Options | None:
 
 
 def _with_options(name: str, planner: Callable[..., Result]) -> Planner:
-    """A method whose options are keyword-only parameters, called with an object of a class."""
+    """A method with keyword-only options, called with an options object."""
     signature = inspect.signature(planner)
     fixed: list[inspect.Parameter] = []
     declared: list[tuple[str, type, Any]] = []
@@ -160,7 +160,7 @@ def _with_options(name: str, planner: Callable[..., Result]) -> Planner:
             if parameter.kind is not parameter.VAR_KEYWORD:
                 fixed.append(parameter)
         elif parameter.name == "jobs":
-            jobs = option(default, "Cores, 0 for all.", least=0, most=MOST_JOBS)
+            jobs = option(default, "Number of cores; 0 for all.", least=0, most=MOST_JOBS)
             declared.append((parameter.name, int, jobs))
         else:
             # A list, for example, cannot be the default of a field.
@@ -177,7 +177,7 @@ def _with_options(name: str, planner: Callable[..., Result]) -> Planner:
 
 
 def _with_keywords(planner: Callable[..., Result]) -> Planner:
-    """A function with keyword-only options, called with an object of a class."""
+    """A function with keyword-only options, called with an options object."""
 
     @wraps(planner)
     def called(*given: Any, options: Any = None, **more: Any) -> Result:

@@ -1,8 +1,8 @@
-"""A problem of a variant of an instance, on the timetable that is there.
+"""Problems of variants of an instance, on an existing timetable.
 
-What a transfer costs knows nothing of prizes, of who is required and of other bodies; and, where
+The cost of a transfer does not depend on prizes, on requirements or on other bodies; and, where
 connections are not listed for a tank (``ConnectionFinder.depends_on_tank``),
-nothing of tanks. So whoever changes those and plans again needs no other timetable: that of fewer
+not on tanks. So a change of those needs no other timetable: that of fewer
 targets is a part of that of more.
 """
 
@@ -19,7 +19,7 @@ from ..problem.instance import Instance
 
 
 def serves(known: Instance, wanted: Instance) -> bool:
-    """Whether the timetable of an instance holds that of another one.
+    """Whether the timetable of one instance contains that of another.
 
     It does where that one has other prizes, other required targets, fewer targets, and, where
     connections do not depend on them, other tanks; and where nothing else makes a difference.
@@ -30,7 +30,7 @@ def serves(known: Instance, wanted: Instance) -> bool:
 
 
 def _alike(known: Instance, wanted: Instance) -> bool:
-    """Whether connections are the same, as far as both missions last."""
+    """Whether connections are equal, as far as both missions last."""
     fields = set(Instance.model_fields) - {"name", "targets", "chasers", "mission"}
     if any(getattr(known, name) != getattr(wanted, name) for name in fields):
         return False
@@ -46,7 +46,7 @@ def _alike(known: Instance, wanted: Instance) -> bool:
 
 
 def _but_for(records: Sequence[Record], *fields: str) -> list[tuple[Any, ...]]:
-    """What records say, but for some fields."""
+    """Content of records without some fields."""
     return [
         tuple(getattr(each, name) for name in type(each).model_fields if name not in fields)
         for each in records
@@ -54,7 +54,7 @@ def _but_for(records: Sequence[Record], *fields: str) -> list[tuple[Any, ...]]:
 
 
 class Reused:
-    """Problems of one instance after the other, each on what is known of those before.
+    """Problems of one instance after another, each reusing earlier timetables.
 
     The timetable that was built last is kept: fields of fewer targets are a part of it, and those
     of more are built anew. Where connections are listed, those of the longest mission are kept
@@ -66,7 +66,7 @@ class Reused:
         self._longest: Problem | None = None
 
     def problem(self, instance: Instance) -> Problem:
-        """What is planned, with its timetable if there is one that serves."""
+        """The problem of an instance, with an earlier timetable if one fits."""
         for known in (self._built, self._longest):
             whole = known is not None and known.has_timetable and known.is_whole
             if known is not None and whole and serves(known.instance, instance):
@@ -80,7 +80,7 @@ class Reused:
 
 
 def _is_part(known: Problem, wanted: Instance) -> bool:
-    """Whether all connections of a mission are among those of another one."""
+    """Whether all connections of a mission are among those of another."""
     before, after = known.instance.mission, wanted.mission
     shorter = after.duration_s <= before.duration_s
     same = before.replace(duration_s=after.duration_s) == after
@@ -88,7 +88,7 @@ def _is_part(known: Problem, wanted: Instance) -> bool:
 
 
 def _on_what_is_there(known: Problem, instance: Instance) -> Problem:
-    """A problem on the timetable of one of as many targets, or more."""
+    """A problem on the timetable of another with at least the same targets."""
     connecting = known.connecting.shortened(instance)
     timetables = [mission.timetable.of_variant(instance, connecting) for mission in known.missions]
     # Other choices of connections are shared, too, as far as they are of the same bodies.

@@ -11,7 +11,7 @@ from .start_plan import Start
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Settings of one run; the parameters of :func:`adr_opt.solve` say what each does.
+    """Settings of one run; the parameters of :func:`adr_opt.solve` explain each.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Run a planner and a bound side by side until they meet."""
+"""Concurrent runs of a planner and a bound until they meet."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from ..mission.result import Result
 Method = Callable[[Problem, Stop, Progress], Result]
 
 BOUND_NOTE = "upper bound by "
-"""Begins the note of a plan that names the method that proved its bound."""
+"""Beginning of a plan's note that names the method of its bound."""
 
 
 class InvalidBound(RuntimeError):
-    """A legal plan is worth more than a bound that claims to be proven: one of them is broken."""
+    """A legal plan exceeds a bound that claims to be proven: one of them is wrong."""
 
 
 class Meeting:
-    """What two methods know together: the best incumbent and the best bound of both.
+    """Shared state of two methods: the best incumbent and the best bound.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Meeting:
         self.bound = math.inf
 
     def hear(self, incumbent: float, bound: float) -> None:
-        """Hear of an incumbent and a bound; those that are no better change nothing."""
+        """Update the incumbent and the bound where they are better."""
         with self._lock:
             if incumbent > self.incumbent or bound < self.bound:
                 self.incumbent = max(self.incumbent, incumbent)
@@ -56,7 +56,7 @@ class Meeting:
                 self._progress(self.incumbent, self.bound)
 
     def enough(self, incumbent: float, bound: float, limit: Stop | None = None) -> bool:
-        """Whether it is enough for the one who asks; ``limit`` is its own and ends nobody else."""
+        """Whether to stop a method; ``limit`` is its own and stops no other."""
         with self._lock:
             self.hear(incumbent, bound)
             pair = self.incumbent, self.bound
@@ -65,16 +65,16 @@ class Meeting:
             return self._ended or alone
 
     def end(self) -> None:
-        """It is enough for both."""
+        """Stop both."""
         self._ended = True
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return 0.0 if self._ended else self._stop.remaining_s()
 
 
 class Seat:
-    """The stop of one of the two.
+    """Stopping criterion of one of the two.
 
     Parameters
     ----------
@@ -88,11 +88,11 @@ class Seat:
         self._limit = limit
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self._meeting.enough(incumbent, bound, self._limit)
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         own = math.inf if self._limit is None else self._limit.remaining_s()
         return min(own, self._meeting.remaining_s())
 
@@ -105,7 +105,7 @@ def together(
     progress: Progress,
     limits: Sequence[Stop] = (),
 ) -> Result:
-    """Run a planner and a bound at once, and join what they have to say.
+    """Run a planner and a bound concurrently, and merge their results.
 
     The planner runs in the thread of the caller, the bound in a second one. Both are told to stop
     as soon as the incumbent meets the bound or ``stop`` says enough; one that ends by itself
@@ -123,7 +123,7 @@ def together(
     limits : sequence of Stop
         A limit of the planner alone and one of the bound alone, or nothing. Where work is limited
         in this way and no other limit is reached, objective, bound and status do not depend on
-        who is quicker: a side is cut short only when nothing is left to gain. Which of several
+        their speed: a side is cut short only when nothing is left to gain. Which of several
         optimal plans is returned may.
 
     Returns
@@ -155,7 +155,7 @@ def together(
             errors.append(error)
             meeting.end()
 
-    # A daemon: somebody who interrupts twice does not wait for a bound that never asks.
+    # A daemon: a second interrupt must not wait for a bound that never asks.
     thread = threading.Thread(target=prove, name="bound", daemon=True)
     thread.start()
     try:
@@ -172,7 +172,7 @@ def together(
 
 
 def _join(problem: Problem, planned: Result, proven: Result, runtime_s: float) -> Result:
-    """One certificate of two results."""
+    """Merge two results into one."""
     best = proven if proven.objective > planned.objective else planned
     upper_bound = float(min(planned.upper_bound, proven.upper_bound, problem.total_prize))
     if best.sequence is not None:

@@ -1,4 +1,4 @@
-"""A start plan: from a plan made before to the bodies that a planner may begin from."""
+"""Start plans: bodies that a planner may begin from, taken from an earlier plan."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ..mission.refused_legs import why_not_flown
 from ..plan.plan import Plan
 
 Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
-"""A plan, or its bodies in order; of several chasers a sequence each."""
+"""A plan, or its bodies in order; for several chasers, one sequence each."""
 
 
 def start_destinations(
     problem: Problem, start: Start, *, repair: bool = False
 ) -> tuple[tuple[str, ...], ...]:
-    """Names of the bodies of a start plan for each chaser, judged by what needs no timetable.
+    """Names of a start plan's bodies by chaser, checked as far as possible without a timetable.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def start_destinations(
 def legal_beginning(
     mission: Mission, destinations: Iterable[str], *, repair: bool
 ) -> tuple[int, ...]:
-    """The bodies of these names, up to the first that the mission does not know.
+    """The bodies with these names, up to the first that the mission lacks.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def _refuse_violations(problem: Problem, plan: Plan) -> None:
 
 
 def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
-    """What is wrong with the first illegal move of a sequence."""
+    """Reason why the first illegal move of a sequence is illegal."""
     rules, j = mission.rules, moves[made]
     body = moves[made - 1] if made else rules.start
     name = repr(mission.names[j])

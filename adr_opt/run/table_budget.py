@@ -1,4 +1,4 @@
-"""Fewer pairs of bodies, or none, where time or memory is short of the whole timetable."""
+"""Partial timetables, or none, where time or memory is short."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from ..mission.problem import Problem
 from ..mission.result import Result, proven_of
 
 SHARE = 1.0 / 3.0
-"""Part of a time limit that the timetable may take: what it holds has to be searched, too."""
+"""Share of a time limit that building the timetable may take, as searching it needs time, too."""
 
 PATIENCE = 1.5
-"""It may take so many times as long if that is enough for all pairs."""
+"""Factor by which that may be exceeded if it completes the timetable."""
 
 MOMENT_S = 0.5
-"""Who interrupts a build waits for it if it will be done that soon [s]."""
+"""Remaining build time for which an interruption waits [s]."""
 
 RANKS = 300
-"""At so many destinations of each body, the nearest, searches look that ask for rows on demand,
-and at the required targets."""
+"""Number of nearest destinations examined per body when rows are computed on demand; required
+targets are always added."""
 
 LEAST_S = 1.0
-"""It may take so long in any case, so that no short limit leaves out a pair of a usual field."""
+"""Minimum build time, so that a short limit omits no pair of an ordinary field [s]."""
 
 
 @dataclass(frozen=True)
 class TableBudget:
-    """How much of the timetable there is to plan with: all of it, or the nearest pairs.
+    """The part of the timetable available for planning: all of it, or the nearest pairs.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class TableBudget:
 
     @property
     def all(self) -> bool:
-        """Whether nothing was left out."""
+        """Whether the timetable is complete."""
         return self.mission.is_whole
 
     @property
     def none(self) -> bool:
-        """Whether there are not even the nearest destinations of one body."""
+        """Whether not even the nearest destinations of one body are available."""
         timetable = self.mission.missions[0].timetable
         if timetable.is_on_demand:
             return False
@@ -67,24 +67,23 @@ class TableBudget:
 
     @cached_property
     def _cost(self) -> str:
-        """What the timetable of everything takes."""
+        """Time and memory of the whole timetable."""
         size, timetable = estimate(self.mission.instance), self.mission.missions[0].timetable
         takes = [f"{self.whole_s:.2g} s"] if self.whole_s else []
         if timetable.is_on_demand or timetable.pairs.near.shape[1] < size.bodies - 1:
             takes.append(f"{size.bytes / 2**30:.3g} GiB of memory")
-        return f"that of all pairs takes about {' and '.join(takes)}"
+        return f"the timetable of all pairs takes about {' and '.join(takes)}"
 
     def note(self, *, bounded: bool) -> str:
-        """What was left out, and why; ``bounded`` is whether there is a bound all the same."""
+        """A note on omissions and their reason; ``bounded`` tells whether a bound exists."""
         timetable = self.mission.missions[0].timetable
         bodies = len(timetable.names)
         if timetable.is_on_demand:
             near = looked_at(timetable)
             proven = "" if bounded else "; nothing is proven"
             return (
-                f"planned without a timetable, on connections that are worked out when they are "
-                f"asked for, to the nearest {near} of {bodies - 1} destinations of each body"
-                f"{proven}: {self._cost}"
+                f"planned without a timetable, on connections computed on demand to the nearest "
+                f"{near} of {bodies - 1} destinations of each body{proven}: {self._cost}"
             )
         near = math.ceil(timetable.built / bodies)
         proven = "" if bounded else ", so nothing is proven"
@@ -94,15 +93,15 @@ class TableBudget:
         )
 
     def nothing(self, method: str, seed: int) -> Result:
-        """The result where the time was over before there was anything to work on."""
-        note = f"there was no time to begin: of the timetable, {self._cost}"
+        """The result where time ran out before anything was available."""
+        note = f"there was no time to begin: {self._cost}"
         return Result(
             method, None, None, -math.inf, self.mission.total_prize, "unknown", {}, seed,
             self.spent_s, (note,),
         )  # fmt: skip
 
     def of_the_whole(self, result: Result, *, of_all: bool = False) -> Result:
-        """What a result says about the whole mission: a bound of some pairs is none of all.
+        """A result restated for the whole mission: a bound over some pairs does not bound all.
 
         Parameters
         ----------
@@ -133,22 +132,22 @@ class TableBudget:
 
 
 LARGE_ENTRIES = 5_000_000
-"""Timetables with fewer entries are built, wherever there is a second for it."""
+"""Size below which timetables are always built if there is a second for it."""
 
 
 def looked_at(timetable: Timetable) -> float:
-    """At how many destinations of each body planners look."""
+    """Number of destinations examined per body by planners."""
     source = source_of(timetable.table)
     return timetable.built / len(timetable.names) if source is None else source.near.shape[2]
 
 
 MOST_EVENTS = 2000
-"""With more departure events, of two months, a schedule of as many visits as are found at once
-would take longer than finding them."""
+"""Maximum number of departure events, about two months: beyond it, schedules of as many visits as a
+search finds at once would take longer than the search."""
 
 
 def may_work_on_demand(whole: Problem) -> bool:
-    """Whether rows may have to be worked out on demand: a large field and a mission of weeks."""
+    """Whether rows may be computed on demand: in a large field and a mission of weeks."""
     if whole.has_timetable or not whole.connecting.may_be_on_demand:
         return False
     size = estimate(whole.instance)
@@ -166,7 +165,7 @@ def candidates(
     hasty: bool = False,
     on_demand: bool = False,
 ) -> TableBudget:
-    """Build the timetable of a mission, of as many pairs of bodies as time and memory allow.
+    """Build the timetable of a mission for as many pairs as time and memory allow.
 
     Parameters
     ----------
@@ -178,7 +177,7 @@ def candidates(
         Bodies that are wanted before all others, which come in order of their distance. None for
         those to whom some of the pairs are of no use: they may spend the whole limit.
     interrupted : callable
-        Whether somebody wants to leave at once.
+        Whether the user has interrupted.
     building : callable
         Told of the share of the timetable that is built.
     table_bytes : float
@@ -187,7 +186,7 @@ def candidates(
         Whether the timetable is of use if it is that of all pairs alone: otherwise it is given up
         as soon as that is known.
     on_demand : bool
-        Whether rows that are worked out when somebody asks will do where not all pairs can be
+        Whether rows on demand are an alternative where not all pairs can be
         built: then there are no others.
     """
     if whole.has_timetable and (on_demand or not whole.missions[0].timetable.is_on_demand):

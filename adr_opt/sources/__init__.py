@@ -1,1 +1,1 @@
-"""Where instances come from: catalogues, the generator, the library."""
+"""Sources of instances: catalogues, the generator, the library."""

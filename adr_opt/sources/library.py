@@ -1,4 +1,4 @@
-"""The library of instances: names with the SHA-256 of what the generator must give for them.
+"""The library of instances: names, with the SHA-256 of the generated file.
 
 `instances/library.json` of the repository lists it, so that hundreds of instances take a few
 kilobytes and a name still stands for the same bytes everywhere. `instances/write.py` writes the
@@ -29,7 +29,7 @@ class Entry(Record):
 
     @property
     def family(self) -> str:
-        """The family, read off the name."""
+        """The family, from the name."""
         return family_of(self.name)
 
     def generate(self) -> Instance:
@@ -76,7 +76,7 @@ class Library(Record):
         return self
 
     def find(self, name: str) -> Entry | None:
-        """The entry of a name; None if the library has none."""
+        """The entry with a name; None if there is none."""
         return next((entry for entry in self.instances if entry.name == name), None)
 
     def of_family(self, name: str) -> tuple[Entry, ...]:

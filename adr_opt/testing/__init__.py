@@ -1,4 +1,4 @@
-"""For the tests of planners that others write: :func:`validate_planner`, case by case."""
+"""Tests of third-party planners: :func:`validate_planner`, case by case."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small missions, by name, on which a planner shows that it knows the rules of all of them."""
+"""Small missions, by name, on which a planner shows that it follows all their rules."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ..run.warm_up import asking_problem, practice_problem
 from ..sources.generator import generate
 
 BEGINNING, REPEATED, OVER = "start plan", "same seed, same plan", "time over at once"
-"""Cases of the way a planner is called; the mission is that of :func:`_field`."""
+"""Cases that concern the calling of a planner, on the mission of :func:`_field`."""
 
 
 class Case(NamedTuple):
@@ -44,12 +44,12 @@ def _field() -> Instance:
 
 
 def _with(**changes: object) -> Callable[[], Problem]:
-    """The field with other parts."""
+    """The field with some parts replaced."""
     return lambda: Problem(_field().replace(**changes))
 
 
 def _with_targets(change: Callable[[int, Target], Target]) -> Callable[[], Problem]:
-    """The field with targets changed, by their place in the file."""
+    """The field with some targets changed, by their position in the file."""
 
     def problem() -> Problem:
         field = _field()
@@ -75,7 +75,7 @@ def _with_limits(duration_s: float | None = None, delta_v_m_s: float | None = No
 
 
 def _required(delta_v_m_s: float | None = None) -> Problem:
-    """The last target has to be serviced."""
+    """The field with a required last target."""
     field = _field()
     *others, last = field.targets
     changed = field.replace(targets=(*others, last.replace(required=True)))
@@ -83,7 +83,7 @@ def _required(delta_v_m_s: float | None = None) -> Problem:
 
 
 def _without_station() -> Problem:
-    """The chaser starts in an orbit of its own, and can refuel nowhere."""
+    """The field with a chaser in its own orbit and without refuelling."""
     field = _field()
     orbit = field.stations[0].orbit
     assert orbit is not None
@@ -92,7 +92,7 @@ def _without_station() -> Problem:
 
 
 def _two_stations() -> Problem:
-    """The last target is a station, where the mission has to end."""
+    """The field with its last target as a station, where the mission must end."""
     field = _field()
     *targets, last = field.targets
     stations = (*field.stations, Station(name="second", orbit=last.orbit))
@@ -101,7 +101,7 @@ def _two_stations() -> Problem:
 
 
 def _given() -> Problem:
-    """Connections from a table, with gaps in it."""
+    """The field with connections from a table with gaps."""
     field = _field()
     bodies = len(field.names)
     origin, destination = np.meshgrid(np.arange(bodies), np.arange(bodies), indexing="ij")

@@ -1,4 +1,4 @@
-"""Run a planner on cases, and say of each whether its plan may count."""
+"""Runs of a planner on test cases, with a verdict on each."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from ..run.warm_up import PracticeStop
 from .cases import BEGINNING, CASES, OVER, REPEATED, Case
 
 MOST_QUESTIONS = 1000
-"""So often may a planner ask on after it was told that it is enough: its threads may each."""
+"""Maximum number of queries after a planner was told to stop, counting all its threads."""
 
 RELATIVE = 1e-6
-"""Difference by which sums of prizes may differ that were added up in other orders."""
+"""Relative difference between sums of prizes in different orders."""
 
 SAME_WORK = 5
-"""Iterations after which plans are compared."""
+"""Number of iterations after which plans are compared."""
 
 
 class Fault(NamedTuple):
-    """What a planner does wrong.
+    """An error of a planner.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Fault(NamedTuple):
 
 
 class PlannerFault(AssertionError):
-    """A planner does something wrong; a line for each case.
+    """Raised with a line for each case in which a planner fails.
 
     Attributes
     ----------
@@ -140,51 +140,51 @@ def _wanted(prepared: Prepared, cases: Iterable[str] | None) -> tuple[str, ...]:
 
 
 class _Watched:
-    """A stop that a planner has to heed."""
+    """A stopping criterion that a planner must obey."""
 
     def __init__(self, stop: Stop) -> None:
         self._stop = stop
         self._left = MOST_QUESTIONS
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         if not self._stop(incumbent, bound):
             return False
         self._left -= 1
         if self._left < 0:
-            raise AssertionError("it goes on after stop(incumbent, bound) said that it is enough")
+            raise AssertionError("it goes on after stop(incumbent, bound) returned True")
         return True
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._stop.remaining_s()
 
 
 class _Over:
-    """A stop that says at once that it is enough."""
+    """A stopping criterion that is met from the start."""
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return True
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return 0.0
 
 
 class _Heard:
-    """A progress that remembers the best incumbent and the least bound."""
+    """A progress callback that records the best incumbent and the least bound."""
 
     def __init__(self) -> None:
         self.incumbent, self.bound = -math.inf, math.inf
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of it."""
+        """Record a report."""
         self.incumbent, self.bound = max(self.incumbent, incumbent), min(self.bound, bound)
 
 
 def _faults(prepared: Prepared, name: str, plans: bool, time_limit: float) -> Iterator[str]:
-    """What goes wrong in a case, in sentences."""
+    """Errors in a case, in sentences."""
     case = CASES[name]
     problem = case.problem()
     for mission in problem.missions:
@@ -214,24 +214,23 @@ def _faults(prepared: Prepared, name: str, plans: bool, time_limit: float) -> It
     yield from _claimed(result, heard, known)
     if again.routes != result.routes:
         yield (
-            f"gives another plan when it is called again with the seed "
-            f"{prepared.arguments['seed']} and may ask as often: {again.routes} after "
-            f"{result.routes}"
+            f"gives another plan when called again with seed {prepared.arguments['seed']} and "
+            f"as many iterations: {again.routes} after {result.routes}"
         )
 
 
 def _greedy(problem: Problem) -> Result:
-    """The plan of a planner that is known."""
+    """The plan of a trusted planner."""
     return prepare(PLANNERS, FALLBACK)(problem, MaxIterations(1_000_000))
 
 
 def _judged(problem: Problem, result: Result, case: Case, plans: bool) -> Iterator[str]:
-    """Whether there is a plan, and what ``check`` finds."""
+    """Errors of a missing plan, and violations found by ``check``."""
     plan = result.plan
     if plan is None:
         if plans and case.has_plan:
             said = "".join(f"; {note}" for note in result.notes)
-            yield f"returned no plan, where one with no leg is one, or one is known{said}"
+            yield f"returned no plan, although there is one, if only without legs{said}"
         return
     violations = check(problem.instance, plan)
     if violations:
@@ -242,7 +241,7 @@ def _judged(problem: Problem, result: Result, case: Case, plans: bool) -> Iterat
 
 
 def _claimed(result: Result, heard: _Heard, known: Result) -> Iterator[str]:
-    """What it says of incumbents and bounds that cannot be."""
+    """Errors in reported incumbents and bounds."""
     best = max(result.objective, known.objective)
     bound = min(result.upper_bound, heard.bound)
     if bound < best - _rounding(best):

@@ -1,1 +1,1 @@
-"""What people see: the command line, pages, plots and cards."""
+"""User interfaces: the command line, pages, plots and cards."""

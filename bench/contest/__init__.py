@@ -1,1 +1,1 @@
-"""What the comparisons with other solvers are made of: a module for each peer, and the table."""
+"""Comparisons with other solvers: a module for each peer, and the table."""

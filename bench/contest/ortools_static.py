@@ -27,7 +27,7 @@ PRIZE_UNITS = 100_000
 """Costs are whole numbers: a prize of 1 outweighs any saving of ΔV [m/s]."""
 
 NONE = -1
-"""For no station on the way, and for the body of who may end anywhere."""
+"""No station on the way; or the end body of a chaser that may end anywhere."""
 
 
 class Nodes(NamedTuple):
@@ -72,7 +72,7 @@ def _nodes(problem: Problem, delta_v: np.ndarray) -> Nodes:
 
 
 def _between(nodes: Nodes, costs: np.ndarray, never: int) -> np.ndarray:
-    """What it takes to go to a node from each node, by its station if it has one."""
+    """Cost of going to a node from each node, via its station if it has one."""
     whole = np.ceil(np.minimum(costs, never)).astype(np.int64)
     origins, bodies, by = nodes.body[:, None], nodes.body[None, :], nodes.by[None, :]
     taken = np.where(by == NONE, whole[origins, bodies], whole[origins, by] + whole[by, bodies])
@@ -132,7 +132,7 @@ def ortools_promise(
 def _add_tanks(
     routing: Any, manager: Any, problem: Problem, nodes: Nodes, delta_v: np.ndarray
 ) -> None:
-    """What legs cost, and what is drawn from the present tank, as a dimension."""
+    """Cost of legs, with the ΔV drawn from the current tank as a dimension."""
     budgets = [math.floor(mission.rules.budget) for mission in problem.missions]
     never = max(budgets) + 1
     legs = _between(nodes, delta_v, never)
@@ -155,7 +155,7 @@ def _add_tanks(
 def _add_times(
     routing: Any, manager: Any, problem: Problem, nodes: Nodes, duration: np.ndarray
 ) -> None:
-    """When service ends, as a dimension."""
+    """End of service, as a dimension."""
     rules = [mission.rules for mission in problem.missions]
     ends = [math.floor(each.duration) for each in rules]
     times = routing.RegisterTransitMatrix(_between(nodes, duration, max(ends) + 1).tolist())
@@ -175,7 +175,7 @@ def _add_times(
 
 
 def _add_targets(routing: Any, manager: Any, problem: Problem, nodes: Nodes) -> None:
-    """Each target once or not at all; so many for each chaser; the first without refuelling."""
+    """Each target at most once; a maximum number per chaser; the first without refuelling."""
     ways = nodes.starts[0]
     for j in np.unique(nodes.body[:ways]).tolist():
         its = [

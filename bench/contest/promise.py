@@ -1,4 +1,4 @@
-"""What a peer says that it can do, and the packages that peers come in."""
+"""Claims of peers, and the packages they come in."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def packages(*names: str) -> str:
 
 @dataclass(frozen=True)
 class Promise:
-    """What a peer says that it can do.
+    """Claims of a peer.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ import adr_opt
 from adr_opt.mission.problem import Problem
 
 STATISTICS = ("mean", "quartile", "best", "epoch", "middle")
-"""What a matrix is made of."""
+"""Statistics that matrices are made from."""
 
 
 def static_costs(mission: adr_opt.Mission, statistic: str) -> tuple[np.ndarray, np.ndarray]:
@@ -53,6 +53,6 @@ def static_costs(mission: adr_opt.Mission, statistic: str) -> tuple[np.ndarray, 
 
 
 def one_matrix(problem: Problem, statistic: str) -> tuple[np.ndarray, np.ndarray]:
-    """The static costs that all chasers share: those of the one who is there longest."""
+    """Static costs shared by all chasers: those of the chaser that is available longest."""
     longest = max(problem.missions, key=lambda each: each.rules.duration - each.rules.ready)
     return static_costs(longest, statistic)

@@ -1,4 +1,4 @@
-"""What each method did on each instance, and the table of it."""
+"""Results of each method on each instance, and their table."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ NOT_THEIRS = {
     "the cheapest legs to them, and no load that legs have",
     "OR-Tools routing": "one matrix for all times; tanks and refuelling are the mission's",
 }
-"""What of a campaign they cannot say, for the footnotes."""
+"""Features of campaigns that peers cannot express, for the footnotes."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """What one method did on one instance; NaN where it promises nothing beyond its plan."""
+    """Result of one method on one instance; NaN for claims that it does not make."""
 
     method: str
     instance: str
@@ -113,7 +113,7 @@ def timed(
     routes: Sequence[Sequence[int]],
     follow: Callable[..., tuple[int, ...]],
 ) -> list[tuple[int, ...]]:
-    """What of each chaser's route is left, timed exactly in a way."""
+    """Remainder of each chaser's route, timed exactly in a way."""
     return [follow(*each) for each in zip(problem.missions, routes, strict=True)]
 
 
@@ -169,7 +169,7 @@ def table(rows: Sequence[Row], bounds: Mapping[str, float] | None = None) -> str
 
 
 def mean_gap(rows: Sequence[Row], bounds: Mapping[str, float]) -> str:
-    """How far the visits of a method are from bounds; a dash where there is an instance without."""
+    """Mean distance of a method's visits from bounds; a dash if an instance has none."""
     if not all(math.isfinite(bounds[row.instance]) for row in rows):
         return "–"
     return (

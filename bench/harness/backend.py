@@ -1,4 +1,4 @@
-"""What hands tasks to workers, and what is heard of them."""
+"""Interface between the coordinator and workers: tasks and messages."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Collected:
     messages: Messages = field(default_factory=list)
 
     def __call__(self, kind: str, facts: dict[str, Any]) -> None:
-        """Hear of something finished."""
+        """Receive a finished item."""
         self.messages.append((kind, facts))
         if kind != "spent":
             self.pass_on((kind, facts))

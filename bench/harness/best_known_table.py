@@ -246,7 +246,7 @@ def _refuse_illegal(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_contradiction(name: str, claim: Claim, row: Row) -> None:
-    """Refuse a bound below a legal plan: one of the two is wrong, and somebody has to look."""
+    """Refuse a bound below a legal plan: one of them is wrong, which needs a person to look."""
     bounds = ((claim.upper_bound, claim.bound_method), (row.upper_bound, row.bound_method))
     for bound, method in bounds:
         if bound < row.objective - tolerance(row.objective):

@@ -1,4 +1,4 @@
-"""How far a run is, and when it will be done: a rich display, or a line now and then."""
+"""Progress of a run and its expected end: a rich display, or a line now and then."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Any, Self
 from .trials import Protocol, Trial
 
 QUIET_S = 30.0
-"""Between two lines where nobody looks at a terminal."""
+"""Interval between lines without a terminal."""
 
 GUESS_S = 1.0
-"""Of the time limit at most, for a method that nothing is known of yet, and for a timetable."""
+"""Initial estimate, as a share of the time limit at most, for an unknown method or a timetable."""
 
 
 def _bounds(protocol: Protocol, missing: Mapping[Trial, set[str]]) -> int:
-    """How many bounds are to be proven at most."""
+    """Maximum number of bounds to prove."""
     return sum(protocol.bound_for(trial.suite) is not None for trial in missing)
 
 

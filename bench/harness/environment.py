@@ -1,4 +1,4 @@
-"""What a row was measured on."""
+"""Machine and versions of a row's measurement."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ FULL = {"suite": ["nominal"], "cases": 100, "iterations": 10, "time_limit": 10.0
 
 @dataclass(frozen=True)
 class Options:
-    """What was typed, checked."""
+    """The command line, checked."""
 
     protocol: Protocol | None
     out: Path
@@ -166,5 +166,5 @@ def _protocol(typed: argparse.Namespace) -> Protocol:
 
 
 def say(sentence: str) -> None:
-    """A message to whoever runs this."""
+    """A message to the user."""
     print(sentence, file=sys.stderr, flush=True)

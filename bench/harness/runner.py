@@ -15,18 +15,18 @@ from .trials import Protocol, Task, Trial
 from .work import PARTS
 
 LIFE_S = 5.0
-"""How often a run gives a sign of life."""
+"""Interval between a run's signs of life."""
 
 AHEAD = 2
 """Tasks handed out per worker: one to do, one to go on with."""
 
 DEATHS = 2
-"""How often a worker may die of a task that runs alone until the method at fault is given up."""
+"""Number of worker deaths in a task that runs alone before the method at fault is given up."""
 
 
 @dataclass
 class Summary:
-    """What a run did.
+    """Summary of a run.
 
     Attributes
     ----------
@@ -135,13 +135,13 @@ class Runner:
             self._backend.submit(task)
 
     def _look_again(self) -> None:
-        """What another run claimed may be done by now, or that run dead."""
+        """Trials claimed by another run may be finished by now, or that run dead."""
         missing = self._store.missing(self._protocol)
         self._waiting.extend(trial for trial in self._elsewhere if trial in missing)
         self._elsewhere.clear()
 
     def _events(self) -> list[Event]:
-        """What has arrived; waits for it a moment."""
+        """Messages that have arrived, after a short wait."""
         try:
             first = self._backend.inbox.get(timeout=0.25)
         except queue.Empty:

@@ -115,4 +115,4 @@ NEWER = (
     "DROP VIEW result",
     SCHEMA[SCHEMA.index("CREATE VIEW result") :],
 )
-"""What makes a file of format 1 one of format 2, in which rows say what processors did."""
+"""Statements that convert a file of format 1 to format 2, whose rows record processor time."""

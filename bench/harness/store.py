@@ -138,7 +138,7 @@ class Store:
         return cursor.lastrowid
 
     def sign_of_life(self, run: int) -> None:
-        """Say that a run goes on."""
+        """Record that a run continues."""
         self._base.execute("UPDATE run SET alive = ? WHERE id = ?", (time.time(), run))
 
     def end_run(self, run: int, wall_s: float, spent: dict[str, float]) -> None:

@@ -1,4 +1,4 @@
-"""What is planned: trials, each one field in one iteration."""
+"""Work to be planned: trials, each one field in one iteration."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class BoundCall:
 
 @dataclass(frozen=True)
 class Task:
-    """What is missing of one trial; its timetable is built once for all of it.
+    """Missing results of one trial; its timetable is built once for all of them.
 
     Attributes
     ----------

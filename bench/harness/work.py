@@ -40,7 +40,7 @@ _warm: set[object] = set()
 
 @dataclass
 class Spent:
-    """Where the time of a task went [s]."""
+    """Breakdown of a task's time [s]."""
 
     warm: float = 0.0
     build: float = 0.0
@@ -88,7 +88,7 @@ def work(task: Task, tell: Tell) -> None:
 
 
 def _as_new(problem: Problem) -> Problem:
-    """The same on the same timetable, without what the method before has worked out besides."""
+    """The same problem on the same timetable, without other results of earlier methods."""
     timetables = [mission.timetable for mission in problem.missions]
     return Problem(problem.instance, threads=1, timetables=timetables)
 

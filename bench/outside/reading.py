@@ -73,7 +73,7 @@ def sequence_of(content: dict[str, Any], key: str, where: str) -> list[Any]:
 
 
 def floats_of(content: dict[str, Any], key: str, count: int, where: str) -> tuple[float, ...]:
-    """A list of so many finite numbers in a JSON object."""
+    """A list of a given number of finite numbers in a JSON object."""
     values = sequence_of(content, key, where)
     if len(values) != count:
         raise InputError(f"{where}: {len(values)} values of {key} instead of {count}")

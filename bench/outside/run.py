@@ -1,4 +1,4 @@
-"""What is known of a benchmark that others made, and what our planners make of it.
+"""Known results of others' benchmarks, and those of our planners.
 
     python bench/outside/run.py gtoc9 --data DIR [--time-limit S --seed N --bound-time-limit S]
     python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
@@ -40,7 +40,7 @@ from outside.telling import Doing, nobody, tell
 DONE, WRONG, INTERRUPTED = 0, 2, 130
 
 FOLDERS = {"gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv"}
-"""Where the data of each lie in the folder of all."""
+"""Folders of the data within the common folder."""
 
 
 def folder_of(name: str, data: Path) -> Path:
@@ -52,7 +52,7 @@ def folder_of(name: str, data: Path) -> Path:
 
 
 BOUND_S = 1000.0
-"""What the proof of a bound of gtoc9 gets where nothing else is asked for."""
+"""Default time for the proof of a bound of gtoc9."""
 
 
 def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> Iterator[str]:

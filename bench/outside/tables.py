@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Row:
-    """What is known of one instance.
+    """Known results of one instance.
 
     Attributes
     ----------

@@ -68,7 +68,7 @@ class LongerPhasing(RegisteredFamily):
         return merged(found, self._own(ends, resolution_m_s), ends.latest_s, resolution_m_s)
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
-        """As a short leg, under the name of its own phase."""
+        """Flown as a short leg, under the name of its own phase."""
         pair = ends.leaving, ends.arriving, ends.eccentricity_m_s, self._rule(ends)
         times, vectors, phases = burn_kernels.burns_between(*pair, *stated)
         share = burn_kernels.eccentric_share(*pair, *stated)

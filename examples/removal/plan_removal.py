@@ -29,7 +29,7 @@ from adr_opt.ui.report import write_report
 
 DAY_S = 86400.0
 MASSES_KG = {"SL-16 R/B": 9000.0, "SL-8 R/B": 1400.0}
-"""Of the stages by their names, to some hundreds of kilograms."""
+"""Masses of the stages by name, to some hundreds of kilograms."""
 TANK = {"dry_mass_kg": 500.0, "isp_s": 300.0}
 KIT_MASS_KG = 40.0
 DANGEROUS = 2
@@ -42,7 +42,7 @@ def altitudes_m(orbit: Orbit) -> tuple[float, float]:
 
 
 def shared(orbit: Orbit, others: Sequence[Orbit]) -> int:
-    """How many other stages are at altitudes where this one comes, too."""
+    """Number of other stages at altitudes that this one passes, too."""
     low, high = altitudes_m(orbit)
     bands = [altitudes_m(other) for other in others]
     return sum(lower <= high and low <= higher for lower, higher in bands) - 1

@@ -1,4 +1,4 @@
-"""Searches for good plans, shared by the planners.
+"""Beam searches, shared by the planners.
 
 1. :mod:`.greedy_order`: the cheapest legal target again and again.
 2. :mod:`.exchange_rates`: what an hour and a km/s are worth, by which partial plans are compared.

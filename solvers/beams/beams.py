@@ -1,4 +1,4 @@
-"""Beam search over partial plans: the kernel shared by the planners that construct.
+"""Beam search over partial plans: the kernel shared by constructive planners.
 
 Level by level: a state of level n has serviced n targets, and its successors are all targets that
 can be reached from it directly or after a refuelling on the way (refuelling is part of the move,
@@ -41,24 +41,24 @@ from .time_value import TIME_VALUE_M_S_PER_H
 FloatArray = npt.NDArray[np.float64]
 
 USUAL = -1.0
-"""Stands for that in options."""
+"""Marks usual values of options."""
 
 CANDIDATES = 8
-"""Candidates looked at for each state kept: some are dominated, stranded, or at a full body."""
+"""Number of candidates examined per kept state: some are dominated, stranded, or at a full body."""
 
 LEAST_CANDIDATES = 1024
-"""Looked at by narrow beams too: at the end of a tank the best of them are all stranded."""
+"""Least number of candidates, for narrow beams: at the end of a tank the best are all stranded."""
 
 HURRIED = 20
-"""States kept on the levels that are left when the time is over: some ten milliseconds."""
+"""Number of states kept on the remaining levels once time is over: about ten milliseconds."""
 
 HURRIED_ASKING = 2
-"""The same where rows are worked out on demand."""
+"""Number of states kept then if rows are computed on demand."""
 
 
 @dataclass(frozen=True)
 class BeamSettings:
-    """How a beam search orders and keeps states.
+    """Ordering and selection of states in a beam search.
 
     Attributes
     ----------
@@ -87,21 +87,21 @@ class BeamSettings:
 
 
 def with_time_value(mission: Mission, time_value_m_s_per_h: float = USUAL) -> Mission:
-    """The mission for beams to search: on the usual choice of connections, or on a given one."""
+    """The mission with the usual choice of connections for beams, or with a given one."""
     if time_value_m_s_per_h < 0.0:
         time_value_m_s_per_h = TIME_VALUE_M_S_PER_H * mission.instance.hurry
     return mission.with_time_value(time_value_m_s_per_h)
 
 
 def usual_settings(mission: Mission, width: int) -> BeamSettings:
-    """Settings by what an hour and a km/s are worth in the mission."""
+    """Settings from the mission's worth of an hour and of a km/s."""
     worth = worth_of(mission)
     return BeamSettings(width, worth.hour, worth.kilometre_per_s)
 
 
 @kernel
 def beam_kernel(rules, done, first, guide, guided, weights, halt):
-    """Beam search from some states that have the same body and the same targets done.
+    """Beam search from states with the same body and the same targets done.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def beam_search(
     seed: int = 0,
     stop: Stop | None = None,
 ) -> tuple[npt.NDArray[np.int64], float, float, int]:
-    """Search once; see :func:`beam_kernel` for what it takes and returns.
+    """One beam search; see :func:`beam_kernel` for arguments and results.
 
     The sequence returned includes the prefix, which is a legal one; the search goes on from all
     ways to fly it that are worth having. When ``stop`` has no time left, it is hurried to its end.
@@ -234,7 +234,7 @@ def beam_search(
 def _ways_to_fly(
     mission: Mission, prefix: tuple[int, ...]
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
-    """The ways to have flown a prefix that are worth having, with all kits that may be left then.
+    """Undominated ways to fly a prefix, with all possible numbers of remaining kits.
 
     Returns
     -------

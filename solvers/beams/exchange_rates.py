@@ -1,6 +1,6 @@
-"""What an hour and a km/s are worth in a mission, so that partial plans can be compared.
+"""Exchange rates between prize, time and ΔV in a mission, for comparing partial plans.
 
-A mission that services n targets in so many hours services one an hour of that: so an hour is worth
+A mission that services n targets in h hours services n / h in one of them: so an hour is worth
 n mean prizes over its duration. ΔV can be bought for time where there are stations, a tank for a
 refuelling stop, and is worth that time; elsewhere it is what limits the mission, and is worth the n
 prizes over the tank. How many targets n are serviced is learnt from the guarded greedy plan.
@@ -21,17 +21,17 @@ from adr_opt.mission.mission import Mission
 from .greedy_order import greedy_sequence
 
 GREED = 1.15
-"""A good plan services so many times as many targets as the guarded greedy one."""
+"""Ratio of targets serviced by a good plan to those of the guarded greedy one."""
 
 ON_THE_WAY = 0.6
-"""Part of the time of a refuelling stop that is lost: it is also a way to the next target."""
+"""Share of a refuelling stop's time that is lost, as the stop is also on the way to a target."""
 
 SAMPLES = 5
-"""Times at which ways to stations are looked up."""
+"""Number of times at which ways to stations are sampled."""
 
 
 class Worth(NamedTuple):
-    """Worths of a mission.
+    """Exchange rates of a mission.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Worth(NamedTuple):
 
 @kernel
 def _refuelling_s(rules, samples):
-    """Times that stops at the next station take, from ready to refuelled [s]; how many."""
+    """Durations of stops at the next station, from ready to refuelled [s]; returns their number."""
     bodies = rules.service.size
     found = np.empty(samples * (bodies - rules.first_target))
     count = 0
@@ -69,7 +69,7 @@ def _refuelling_s(rules, samples):
 
 
 def worth_of(mission: Mission) -> Worth:
-    """The worths of a mission, worked out once."""
+    """The exchange rates of a mission, computed once."""
     if mission not in _known:
         _known[mission] = _worth_of(mission)
     return _known[mission]

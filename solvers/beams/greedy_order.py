@@ -1,4 +1,4 @@
-"""The order of the greedy planners, which many a search begins from."""
+"""Order of the greedy planners, a starting point of many searches."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from adr_opt.kernels.rules.loads import most_kits
 from adr_opt.mission.mission import Mission
 
 GUARDED_BETA = 0.0125
-"""Worth of time of the guarded planner: 45 m/s an hour [m/s per s]."""
+"""Price of time of the guarded planner: 45 m/s per hour [m/s per s]."""
 
 WAYS = 4
-"""Required targets are looked for cheapest or most urgent first, with the guard and without."""
+"""Number of ways to choose a required target: cheapest or most urgent, guarded or not."""
 
 
 class MoveCost(NamedTuple):
-    """What a move costs: α·ΔV [m/s] + β·T [s], T from ready to the beginning of service."""
+    """Cost of a move: α·ΔV [m/s] + β·T [s], with T from ready to the start of service."""
 
     alpha: float
     beta: float
@@ -37,7 +37,7 @@ def greedy_sequence(
     beta: float = 0.0,
     guarded: bool = True,
 ) -> npt.NDArray[np.int64]:
-    """Visit the cheapest legal target again and again; refuel when there is none.
+    """Visit the cheapest legal target repeatedly; refuel if there is none.
 
     Where targets are required, a move after which a chaser that looks at them alone no longer comes
     to all of them is not made: the chaser goes to them first.
@@ -71,7 +71,7 @@ def greedy_sequence(
 
 
 def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:
-    """The guarded greedy order as the planner ``greedy-guarded`` has it."""
+    """The guarded greedy order, as in the planner ``greedy-guarded``."""
     return greedy_sequence(mission, beta=GUARDED_BETA * mission.instance.hurry)
 
 
@@ -102,7 +102,7 @@ def _greedy(rules, is_required, beginning, costs, guarded, kits):
 
 @kernel
 def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
-    """The cheapest legal target, else a station; −1 if no move is legal.
+    """The cheapest legal target, or else a station; −1 if no move is legal.
 
     Parameters
     ----------
@@ -138,13 +138,13 @@ def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
 
 @kernel
 def _next_required(rules, is_required, state, visited, costs, way):
-    """The same of required targets only, by one of the ways to look for them."""
+    """The cheapest legal required target, by one of the ways to choose it."""
     return _next(rules, is_required, state, visited, costs, way < 2, True, way % 2 == 1)
 
 
 @kernel
 def _in_time(rules, is_required, state, visited, costs, choice):
-    """A move if the required targets can still be serviced after it, else the first of those."""
+    """The first move after which the required targets can still be serviced, or else the first."""
     if choice >= 0:
         done = visited.copy()
         done[choice] = not rules.is_station[choice]
@@ -160,7 +160,7 @@ def _in_time(rules, is_required, state, visited, costs, choice):
 
 @kernel
 def _services(rules, is_required, state, visited, costs, way):
-    """Whether a chaser that looks at required targets only comes to all that are missing."""
+    """Whether a chaser that visits only required targets reaches all missing ones."""
     visited = visited.copy()
     missing = _missing(is_required, visited)
     while missing > 0:
@@ -175,7 +175,7 @@ def _services(rules, is_required, state, visited, costs, way):
 
 @kernel
 def _missing(is_required, visited):
-    """How many required targets are not done."""
+    """Number of required targets that are not done."""
     count = 0
     for j in range(visited.size):
         count += is_required[j] and not visited[j]

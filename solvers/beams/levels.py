@@ -1,4 +1,4 @@
-"""The levels of a beam: what states and their successors are, and which of them survive."""
+"""Levels of a beam: states, their successors, and the selection of survivors."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from adr_opt.kernels.tables.timetable import asks
 from ..walks.latest_times import Latest, latest_time
 
 STRAIGHT = -1
-"""Stands for no station on the way."""
+"""Marks a move without a station on the way."""
 
 
 class Weights(NamedTuple):
-    """Settings as the kernel takes them: :class:`BeamSettings` in SI units."""
+    """Settings as kernels take them: :class:`BeamSettings` in SI units."""
 
     width: int
     time_weight: float
@@ -34,7 +34,7 @@ class Weights(NamedTuple):
 
 
 class BeamContext(NamedTuple):
-    """What does not change from level to level.
+    """Data that are constant over levels.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class BeamContext(NamedTuple):
 
 
 class Level(NamedTuple):
-    """States side by side.
+    """States of a level, as columns.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Level(NamedTuple):
 
 
 class Successors(NamedTuple):
-    """Successors of a level.
+    """Successors of a level, as columns.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Successors(NamedTuple):
 
 
 class LevelRoom(NamedTuple):
-    """Most states that a level keeps, in all and at one body."""
+    """Maximum number of states in a level, in total and per body."""
 
     states: int
     at_body: int
@@ -135,7 +135,7 @@ class LevelScratch(NamedTuple):
 
 @kernel
 def _mix(word):
-    """SplitMix64's finaliser: spreads the bits of a word (Steele, Lea and Flood 2014)."""
+    """SplitMix64's finaliser, which spreads the bits of a word (Steele, Lea and Flood 2014)."""
     word = (word ^ (word >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     word = (word ^ (word >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return word ^ (word >> np.uint64(31))
@@ -143,13 +143,13 @@ def _mix(word):
 
 @kernel
 def key_of(number, seed):
-    """The random word of a body, for hashes of sets that are sums of words."""
+    """Random word of a body; hashes of sets are sums of words."""
     return _mix(np.uint64(number + 1) * np.uint64(0x9E3779B97F4A7C15) + np.uint64(seed))
 
 
 @kernel
 def _threshold(scores, count, wanted):
-    """The score of the candidate number ``wanted``, by Hoare's selection.
+    """Score of the candidate with rank ``wanted``, by Hoare's selection.
 
     ``np.partition`` is as quick and takes a quarter of the beam's time to compile.
     """
@@ -180,7 +180,7 @@ def _threshold(scores, count, wanted):
 
 @kernel
 def _compact(cand, limit, count, wanted):
-    """Keep the candidates up to a score, at most ``wanted`` of those exactly at it; in place."""
+    """Keep candidates up to a score, with at most ``wanted`` exactly at it; in place."""
     kept = 0
     below = 0
     for c in range(count):
@@ -203,7 +203,7 @@ def _compact(cand, limit, count, wanted):
 
 @kernel
 def new_level(width, words):
-    """Room for a level."""
+    """An empty level."""
     return Level(
         np.empty(width, np.int64), resource_kernels.columns(width), np.empty(width),
         np.empty(width), np.empty(width), np.empty(width, np.uint64),
@@ -213,7 +213,7 @@ def new_level(width, words):
 
 @kernel
 def new_candidates(room):
-    """Room for candidates."""
+    """Empty storage for candidates."""
     return Successors(
         np.empty(room), np.empty(room, np.int32), np.empty(room, np.int32),
         np.empty(room, np.int32), np.empty(room), np.empty(room), np.empty(room),
@@ -228,7 +228,7 @@ def _is_in(level, s, j):
 
 @inlined
 def _shade(weights, key, word):
-    """The random part of a score: by the set of targets visited, and the next one."""
+    """Random part of a score, from the set of visited targets and the next one."""
     mixed = _mix((key + word) ^ (word * np.uint64(3)))
     return weights.noise * (np.float64(mixed >> np.uint64(11)) * 2.0**-53)
 
@@ -250,7 +250,7 @@ def succeed(search, level, size, wanted, cand):
     Returns
     -------
     count : int
-        Candidates; at most so many that the best ``wanted`` are among them.
+        Number of candidates, just enough for the best ``wanted`` to be among them.
     priced : int
         Successors looked at.
     """
@@ -327,7 +327,7 @@ def succeed(search, level, size, wanted, cand):
 
 @inlined
 def _resources_of(rules, level, cand, c):
-    """The resources of a candidate; what is left of its tank is known."""
+    """Resources of a candidate; the remainder of its tank is known."""
     has, end = resource_kernels.at(level.resources, cand.parent[c]), cand.end[c]
     if cand.via[c] != STRAIGHT:
         has = resource_kernels.extend(has, cand.via[c], True, 0.0, end, rules.loads, rules.budget)
@@ -337,7 +337,7 @@ def _resources_of(rules, level, cand, c):
 
 @kernel
 def keep(search, level, cand, count, room, scratch, after):
-    """Keep the best candidates that are not dominated, into the level ``after``; returns how many.
+    """Keep the best undominated candidates, in the level ``after``; returns their number.
 
     Parameters
     ----------
@@ -405,7 +405,7 @@ def keep(search, level, cand, count, room, scratch, after):
 
 @kernel
 def begin(search, done, first, serviced, level):
-    """Put the states that a search begins with into a level; returns how many.
+    """Write the initial states of a search to a level; returns their number.
 
     Parameters
     ----------

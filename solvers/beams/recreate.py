@@ -21,7 +21,7 @@ def recreate(
     rng: np.random.Generator,
     stop: Stop | None = None,
 ) -> npt.NDArray[np.int64]:
-    """Cut a plan at a random move and build a new end by a narrow noisy beam.
+    """Cut a plan at a random move and rebuild its end by a narrow noisy beam.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""What an hour is worth to a beam."""
+"""Value of an hour for beams."""
 
 from __future__ import annotations
 
 TIME_VALUE_M_S_PER_H = 110.0
-"""What an hour is worth where beams, and windows, choose one connection for each move; where planes
-drift it is less by as much as time is cheaper there."""
+"""Value of an hour where beams and windows choose one connection per move; less where planes drift,
+as time is cheaper there."""

@@ -1,4 +1,4 @@
-"""Beams that end in time: a narrow one tells how wide the others may be."""
+"""Beams that finish in time: a narrow one predicts how wide the others may be."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from ..walks.latest_times import Latest
 from .beams import BeamSettings, beam_search
 
 PILOT_WIDTH = 100
-"""Of a search that tells how long a wide one takes."""
+"""Width of the search that predicts the time of a wide one."""
 
 ASKING_WIDTHS = (10, 30)
-"""Of those before it where rows are worked out on demand, and each is dear."""
+"""Widths of searches before it, where rows are computed on demand, and each search is expensive."""
 
 PUNCTUAL = 0.9
-"""Part of the time left that a search may be planned to take."""
+"""Share of the remaining time that a search may be expected to take."""
 
 
 def pilots(mission: Mission) -> tuple[int, ...]:
-    """Widths of searches that come before wide ones, and tell how wide these may be."""
+    """Widths of the searches before wide ones, which predict their time."""
     return (*(ASKING_WIDTHS if mission.timetable.is_on_demand else ()), PILOT_WIDTH)
 
 
 def first_width(mission: Mission, usual: int) -> int:
-    """The usual width of a search, or the narrowest where rows are worked out on demand."""
+    """Usual width of a search, or the narrowest if rows are computed on demand."""
     return pilots(mission)[0] if mission.timetable.is_on_demand else usual
 
 
 class Beams:
-    """Searches of one mission that end in time: too wide ones are narrowed by the pace so far.
+    """Searches of one mission that finish in time: too wide ones are narrowed by the pace so far.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Beams:
         self.states = 0
 
     def needed_s(self, width: int) -> float:
-        """Seconds that a search of a width takes, by the last one of some width; 0 before."""
+        """Expected time of a search, from the last one of any width; 0 before [s]."""
         return self._pace_s * width
 
     def search(
@@ -62,7 +62,7 @@ class Beams:
         seed: int = 0,
         mission: Mission | None = None,
     ) -> npt.NDArray[np.int64]:
-        """The best plan of one search; ``mission`` may be the same one with another choice."""
+        """The best plan of one search; ``mission`` may be a variant with another choice."""
         affordable = PUNCTUAL * max(0.0, self._stop.remaining_s())
         if self.needed_s(settings.width) > affordable:
             settings = replace(settings, width=max(1, int(affordable / self._pace_s)))

@@ -1,4 +1,4 @@
-"""Beams with other settings near the usual ones: what one misses another one finds."""
+"""Beams with settings varied around the usual ones, which find other plans."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .beams import BeamSettings
 from .exchange_rates import worth_of
 
 TIME_VALUES_M_S_PER_H = (60.0, 75.0, 90.0, 110.0, 130.0, 160.0, 200.0)
-"""Choices of connections to move on."""
+"""Values of an hour that choose the connections to move on."""
 
 LEAST_UNGUARDED = 1000
-"""Narrower beams are guarded, because they strand themselves."""
+"""Width below which beams are guarded, as they would strand themselves."""
 
 
 class Varied(NamedTuple):
-    """A beam to search: on which choice of connections, how, and with which noise."""
+    """A beam to search: choice of connections, settings and noise."""
 
     mission: Mission
     settings: BeamSettings
@@ -27,7 +27,7 @@ class Varied(NamedTuple):
 
 
 def varied(mission: Mission, width: int, rng: np.random.Generator) -> Varied:
-    """A beam whose settings are drawn; the same number of draws whatever they are."""
+    """A beam with random settings; always the same number of draws."""
     value = float(rng.choice(TIME_VALUES_M_S_PER_H)) * mission.instance.hurry
     factor, crowding = rng.uniform(0.6, 1.6), rng.uniform(1.2, 2.5)
     noise, unguarded = rng.uniform(0.0, 0.4), rng.random() < 0.3

@@ -1,1 +1,1 @@
-"""What bounds the objective and plans nothing of its own. None imports another one."""
+"""Bounds without planners. None imports another one."""

@@ -25,7 +25,7 @@ def lagrangian(
     start: Iterable[int] | None = None,
     options: LagrangianOptions = LagrangianOptions(),
 ) -> Result:
-    """No plan is worth more than this.
+    """Upper bound on the prize of any plan, by Lagrangian relaxation.
 
     Rounds of :class:`solvers.proof.proof.Proof`: multipliers, then searches for plans worth a
     little less than the bound. If the answer is a plan that meets the bound, it is optimal and is

@@ -1,4 +1,4 @@
-"""The classical static bound: what a planner would prove who does not know when he flies."""
+"""The classical static bound, valid for time-independent costs."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from ..progress.proof_size import bound_notes
 
 STEPS_PER_M_S = 1e3
 STEPS_PER_S = 1e1
-"""ΔV and time are counted in whole steps; those of a leg are rounded down, limits up."""
+"""Integer units per second, and per m/s; those of a leg are rounded down, limits up."""
 
 
 class Costs(NamedTuple):
-    """Every leg at its best, in whole steps; −1 where there is none.
+    """Best costs of every leg, in integer units; −1 if there is none.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def _least(j, departure, arrival, delta_v, rules):
 
 @kernel
 def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
-    """The same in closed form, for sequences of whatever phase: less, and known at once."""
+    """The same minima in closed form, for any phase: lower, and without connections."""
     pair = co_elliptic.prepare(leaving[i], orbits[j], extra_delta_v[i, j], transfer_rule, EPOCH_S)
     approach = transfer_rule.approach_revolutions * TURN_RAD / pair.rate_j
     if pair.floor_delta_v > rules.budget:
@@ -73,14 +73,14 @@ def _floor(i, j, leaving, orbits, extra_delta_v, transfer_rule, rules):
 
 
 def static_costs(mission: Mission, enough: Callable[[], bool] = lambda: False) -> Costs:
-    """Every leg at its best over all connections that the mission has.
+    """Best costs of every leg over all connections of the mission.
 
     Parameters
     ----------
     mission : Mission
     enough : callable
         Asked at each pair. Once it says so, the rest of the pairs get what is known in closed form;
-        not where nodes drift, since all connections are listed there before anybody plans.
+        not where nodes drift, since all connections are listed there before planning begins.
     """
     rules, connecting = mission.rules, mission.connecting
     bodies = rules.service.size
@@ -107,7 +107,7 @@ Way = TypeVar("Way", bound=Hashable)
 
 
 class StaticModel:
-    """Orienteering with refuelling on static costs.
+    """Orienteering problem with refuelling on static costs.
 
     A route begins at the start and services targets, each at most once, in its window. From a
     target it goes to the next one straight, or by way of a station with a full tank from there. It
@@ -153,11 +153,11 @@ class StaticModel:
         self.block.maximize(sum(int(worth[j]) * visit for j, visit in self._visit.items()))
 
     def _literals(self, ways: Iterable[Way]) -> dict[Way, cp_model.IntVar]:
-        """A decision for each way."""
+        """A Boolean decision variable for each way."""
         return {way: self.block.new_bool_var("") for way in ways}
 
     def _time(self, j: int) -> cp_model.IntVar:
-        """When a service ends, in steps; anything if it is not made."""
+        """End of a service in units; arbitrary if it is not made."""
         rules = self._rules
         earliest = float(service_ends(rules.ready, rules.opens[j], rules.service[j]))
         latest = math.ceil(min(rules.closes[j], rules.duration) * STEPS_PER_S)
@@ -166,7 +166,7 @@ class StaticModel:
         )
 
     def _one_route(self) -> None:
-        """One route through the targets that are visited; node −1 is before it and after it."""
+        """One route through the visited targets; node −1 precedes and follows it."""
         arcs: list[tuple[int, int, cp_model.LiteralT]] = [(0, 0, self.block.new_bool_var(""))]
         place = {j: number + 1 for number, j in enumerate(self._targets)}
         arcs += [(place[j], place[j], visit.negated()) for j, visit in self._visit.items()]
@@ -188,7 +188,7 @@ class StaticModel:
         self.block.add_circuit(arcs)
 
     def _delta_v_fits(self) -> None:
-        """What is used since refuelling adds up, and is never more than the budget."""
+        """ΔV accumulates since refuelling and never exceeds the budget."""
         cost, used, start = self._costs.delta_v, self._used, self._rules.start
         for j, move in self._first.items():
             self.block.add(used[j] >= cost[start, j]).only_enforce_if(move)
@@ -209,7 +209,7 @@ class StaticModel:
         self.block.add(sum(move * int(need) for move, need in ways) <= self._budget)
 
     def _time_fits(self) -> None:
-        """Services end one after the other, and before the mission does."""
+        """Services end one after another, and within the mission."""
         flown, end, rules = self._costs.duration, self._end, self._rules
         ready = math.floor(rules.ready * STEPS_PER_S)
         ways = [(i, j, move, flown[i, j]) for (i, j), move in self._straight.items()]
@@ -241,7 +241,7 @@ def routing_bound(
     progress: Progress,
     start: Iterable[int] | None = None,
 ) -> Result:
-    """No plan is worth more than this: the classical static bound, weak and without a timetable.
+    """The classical static upper bound: weak, but without a timetable.
 
     Every leg is taken at its best over all connections, the least ΔV and the least time each by
     itself, without waiting for the node. On these costs the orienteering problem with refuelling

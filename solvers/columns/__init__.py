@@ -1,1 +1,1 @@
-"""Several chasers: searches over their routes, and bounds on what they collect together."""
+"""Column generation for several chasers: their routes, and bounds on their total prize."""

@@ -1,4 +1,4 @@
-"""All sets of targets that chasers can service, one by one: affordable for a handful of targets.
+"""Enumeration of all sets of targets that chasers can service, feasible for a few targets.
 
 Searches prefer routes that are worth something, and pass by stations that have little. Where
 chasers have to fly to an end for nothing that is worth anything, or may refuel so often only, they
@@ -26,16 +26,16 @@ from .cheapest_routes import cheapest_routes
 from .route_enumeration import PACKING_OFF, SCALE, worth_a_goal
 
 MOST_TARGETS = 6
-"""Sets double with each target, and orders of them more than that."""
+"""Maximum number of targets: sets double with each, and orders of them grow faster."""
 
 
 def lacks_plan(problem: Problem, certificate: GapTracker) -> bool:
-    """Whether no plan is known that services all required targets and ends where it must."""
+    """Whether no known plan services all required targets and ends where it must."""
     return certificate.routes is None or problem.shown(certificate.incumbent) < 0.0
 
 
 def settle(problem: Problem, certificate: GapTracker, pool: RoutePool, stop: Stop) -> bool:
-    """Put a plan together from the cheapest routes of all sets of targets, where these are few.
+    """Combine the cheapest routes of all sets of targets into an optimal plan, if sets are few.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def _compare_exactly(
     constraints: Sequence[LinearConstraint],
     stop: Stop,
 ) -> None:
-    """Ask for a better plan until there is none, where prizes are too large to be summed."""
+    """Search for better plans until there is none, where prizes are too large for exact sums."""
     worths = [column.worth for column in columns]
     while not certificate.proven and stop.remaining_s() > 0.0:
         goal = certificate.next_goal
@@ -106,23 +106,23 @@ def _compare_exactly(
 
 
 def _none(problem: Problem, certificate: GapTracker) -> bool:
-    """Tell that there is no plan: whoever lacks a required target lacks its bonus."""
+    """Report that there is no plan: a missing required target costs its bonus."""
     certificate.lower(problem.all_worth - problem.bonus if problem.required else -math.inf)
     return True
 
 
 def _must_fly(problem: Problem) -> bool:
-    """Whether a chaser does not start where it has to end."""
+    """Whether some chaser does not start where it must end."""
     return not all(mission.may_stop(()) for mission in problem.missions)
 
 
 def _weighs(problem: Problem) -> bool:
-    """Whether a station has so much propellant only."""
+    """Whether a station has limited propellant."""
     return any(station.max_propellant_kg is not None for station in problem.instance.stations)
 
 
 def _list_all(problem: Problem, pool: RoutePool, stop: Stop) -> bool:
-    """Add the cheapest route of each kind and set to a pool; False if the time is over."""
+    """Add the cheapest route of each type and set to a pool; False if time runs out."""
     first = problem.instance.first_target
     targets = range(first, first + len(problem.instance.targets))
     counted = frozenset(problem.limits.stations)

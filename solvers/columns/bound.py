@@ -1,6 +1,6 @@
-"""The Lagrangian bound of a campaign: best walks of all chasers under common multipliers.
+"""Lagrangian bound of a campaign: best walks of all chasers under common multipliers.
 
-With multipliers π of "each target at most once", whoever does it,
+With multipliers π of "each target at most once", by any chaser,
 
     prizes collected ≤ Σ π + Σ over chasers of the best walk that is worth prize − π at each target,
 
@@ -25,7 +25,7 @@ Walks = TypeVar("Walks", bound=WalkBound)
 
 
 class CampaignBound(Generic[Walks]):
-    """Best walks of all kinds of chasers for given multipliers, as a descent asks for them.
+    """Best walks of all chaser types for given multipliers, as needed by a descent.
 
     Kinds that move on one network share its walks.
 
@@ -91,7 +91,7 @@ class CampaignBound(Generic[Walks]):
         self.first_point, self.allowed = first.first_point, first.allowed
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there."""
+        """Bound near a point, with its exact multipliers and its subgradient."""
         for bound in self._coarsest_first:
             _, point = bound.evaluate(point)
         slope, values = np.ones(self.dimensions), np.zeros(len(self.of_kind))
@@ -112,7 +112,7 @@ class CampaignBound(Generic[Walks]):
 
     @property
     def largest_gain(self) -> float:
-        """No target may be worth more to any of the walks."""
+        """Upper limit on the worth of any target to any walk."""
         return min(bound.greatest_prize for bound in self.walks)
 
     def close(self) -> None:

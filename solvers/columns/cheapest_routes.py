@@ -1,4 +1,4 @@
-"""The cheapest routes over a set of targets, exactly: all orders at once.
+"""Cheapest routes over a set of targets, exactly: dynamic programming over all orders.
 
 Labels as of the schedule of an order, kept for each part of the set that is done and each body; of
 two that have done the same, one that is ready no later, has no less left and costs no more makes
@@ -18,7 +18,7 @@ from adr_opt.mission.schedule import Front
 
 
 class _State(NamedTuple):
-    """What is done, where the chaser is, whether it has refuelled, and where stations have limits.
+    """Done targets, position, whether it has refuelled, and stops at limited stations.
 
     Then ``stops`` are the refuellings at those, in order of their numbers.
     """
@@ -30,14 +30,14 @@ class _State(NamedTuple):
 
 
 class _Reached(NamedTuple):
-    """The labels of a state, and the state that each of them comes from."""
+    """Labels of a state, with their predecessors."""
 
     front: Front
     before: list[_State | None]
 
 
 class Cheapest(NamedTuple):
-    """The cheapest route of those that refuel as often.
+    """The cheapest route with given refuellings at limited stations.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ def cheapest_routes(
     *,
     every: bool = False,
 ) -> list[Cheapest] | None:
-    """The routes that service these targets at least cost; one where no station is counted.
+    """Cheapest routes that service these targets; a single one if no station is counted.
 
     None for more targets than the chaser may service, or has kits for.
 
@@ -123,7 +123,7 @@ def cheapest_routes(
 
 
 def _timed(mission: Mission, route: tuple[int, ...], stops: tuple[int, ...]) -> Cheapest:
-    """A route with what it costs."""
+    """A route with its cost."""
     return Cheapest(route, mission.time(route).cost if route else 0.0, stops)
 
 
@@ -131,7 +131,7 @@ def _extend(
     mission: Mission, kits: int, known: dict[_State, _Reached], state: _State, j: int,
     counted: frozenset[int], found: dict[_State, list[tuple[_State, Front]]],
 ) -> None:  # fmt: skip
-    """Go on from a state to body j."""
+    """Extend a state to body j."""
     aboard = kits - mission.schedules.kits_for(tuple(state.done))
     front = mission.schedules.extended(
         known[state].front, state.body, j, aboard, refuelled=state.refuelled
@@ -147,7 +147,7 @@ def _extend(
 def _merged(
     known: dict[_State, _Reached], found: dict[_State, list[tuple[_State, Front]]]
 ) -> list[_State]:
-    """Keep the labels of states that are worth having; the states."""
+    """Merge labels by state, keeping useful ones; returns the states."""
     for state, pieces in found.items():
         fronts = [front for _, front in pieces]
         joined = Front._make(
@@ -162,7 +162,7 @@ def _merged(
 
 
 def _backwards(known: dict[_State, _Reached], state: _State, label: int) -> Iterator[int]:
-    """The bodies on the way to a label, the last one first."""
+    """Bodies on the way to a label, the last one first."""
     while True:
         reached = known[state]
         before = reached.before[label]

@@ -1,4 +1,4 @@
-"""The end of proofs of the least cost: sets of targets by what they cost at least.
+"""Final phase of cost proofs: sets of targets by lower bounds on their cost.
 
 Walks tell of every set of targets that a cheaper plan could be made of, and what it costs a chaser
 at least; set packing finds the cheapest sets that are worth enough together. What a set costs at
@@ -25,17 +25,17 @@ from ..routes.set_packing import cheapest_of, packing
 from .cheapest_routes import cheapest_routes
 
 NEAR = 1e-7
-"""A route costs what its set costs at least if it is no dearer than by this share."""
+"""Relative tolerance at which a route attains the lower bound of its set."""
 
 SCALE = 1e3
-"""The cost of the plan known as the packing has it."""
+"""Scaled cost of the known plan in the packing model."""
 
 Set = tuple[int, frozenset[int], tuple[int, ...]]
-"""Kind of chasers, targets, and refuellings at stations that have a limit, once they are known."""
+"""Chaser type, targets, and refuellings at limited stations once known."""
 
 
 class CostFinish:
-    """Settles what plans cost at least that are made of sets that were listed.
+    """Determines the least cost of plans made of listed sets.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class CostFinish:
 
     @property
     def size(self) -> int:
-        """How many sets are listed."""
+        """Number of listed sets."""
         return len(self._least)
 
     def note(self, kind: int, route: tuple[int, ...], gains: np.ndarray, value: float) -> None:
@@ -92,7 +92,7 @@ class CostFinish:
             self._least[key], self._route[key] = least, route
 
     def settle(self) -> float:
-        """What no plan of these sets costs less than; +inf if there is none.
+        """Lower bound on plans of these sets; +inf if there is none.
 
         Plans are offered that are cheaper than the one known.
         """
@@ -115,7 +115,7 @@ class CostFinish:
         return math.inf
 
     def _look(self, key: Set) -> None:
-        """Whether a route costs what its set does at least."""
+        """Whether a route attains the lower bound of its set."""
         mission = self._problem.kinds[key[0]].mission
         moves = mission.closed(self._route[key])
         schedule = mission.time(moves)
@@ -124,7 +124,7 @@ class CostFinish:
             self._least[key] = min(self._least[key], schedule.cost)
 
     def _find(self, key: Set) -> bool:
-        """Put what a set costs in place of what it costs at least; False if the time is over."""
+        """Replace the lower bound of a set by its exact cost; False if time runs out."""
         kind, targets, _ = key
         over = self._stop.remaining_s() <= 0.0
         mission = self._problem.kinds[kind].mission
@@ -133,7 +133,7 @@ class CostFinish:
         )  # fmt: skip
         if found is None:
             return False
-        # Nobody can service a set of which there is no route.
+        # A set without a route cannot be serviced.
         del self._least[key], self._route[key]
         for route, cost, stops in found:
             own = kind, targets, stops
@@ -143,7 +143,7 @@ class CostFinish:
         return True
 
     def _cheapest(self, before: float) -> tuple[list[Set] | None, float, bool]:
-        """The cheapest sets that are worth enough, what they cost, and whether that is proven."""
+        """Cheapest sets with sufficient worth, their cost, and whether it is proven."""
         sets = list(self._least)
         costs = np.array([self._least[key] for key in sets])
         worths = np.array([self._problem.collected(targets) for _, targets, _ in sets])

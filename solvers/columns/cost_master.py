@@ -1,4 +1,4 @@
-"""The master of proofs of the least cost: the cheapest mixture of routes that is worth enough."""
+"""Master of cost proofs: the cheapest combination of columns with sufficient worth."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Prices(NamedTuple):
 
 
 class CostMaster:
-    """Minimise the cost of a mixture of routes that is worth enough.
+    """Linear program: cheapest combination of routes with sufficient worth.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class CostMaster:
         self._last = self._bodies + len(problem.kinds)
 
     def add(self, columns: list[Column]) -> None:
-        """More routes to mix."""
+        """Add columns."""
         for column in columns:
             rows = [*sorted(column.targets), self._bodies + column.kind, self._last]
             values = np.ones(len(rows))
@@ -69,7 +69,7 @@ class CostMaster:
             )  # fmt: skip
 
     def solve(self) -> Prices:
-        """The cheapest mixture."""
+        """Solve the master."""
         self._highs.run()
         duals = np.array(self._highs.getSolution().row_dual)
         return Prices(

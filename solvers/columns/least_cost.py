@@ -1,4 +1,4 @@
-"""The least cost of campaigns that collect as much: column generation over routes that pay for it.
+"""Least cost of campaigns at equal prize: column generation over routes with costs.
 
 With a price λ on worth, in m/s or as expenses are stated, and multipliers π of "each target at most
 once", every campaign that is worth P or more costs at least
@@ -42,24 +42,23 @@ from .pricing import LabelPricing
 from .route_enumeration import MOST_ROUTES
 
 CENTRED = 0.5
-"""Weight of the best prices against the master's duals."""
+"""Weight of the best prices against the master's duals (stabilisation)."""
 
 GREATEST_TANKS = 4.0
-"""Most that a target may be worth to a walk: multipliers are raised where the master asks for more.
-"""
+"""Upper limit on a target's worth to a walk: if the master asks for more, multipliers grow."""
 
 QUICK_LABELS = 200_000
-"""Labels of a search that proves nothing."""
+"""Maximum number of labels of a heuristic search."""
 
 LEAST_OFF = 1e-7
-"""Routes are asked for from so much below, as a share of what a plan costs; for rounding."""
+"""Margin below a plan's cost from which routes are sought, as a share of it, for rounding."""
 
 ATTRACTIVE = 1e-7
-"""A route of use makes the master cheaper by so much, as a share of what it costs now."""
+"""Least relative decrease of the master's cost for a useful route."""
 
 
 class _Place(NamedTuple):
-    """Walks of a kind of chasers that pay by a tariff.
+    """Walks of a chaser type that pay by a tariff.
 
     Attributes
     ----------
@@ -132,11 +131,11 @@ class ColumnCost(CostRounds):
 
     @property
     def proven(self) -> bool:
-        """Whether the cost known is the least."""
+        """Whether the known cost is proven to be least."""
         return is_least(self._certificate.cost, self.bound)
 
     def advance(self) -> None:
-        """One iteration: solve the master, and look for routes that it lacks."""
+        """One iteration: solve the master, and price missing routes."""
         with suppress(TimeIsOver):
             self._iterate()
         self.done = self.done or self.proven
@@ -184,7 +183,7 @@ class ColumnCost(CostRounds):
             self.done = True
 
     def _all_places(self) -> Iterator[_Place]:
-        """All walks that there are to ask; those that are swept together one after the other."""
+        """All walks to be priced; those swept together come one after another."""
         problem = self._problem
         for kinds in problem.networks:
             # What they may fly and what that takes is the same for all of them.
@@ -194,7 +193,7 @@ class ColumnCost(CostRounds):
                     yield _Place(kind, tariff, walks, start, LabelPricing(walks, start))
 
     def _prices(self, place: _Place, worth: float, targets: np.ndarray) -> np.ndarray:
-        """Charge walks, and what they have to be asked with: multipliers, and fees at stations."""
+        """Charge walks; returns the inputs of their pricing: multipliers, fees at stations."""
         place.walks.charge(worth, place.tariff)
         if not place.tariff.fee:
             return targets
@@ -203,7 +202,7 @@ class ColumnCost(CostRounds):
         return prices
 
     def _near(self, duals: Prices) -> tuple[float, np.ndarray]:
-        """Prices between the best ones and the master's duals, at which walks can be counted."""
+        """Prices between the best ones and the master's duals, within the range of walks."""
         worth, targets = duals.worth, duals.targets
         if self._centre is not None:
             share = self._centred
@@ -213,7 +212,7 @@ class ColumnCost(CostRounds):
         return worth, np.maximum(targets, worth * self._worths - most)
 
     def _mix(self) -> None:
-        """Let the master know of routes that came into the pool, or became cheaper."""
+        """Add new or cheaper routes of the pool to the master."""
         new = [
             column for column in self._pool.columns()
             if column.cost < self._mixed.get((column.kind, column.targets), math.inf)
@@ -222,7 +221,7 @@ class ColumnCost(CostRounds):
         self._master.add(new)
 
     def _keep(self, duals: Prices, kind: int, route: tuple[int, ...]) -> bool:
-        """Put a route into the pool; whether it makes the mixture cheaper."""
+        """Add a route to the pool; returns whether it makes the combination cheaper."""
         column = self._pool.add(kind, route)
         if column is None:
             return False
@@ -233,7 +232,7 @@ class ColumnCost(CostRounds):
         return bool(gain - column.cost - duals.kinds[kind] > least)
 
     def _offer(self) -> None:
-        """Offer the cheapest plan of the routes known."""
+        """Offer the cheapest plan of the known routes."""
         columns = self._pool.columns()
         if not columns:
             return
@@ -261,7 +260,7 @@ class ColumnCost(CostRounds):
         )
 
     def _finish(self) -> None:
-        """List all routes that a cheaper plan could be made of, and ask for one."""
+        """List all routes of possible cheaper plans, and search for such a plan."""
         if self.proven or self._proven is None:
             return
         worth, targets, most, bound = self._proven
@@ -290,7 +289,7 @@ class ColumnCost(CostRounds):
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
         return {
             "cost_searches": sum(place.pricing.searches for place in self._places),
             "cost_labels": self._finishing
@@ -309,7 +308,7 @@ def prove_cost_by_columns(
     stop: Stop,
     options: ProofOptions,
 ) -> tuple[float, dict[str, float]]:
-    """Prove how much the plans cost at least that are worth as much as the incumbent.
+    """Prove a lower bound on the cost of plans with at least the incumbent's worth.
 
     Returns
     -------
@@ -321,7 +320,7 @@ def prove_cost_by_columns(
 
 
 def _greatest(problem: Problem) -> float | None:
-    """The most that a target may be worth to walks that pay expenses; None where they pay ΔV."""
+    """Largest worth of a target to walks that pay expenses; None if they pay ΔV."""
     if problem.instance.objective.cost != "expense":
         return None
     most = max(most_expense(kind.mission) for kind in problem.kinds)

@@ -1,4 +1,4 @@
-"""The master of column generation: the best mixture of routes, and what targets are worth to it."""
+"""Master of column generation: the best combination of routes, with dual prices of targets."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Duals(NamedTuple):
 
 
 class Master:
-    """Maximise the worth of a mixture of routes: each target, and each chaser, once at most.
+    """Linear program: most worth of a combination of routes, each target and chaser at most once.
 
     And no station refuels more often than it may. What propellant it has is not asked about.
 
@@ -55,7 +55,7 @@ class Master:
             self._highs.addRow(-highspy.kHighsInf, most, 0, none.astype(np.int32), none)
 
     def add(self, columns: Sequence[Column]) -> None:
-        """More routes to mix."""
+        """Add columns."""
         for column in columns:
             taken = column.taken
             rows = np.array([*taken, self._bodies + column.kind], dtype=np.int32)
@@ -63,7 +63,7 @@ class Master:
             self._highs.addCol(column.worth, 0.0, highspy.kHighsInf, rows.size, rows, values)
 
     def solve(self) -> Duals:
-        """The best mixture."""
+        """Solve the master."""
         self._highs.run()
         solution = self._highs.getSolution()
         duals = np.array(solution.row_dual)

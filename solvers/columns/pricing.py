@@ -1,4 +1,4 @@
-"""Routes that a mixture lacks: by beams, and by labels that find all of them or prove none left."""
+"""Pricing of columns: by beams, and by label setting that finds all or proves none."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ..labels.label_search import LabelSearch
 from ..walks.walks import WalkBound
 
 MOST_PLANS = 200
-"""Routes taken from one search with labels."""
+"""Maximum number of routes taken from one label search."""
 
 WIDTH = 200
-"""Of beams."""
+"""Width of beams."""
 
 
 def by_beam(
     mission: Mission, multipliers: np.ndarray, rng: np.random.Generator, stop: Stop
 ) -> tuple[int, ...]:
-    """A route over the targets that are worth more than their multipliers."""
+    """A route over targets whose worth exceeds their multipliers."""
     worths = mission.planning_prizes - multipliers
     worths[: mission.instance.first_target] = 0.0
     worths[mission.instance.first_target :][
@@ -36,7 +36,7 @@ def by_beam(
 
 
 class LabelPricing:
-    """Searches with labels for routes of one kind that are worth more than they are to cost.
+    """Label searches for routes of one type with positive reduced worth.
 
     Parameters
     ----------
@@ -63,12 +63,12 @@ class LabelPricing:
 
     @property
     def labels_made(self) -> int:
-        """Labels of all searches."""
+        """Total number of labels."""
         return self._routes.labels_made + self._quick.labels_made
 
     @property
     def searches(self) -> int:
-        """How many there were."""
+        """Number of searches."""
         return self._routes.searches + self._quick.searches
 
     def quickly(
@@ -79,7 +79,7 @@ class LabelPricing:
         enough: Callable[[], bool],
         is_new: Callable[[tuple[int, ...]], bool],
     ) -> list[tuple[int, ...]]:
-        """Some of the routes that :meth:`search` looks for, by few labels that prove nothing.
+        """Some of the routes of :meth:`search`, by few labels that prove nothing.
 
         Of walks to a body only the best are gone on with, not one for each memory: what is found
         are routes, and where none is found there may be some all the same.
@@ -99,14 +99,14 @@ class LabelPricing:
         enough: Callable[[], bool],
         is_new: Callable[[tuple[int, ...]], bool],
     ) -> tuple[bool, list[tuple[int, ...]]]:
-        """Routes that are worth more than ``least``, less the multipliers.
+        """Routes whose worth minus multipliers exceeds ``least``.
 
         Parameters
         ----------
         multipliers : (bodies,) float64
         least : float
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Whether to give up.
         is_new : callable

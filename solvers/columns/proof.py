@@ -1,4 +1,4 @@
-"""Column generation: what no campaign exceeds, brought down round by round.
+"""Column generation: the upper bound of a campaign, lowered round by round.
 
 Master and pricing in turn (Desrosiers and Lübbecke 2005). The master mixes known routes; its duals
 are multipliers, for which beams, and where they find nothing labels, look for routes worth more
@@ -38,22 +38,22 @@ from .pricing import LabelPricing, by_beam
 from .route_enumeration import EnumerationAnswer, Finish
 
 DESCENT = 30
-"""Evaluations of walks before the first columns."""
+"""Number of evaluations of walks before the first columns."""
 
 BEAMS = 8
-"""Beams of each kind before labels are set."""
+"""Number of beams of each chaser type before labels are set."""
 
 CENTRED = 0.6
-"""Weight of the best multipliers against the master's duals."""
+"""Weight of the best multipliers against the master's duals (stabilisation)."""
 
 ATTRACTIVE = 1e-4
-"""A route of use is worth so much more than it costs, as a share of the largest prize."""
+"""Least reduced worth of a useful route, as a share of the largest prize."""
 
 MOST_GIVEN_UP = 4
-"""So many searches with the most labels that end without an answer end the proof."""
+"""Number of failed searches with the maximum number of labels that ends the proof."""
 
 ITERATIONS, LABELS = 6, 1_000_000
-"""Of column generation in a round, and labels after which no other one begins in it."""
+"""Iterations of column generation per round, and number of labels after which none begins in it."""
 
 
 class ColumnProof:
@@ -113,7 +113,7 @@ class ColumnProof:
         self.done = certificate.proven
 
     def begin(self) -> None:
-        """The descent: a first bound, and multipliers to begin with."""
+        """The descent: a first bound with its multipliers."""
         with suppress(TimeIsOver):
             for _ in range(DESCENT):
                 if self._descent.done or self._certificate.proven or self._over():
@@ -124,7 +124,7 @@ class ColumnProof:
         self.done = self._certificate.proven or self._descent.value == -math.inf
 
     def advance(self, enough: Callable[[], bool]) -> None:
-        """One round, with more effort than the one before.
+        """One round, with more effort than the previous one.
 
         Parameters
         ----------
@@ -145,7 +145,7 @@ class ColumnProof:
                 self._iterate(enough)
 
     def _iterate(self, enough: Callable[[], bool]) -> None:
-        """Solve the master, and look for routes that it lacks."""
+        """Solve the master, and price missing routes."""
         self._mix()
         duals = self._master.solve()
         multipliers = self._centred * self._centre + (1.0 - self._centred) * duals.targets
@@ -173,7 +173,7 @@ class ColumnProof:
             self._finish(enough)
 
     def _evidence(self, multipliers: np.ndarray) -> Evidence:
-        """What the bound rests on that labels have just proven."""
+        """Evidence of a bound just proven by labels."""
         return evidence_of(
             multipliers,
             [kind.chasers for kind in self._problem.kinds],
@@ -183,7 +183,7 @@ class ColumnProof:
         )
 
     def _finish(self, enough: Callable[[], bool]) -> None:
-        """Ask for a plan that is better than the incumbent, until there is none."""
+        """Search for plans better than the incumbent, until there is none."""
         certificate = self._certificate
         assert self._priced is not None
         assert self._fine is not None
@@ -203,7 +203,7 @@ class ColumnProof:
         self.done = True
 
     def _mix(self) -> None:
-        """Let the master know of routes that came into the pool."""
+        """Add new routes of the pool to the master."""
         new = [
             column for column in self._pool.columns()
             if column.key not in self._mixed
@@ -212,19 +212,19 @@ class ColumnProof:
         self._master.add(new)
 
     def _attracts(self, duals: Duals, column: Column) -> bool:
-        """Whether the master would take a column."""
+        """Whether a column has positive reduced worth in the master."""
         paid = column.paid(duals.targets) + duals.kinds[column.kind]
         return bool(column.worth - paid > ATTRACTIVE * self._largest)
 
     def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
-        """Put a route into the pool; whether it is one that the master would take."""
+        """Add a route to the pool; returns whether it has positive reduced worth."""
         column = self._pool.add(kind, route)
         if column is None or column.key in self._mixed:
             return False
         return self._attracts(duals, column)
 
     def _by_beams(self, duals: Duals, multipliers: np.ndarray) -> bool:
-        """Whether beams find routes that the master would take."""
+        """Whether beams find routes with positive reduced worth."""
         found = 0
         for number, kind in enumerate(self._problem.kinds):
             for _ in range(BEAMS):
@@ -238,7 +238,7 @@ class ColumnProof:
     def _by_few_labels(
         self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> bool:
-        """Whether labels that prove nothing find routes that the master would take."""
+        """Whether heuristic label searches find routes with positive reduced worth."""
         found = 0
         for number, pricing in enumerate(self._pricing):
             least = float(duals.kinds[number]) + ATTRACTIVE * self._largest
@@ -250,7 +250,7 @@ class ColumnProof:
     def _by_labels(
         self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float]:
-        """Whether labels find such routes, and the bound that they prove; +inf if they gave up."""
+        """Whether exact label searches find such routes, and their bound; +inf if they gave up."""
         bound, new = self._problem.limits.total(multipliers), False
         for number, pricing in enumerate(self._pricing):
             paid = float(duals.kinds[number])
@@ -268,12 +268,12 @@ class ColumnProof:
 
     @property
     def multipliers(self) -> np.ndarray:
-        """Those of the best bound so far, shape (bodies,)."""
+        """Multipliers of the best bound so far, shape (bodies,)."""
         return self._centre
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
         return {
             "evaluations": self._descent.evaluations,
             "columns": self._columns,

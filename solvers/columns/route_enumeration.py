@@ -1,9 +1,9 @@
-"""The end of a proof: all routes that a better plan could be made of, and whether one can be.
+"""Route enumeration: all routes of possible better plans, and whether they form one.
 
 With multipliers π and the most v_k that a route of each kind is worth, less multipliers, no plan
 exceeds L = Σ π + Σ v_k over the chasers. A plan that reaches a goal loses no more than L − goal of
 that, whatever it loses it by; so each of its routes is worth at least v_k − (L − goal) (Baldacci,
-Christofides and Mingozzi 2008). Labels find a route for every set of targets that is worth so much,
+Christofides and Mingozzi 2008). Labels find a route for every set of targets above this value,
 and a set packing decides whether some of them make such a plan.
 """
 
@@ -26,13 +26,13 @@ from ..routes.set_packing import Packed, cheapest_of, packing
 from ..walks.walks import WalkBound
 
 MOST_ROUTES = 100_000
-"""More are not packed."""
+"""Maximum number of routes in the packing model."""
 
 SCALE, PACKING_OFF = 1e4, 1e-4
-"""The largest prize as the packing has it, whose tolerance is 10⁻⁶, and what it may be off by."""
+"""Scaled largest prize in the packing model, whose tolerance is 10⁻⁶, and its largest error."""
 
 LEAST_OFF = 1e-6
-"""Routes are asked for from so much below, as a share of the largest prize; for rounding."""
+"""Margin below a goal from which routes are sought, as a share of the largest prize."""
 
 
 def worth_a_goal(
@@ -42,7 +42,7 @@ def worth_a_goal(
     constraints: Sequence[LinearConstraint],
     time_limit_s: float,
 ) -> Packed:
-    """The columns worth most that keep to some constraints, if they are worth a goal.
+    """The most valuable columns that satisfy some constraints, if they reach a goal.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def worth_a_goal(
 
 
 class EnumerationAnswer(Enum):
-    """What became of a question for a better plan."""
+    """Answer to the search for a better plan."""
 
     NONE = "there is none"
     FOUND = "there is one"
@@ -73,7 +73,7 @@ class EnumerationAnswer(Enum):
 
 
 class Finish:
-    """Asks for a plan that is worth a goal.
+    """Searches for plans that reach a goal.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Finish:
 
     @property
     def labels_made(self) -> int:
-        """Labels of all searches."""
+        """Total number of labels."""
         return sum(search.labels_made for search in self._searches)
 
     def ask(
@@ -101,7 +101,7 @@ class Finish:
         enough: Callable[[], bool],
         remaining_s: Callable[[], float],
     ) -> tuple[EnumerationAnswer, Routes | None]:
-        """Whether a plan is worth a goal, and if so one.
+        """Whether a plan reaches a goal, and that plan.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Finish:
         most_worth : (kinds,) float64
             Proven: no route of a kind is worth more, less these multipliers.
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Whether to give up.
         remaining_s : callable
@@ -140,7 +140,7 @@ class Finish:
         routes: list[tuple[int, tuple[int, ...]]],
         remaining_s: Callable[[], float],
     ) -> tuple[EnumerationAnswer, Routes | None]:
-        """Whether some of the routes make a plan that is worth the goal.
+        """Whether some of the routes form a plan that reaches the goal.
 
         Where stations have limits a route of the same targets may keep to them that was not
         listed: then there is no plan only if there is none without limits.
@@ -162,7 +162,7 @@ class Finish:
         self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float,
         *, limited: bool,
     ) -> tuple[EnumerationAnswer, Routes | None]:  # fmt: skip
-        """The same, of these very routes, with the limits of stations or without."""
+        """Packing of given routes, with or without the limits of stations."""
         problem, first = self._problem, self._problem.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
         uses = [self._use(*each) for each in routes] if limited else None
@@ -175,7 +175,7 @@ class Finish:
         return EnumerationAnswer.FOUND, dealt(problem, taken)
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:
-        """What a route takes of stations."""
+        """Use of station supplies by a route."""
         mission = self._problem.kinds[kind].mission
         moves = mission.closed(route)
         schedule = mission.time(moves)

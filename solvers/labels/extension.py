@@ -1,4 +1,4 @@
-"""Labels forwards in time, pruned by completion values: the kernels.
+"""Forward label extension in time, pruned by completion values: the kernels.
 
 A *label* is a partial walk: where it is and since when, exact ΔV left, value (prizes less
 multipliers), and a memory of targets that it may not visit again. It is kept only if
@@ -34,13 +34,13 @@ from .pending import is_preceded, next_of, send, take
 from .waiting import FINE, Candidate, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
-"""Walks pay no more than this for time: enough to be of no use [fine units]."""
+"""Upper limit on the price of time of a walk, beyond which it is useless [fine units]."""
 
 EXHAUSTED, CHUNK_DONE, FULL, CROWDED, PILED = 0, 1, 2, 3, 4
 
 
 class CompletionValues(NamedTuple):
-    """Completion values: what a walk can still collect, by body, time and ΔV left.
+    """Completion values: the most a walk can still collect, by body, time and ΔV left.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class CompletionValues(NamedTuple):
 
 
 class LabelQuery(NamedTuple):
-    """What a search asks for, and what it may not forget.
+    """Goal of a label search, and the memory it must keep.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class LabelQuery(NamedTuple):
     most_visits : int
         Services that a walk may make.
     price : (kits + 1,) float64
-        What a m/s takes off the value of a walk with so many kits aboard [fine units].
+        What a m/s takes off the value of a walk, by number of kits aboard [fine units].
     pays : bool
         Whether ΔV is paid for.
     time_price : float
@@ -131,7 +131,7 @@ class LabelQuery(NamedTuple):
 
 
 class RowOrder(NamedTuple):
-    """The rows of a network.
+    """Order of the rows of a network.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class RowOrder(NamedTuple):
 
 @inlined
 def _layer_of(loads, values, kits):
-    """Where the layer of so many kits begins."""
+    """Index of the layer for a number of kits."""
     if loads is None:
         return 0
     return kits * values.layer
@@ -155,14 +155,14 @@ def _layer_of(loads, values, kits):
 
 @inlined
 def _place(loads, values, row, left, kits):
-    """Where the completion values at a row with some ΔV left, and some kits, lie."""
+    """Index of the completion values at a row, by ΔV left and kits."""
     slots = min(int(left / values.slot + SLACK), values.top)
     return _layer_of(loads, values, kits) + (values.bucket[row] + 1) * values.width + slots
 
 
 @inlined
 def _completion(values, kind, at, came_from):
-    """Most that a walk can still collect without going back at once [units]."""
+    """Most that a walk can still collect without an immediate return [units]."""
     packed = values.best[kind, at]
     if packed & ((1 << values.bits) - 1) == came_from:
         packed = values.second[kind, at]
@@ -171,7 +171,7 @@ def _completion(values, kind, at, came_from):
 
 @inlined
 def _promises(search, row, has, value, worth, came_from):
-    """Whether a walk that is ready by a row can still become one that is asked for."""
+    """Whether a walk that is ready by a row can still reach the goal."""
     values = search.values
     at = _place(search.loads, values, row, has.left, has.kits)
     for kind in range(search.need.size):
@@ -187,7 +187,7 @@ def _promises(search, row, has, value, worth, came_from):
 
 @inlined
 def _stay(search, labels, waiting, row, i, kept):
-    """Drop the labels at body i that are too late by a row; they are so by later ones, too."""
+    """Drop labels at body i that are too late by a row, and so by all later ones."""
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
@@ -200,7 +200,7 @@ def _stay(search, labels, waiting, row, i, kept):
 
 @inlined
 def _after(network, search, row, here, cost):
-    """The resources after a leg of a row; of their times labels keep the rows."""
+    """Resources after a leg of a row, whose times are known by row."""
     j = network.destination[row]
     return resource_kernels.extend(
         here, j, network.is_station[j], cost, 0.0, search.loads, search.budget
@@ -209,13 +209,13 @@ def _after(network, search, row, here, cost):
 
 @inlined
 def _time_paid(search, end):
-    """What a walk that ends with a service pays for time [fine units]."""
+    """Price of time for a walk that ends with a service [fine units]."""
     return np.int64(min(search.time_price * max(end - search.since, 0.0), MOST_PAID))
 
 
 @inlined
 def _useful(network, search, row, value, here, worth, i):
-    """The legs of a row that may lead on: from the one number to before the other one.
+    """Range of the legs of a row that may be useful.
 
     The later they land, the less they cost. So none is of use that lands too late even for the
     least ΔV of all, nor one that costs too much even for the earliest landing.
@@ -254,7 +254,7 @@ def _useful(network, search, row, value, here, worth, i):
 
 @kernel
 def extend(network, rows, search, labels, pending, waiting, cursor, effort):
-    """Extend labels row by row in order of departure, for a while.
+    """Extend labels for a while, row by row in order of departure.
 
     Parameters
     ----------
@@ -337,7 +337,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 preceded = is_preceded(
                     pending, landing, labels, candidate, remembered, compared, search.loads
                 )
-                # Who is ready by the same row may have been ready later: if the walk ends here,
+                # A label ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.
                 if preceded and not (
                     timed and network.may_end[j] and collected >= search.least_worth

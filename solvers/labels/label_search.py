@@ -1,4 +1,4 @@
-"""Is there a plan worth so much? Searches with labels, and what they learn from one another.
+"""Label searches for plans above a threshold, which learn from each other.
 
 The room shared by the Lagrangian bound and by proofs of optimality (docs/model.md section 8). If
 the labels of :mod:`.extension` run out before the threshold, no plan reaches it. If not, the best
@@ -35,29 +35,29 @@ from .pending import more_room, pending_room, send
 from .waiting import FINE, Labels, labels_room, larger, room
 
 EFFORT = 200_000
-"""Extensions between two questions whether it is enough."""
+"""Number of extensions between queries of the stopping criterion."""
 
 FIRST_WAITING = 256
-"""Labels that may wait at each body before there has to be more room."""
+"""Initial number of labels that can wait at each body."""
 
 FIRST_BLOCKS = 4096
-"""Blocks of labels on their way before there has to be more room."""
+"""Initial number of blocks of pending labels."""
 
 NOTHING = -(2.0**62)
-"""Value of a walk that cannot be begun [fine units]."""
+"""Value of a walk that cannot begin [fine units]."""
 
 LEAST_GAIN, LEAST_NEED = -(2.0**57), -(2**61)
-"""What a service takes off at most, and how little may be asked for [fine units]."""
+"""Least gain of a service, and least threshold of a search [fine units]."""
 
 ANY_WORTH = -1e300
-"""Less than anything is worth."""
+"""Below any worth."""
 
 WALKS = 1000
-"""Walks to learn from after a search."""
+"""Number of walks to learn from after a search."""
 
 
 def table_of(bound: WalkBound) -> CompletionValues:
-    """The completion values of the last evaluation of a bound."""
+    """Completion values of a bound's last evaluation."""
     best, second = bound.values.best, bound.values.second
     return CompletionValues(
         bound.buckets.of_row, best.reshape(1, -1), second.reshape(1, -1), best.shape[1],
@@ -66,7 +66,7 @@ def table_of(bound: WalkBound) -> CompletionValues:
 
 
 class LabelSearch:
-    """Searches with the completion values of a bound, and the memory that grows meanwhile.
+    """Label searches with the completion values of a bound, in growing memory.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ class LabelSearch:
         self._unit = bound.unit * 2.0**-FINE
 
     def use(self, multipliers: np.ndarray) -> float:
-        """Work out the completion values of some multipliers, and the bound that they give."""
+        """Compute completion values for some multipliers, with the resulting bound."""
         bound = self._bound
         # What is left of rounding to units would count for every target that is left out.
         kept = np.where((multipliers < bound.unit) | ~bound.is_paid, 0.0, multipliers)
@@ -139,7 +139,7 @@ class LabelSearch:
     def pay(
         self, values: CompletionValues, prices: np.ndarray, reach: WalkBound, least_worth: float
     ) -> None:
-        """Let walks pay for ΔV from now on: without multipliers.
+        """Make walks pay for ΔV from now on, without multipliers.
 
         Parameters
         ----------
@@ -161,7 +161,7 @@ class LabelSearch:
         self.multipliers, self.total = np.zeros(self._gain.size), 0.0
 
     def _begin(self) -> None:
-        """The labels at the start: one for each number of kits that may be taken along."""
+        """Initial labels: one for each number of kits that may be taken along."""
         bound, labels, roots = self._bound, self._labels, slice(self._roots)
         labels.row[roots], labels.parent[roots] = bound.network.roots[self._start], -1
         labels.memory[roots], labels.left[roots] = 0, bound.tank
@@ -172,7 +172,7 @@ class LabelSearch:
         labels.came_from[roots], labels.worth[roots] = -1, 0.0
 
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
-        """What extends labels for a while, for one search: takes them and the cursor."""
+        """The extension function of one search: takes labels and the cursor."""
         bound = self._bound
         shift = (self._prices - self._prices[0]) / self._unit
         # A walk that is asked for is worth the least at any price; shifts are rounded.
@@ -208,17 +208,17 @@ class LabelSearch:
         return extend_labels
 
     def plans(self, most: int) -> list[tuple[int, ...]]:
-        """The plans among the walks of the last search that was finished, best first.
+        """Plans among the walks of the last finished search, best first.
 
         Parameters
         ----------
         most : int
-            No more than so many, no two of the same targets.
+            Maximum number of plans, no two of the same targets.
         """
         return [plan for plan, _ in self.valued_plans(most)]
 
     def valued_plans(self, most: int) -> list[tuple[tuple[int, ...], float]]:
-        """The same, each with what no route of its targets is worth more than less multipliers."""
+        """The same plans, each with an upper bound on the reduced worth of its set of targets."""
         count, need = self._last
         network, labels = self._bound.network, self._labels
         path = np.empty(self._bound.most_legs + 1, dtype=np.int64)
@@ -243,13 +243,13 @@ class LabelSearch:
         most_labels: int,
         enough: Callable[[], bool],
     ) -> tuple[bool, float, np.ndarray | None, int]:
-        """One search for walks worth at least ``threshold``, and what was learnt from them.
+        """One search for walks worth at least ``threshold``, with its lessons.
 
         Parameters
         ----------
         threshold : float
         most_labels : int
-            Give up beyond so many.
+            Maximum number of labels; beyond it, give up.
         enough : callable
             Asked now and then whether to give up.
 

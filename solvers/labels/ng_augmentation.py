@@ -1,4 +1,4 @@
-"""What labels tell at the end of a search: the best walk, and what walks should have remembered.
+"""ng augmentation at the end of a search: the best walk, and memory that would forbid its cycles.
 
 A walk that visits a target twice is forbidden as soon as all bodies in between remember it. Every
 memory makes fewer labels comparable, so only short cycles are forbidden: of each walk those that
@@ -16,11 +16,11 @@ from adr_opt.kernels.core.memory import borrowed
 from adr_opt.mission.evidence import WORD
 
 SHORT = 4
-"""Cycles that at most so many more memories forbid are forbidden, and one of any length."""
+"""Cycles that need at most this number of additional memories are all forbidden, and one of any."""
 
 
 class WalkThreshold(NamedTuple):
-    """What walks that count are worth at least.
+    """Thresholds of walks that count.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class WalkThreshold(NamedTuple):
 
 @kernel
 def path_of(labels, body, label, path):
-    """The bodies of a label's walk in order; returns how many."""
+    """Bodies of a label's walk in order; returns their number."""
     length = 0
     while labels.parent[label] >= 0:
         path[length] = body[labels.row[label]]
@@ -62,7 +62,7 @@ def _value(network, labels, body, label, least_worth):
 
 @inlined
 def _missing(path, begin, end, neighbourhood):
-    """How many bodies between two visits of the same target do not remember it."""
+    """Number of bodies between two visits of a target that do not remember it."""
     j = path[end]
     missing = 0
     for b in range(begin + 1, end):
@@ -72,7 +72,7 @@ def _missing(path, begin, end, neighbourhood):
 
 @inlined
 def _forbid(network, path, length, neighbourhood, seen, most):
-    """Forbid the cycles of a walk that at most so many more memories forbid; −1 forbids none.
+    """Forbid cycles of a walk that need at most a number of memories; −1 forbids none.
 
     Returns
     -------
@@ -102,7 +102,7 @@ def _forbid(network, path, length, neighbourhood, seen, most):
 
 @kernel
 def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
-    """Look at walks worth at least so much, and let the bodies inside their cycles remember.
+    """Examine walks above a threshold, and let bodies within their cycles remember the targets.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
 
 @kernel
 def plans_of(network, labels, body, count, least, bodies, path, found):
-    """Labels whose walks are plans worth at least so much; returns how many.
+    """Labels above a threshold whose walks are plans; returns their number.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def plans_of(network, labels, body, count, least, bodies, path, found):
 
 @kernel
 def most_of(network, labels, body, count, least):
-    """Greatest value of the walks that count, see :func:`_value`; the least if all are below."""
+    """Greatest value of walks that count, see :func:`_value`; the threshold if all are below."""
     network, labels, body = borrowed(network), borrowed(labels), borrowed(body)
     best = least.value
     for label in range(count):

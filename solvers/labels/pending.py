@@ -1,4 +1,4 @@
-"""Labels on their way: those that will be ready by a row, sixteen to a block.
+"""Pending labels, by the row at which they will be ready, sixteen to a block.
 
 Where departures lie on a grid, hundreds of labels land in one row. A new one is compared with all
 of them before it is made, so each row has a chain of blocks with the same integers side by side as
@@ -20,7 +20,7 @@ FREE, USED = 0, 1
 
 
 class Pending(NamedTuple):
-    """The labels on their way.
+    """The pending labels.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Pending(NamedTuple):
 
 
 def pending_room(rows: int, words: int, blocks: int) -> Pending:
-    """Nobody is on the way."""
+    """Empty storage for pending labels."""
     return Pending(
         np.full(rows, -1, dtype=np.int32),
         np.empty(blocks, dtype=np.int32),
@@ -58,7 +58,7 @@ def pending_room(rows: int, words: int, blocks: int) -> Pending:
 
 
 def more_room(pending: Pending, words: int) -> Pending:
-    """The same labels with room for twice as many."""
+    """The same labels in twice the storage."""
     blocks = pending.size.size
     twice = pending_room(pending.first.size, words, 2 * blocks)
     for new, old in zip(twice, pending, strict=True):
@@ -68,7 +68,7 @@ def more_room(pending: Pending, words: int) -> Pending:
 
 @kernel
 def is_preceded(pending, row, labels, candidate, memory, compared, loads):
-    """Whether a label on its way to a row dominates what could come there."""
+    """Whether a pending label at a row dominates a candidate there."""
     left, value = candidate.resources.left, candidate.value
     block = pending.first[row]
     while block >= 0:
@@ -87,7 +87,7 @@ def is_preceded(pending, row, labels, candidate, memory, compared, loads):
 
 @kernel
 def send(pending, row, labels, label):
-    """Put a label on its way to a row; False if there is no room for it."""
+    """Add a pending label at a row; False if storage is full."""
     block = pending.first[row]
     if block < 0 or pending.size[block] == LANES:
         if pending.cursor[FREE] >= 0:
@@ -111,14 +111,14 @@ def send(pending, row, labels, label):
 
 @inlined
 def next_of(pending, row):
-    """The label that arrives next at a row; −1 for none."""
+    """The next pending label at a row; −1 if there is none."""
     block = pending.first[row]
     return -1 if block < 0 else pending.label[block * LANES + pending.size[block] - 1]
 
 
 @inlined
 def take(pending, row, words):
-    """Take the label that arrives next at a row off its way."""
+    """Remove the next pending label at a row."""
     block = pending.first[row]
     lane = pending.size[block] - 1
     pending.size[block] = lane

@@ -1,4 +1,4 @@
-"""Labels that wait at a body, none dominated by another, compared sixteen at a time.
+"""Undominated labels waiting at each body, compared sixteen at a time.
 
 Whether one label dominates another one is asked billions of times. So each body's list keeps a few
 integers of each label side by side: ΔV left, value and memory, rounded so that none that dominates
@@ -19,10 +19,10 @@ from adr_opt.kernels.rules.resources import Resources
 from ..networks import simd
 
 FINE = 30
-"""Labels count in units finer than those of the completion values by so many bits."""
+"""Extra bits of precision of labels over completion values."""
 
 NOBODY = -1
-"""Key of ΔV where there is no label: less than that of any."""
+"""ΔV key of an empty place, below that of any label."""
 
 
 class Labels(NamedTuple):
@@ -62,7 +62,7 @@ class Labels(NamedTuple):
 
 
 def labels_room(size: int, words: int = 1, *, timed: bool = False) -> Labels:
-    """Room for as many labels, that remember so many words each; ``timed`` where time is paid."""
+    """Storage for labels with a number of memory words; ``timed`` if time has a price."""
     row, parent, visits = (np.empty(size, dtype=np.int32) for _ in range(3))
     came_from = np.empty(size, dtype=np.int16)
     left, worth = np.empty(size), np.empty(size)
@@ -72,12 +72,12 @@ def labels_room(size: int, words: int = 1, *, timed: bool = False) -> Labels:
 
 
 def bytes_each() -> int:
-    """Memory of a label that remembers one word."""
+    """Memory of a label with one memory word [bytes]."""
     return sum(array.nbytes for array in {id(each): each for each in labels_room(1)}.values())
 
 
 class Candidate(NamedTuple):
-    """A partial walk before it has a label, but for its memory; as in :class:`Labels`.
+    """A partial walk before it becomes a label, without its memory; as in :class:`Labels`.
 
     Its time is no matter: see :func:`resources_of`.
     """
@@ -88,7 +88,7 @@ class Candidate(NamedTuple):
 
 
 class Waiting(NamedTuple):
-    """The labels at each body.
+    """Labels waiting at each body.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def room(bodies: int, words: int, capacity: int) -> Waiting:
 
 
 def larger(waiting: Waiting, words: int) -> Waiting:
-    """The same lists with room for twice as many."""
+    """The same lists in twice the storage."""
     bodies, capacity = waiting.label.shape
     twice = room(bodies, words, 2 * capacity)
     twice.size[:], twice.bucket[:] = waiting.size, waiting.bucket
@@ -128,19 +128,19 @@ def larger(waiting: Waiting, words: int) -> Waiting:
 
 @inlined
 def _key_of(left):
-    """Order-preserving integer of what is not negative."""
+    """Order-preserving integer key of a non-negative number."""
     return np.float32(left).view(np.int32)
 
 
 @inlined
 def _part(memory, part):
-    """A half of a word of memory."""
+    """Half of a memory word."""
     return np.int32(memory[part // 2] >> 32 * (part % 2))
 
 
 @inlined
 def resources_of(labels, label, loads):
-    """The resources of a label, as of all that wait with it: they may leave at the same time."""
+    """Resources of a label, with a time common to all that wait with it."""
     visits = labels.visits[label]
     return Resources(
         0.0, labels.left[label], np.int64(0), np.int64(services_in(loads, visits)),
@@ -156,7 +156,7 @@ def candidate_of(labels, label, loads):
 
 @inlined
 def dominates(labels, one, other, memory, compared, loads):
-    """Whether label ``one`` is worth as much as a candidate, lacks nothing, remembers no more.
+    """Whether a label dominates a candidate: at least equal worth and resources, no more memory.
 
     Of the memory only the targets in ``compared`` count.
     """
@@ -172,7 +172,7 @@ def dominates(labels, one, other, memory, compared, loads):
 
 @inlined
 def lanes_that_may(keys, at, stride, left, value, memory, compared):
-    """Which of sixteen labels may dominate another one, as bits of a number.
+    """Bit mask of sixteen labels that may dominate another one.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def lanes_that_may(keys, at, stride, left, value, memory, compared):
 
 @inlined
 def fill_lane(keys, at, stride, labels, label):
-    """Write the keys of a label."""
+    """Write the keys of a label to a lane."""
     keys[at] = _key_of(labels.left[label])
     keys[at + stride] = labels.value[label] >> FINE
     for part in range(2 * labels.memory.shape[1]):
@@ -202,7 +202,7 @@ def fill_lane(keys, at, stride, labels, label):
 
 @kernel
 def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
-    """Whether a label that waits at body j dominates what could come there."""
+    """Whether a label waiting at body j dominates a candidate."""
     left, value = candidate.resources.left, candidate.value
     capacity = waiting.label.shape[1]
     base = j * (2 + 2 * memory.size) * capacity
@@ -220,7 +220,7 @@ def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
 
 @kernel
 def _drop_dominated(waiting, labels, j, label, compared, loads):
-    """Mark the labels at body j that another label dominates from now on."""
+    """Mark labels at body j that are dominated by a new label."""
     capacity = waiting.label.shape[1]
     memory = labels.memory[label]
     parts = 2 * memory.size
@@ -249,7 +249,7 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
 
 @kernel
 def arrive(waiting, labels, j, label, compared, loads):
-    """Let a label wait at body j unless it is dominated, in place of those that it dominates.
+    """Add a label at body j unless dominated, and remove those that it dominates.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def arrive(waiting, labels, j, label, compared, loads):
 
 @kernel
 def keep(waiting, j, kept, parts):
-    """Close the gaps in the list of body j: only the places marked in ``kept`` stay."""
+    """Compact the list of body j: keep only the places marked in ``kept``."""
     capacity = waiting.label.shape[1]
     base = j * (2 + parts) * capacity
     size = 0

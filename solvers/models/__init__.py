@@ -1,4 +1,4 @@
-"""The room shared by ``mip`` and ``cpsat``: the network as arrays, and the course of a proof.
+"""Shared parts of ``mip`` and ``cpsat``: the network as arrays, and the driver of a proof.
 
 1. :mod:`.network` has all connections and waits that a plan can need.
 2. :mod:`.reduction` drops legs that no plan worth a goal can use, by reduced costs.

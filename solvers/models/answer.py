@@ -1,4 +1,4 @@
-"""What a course of proof and a solver say to each other."""
+"""Interface between the driver of a proof and a solver."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class SolverAnswer(NamedTuple):
-    """What a solver says of a network.
+    """Answer of a solver for a network.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class SolverAnswer(NamedTuple):
 
 
 class Hear(NamedTuple):
-    """How a solver reports while it works.
+    """Callback for a solver's progress.
 
     Attributes
     ----------

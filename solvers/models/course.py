@@ -1,4 +1,4 @@
-"""The course of a proof by a solver for networks, the same for every solver."""
+"""Driver of a proof by an integer-programming solver, the same for every solver."""
 
 from __future__ import annotations
 
@@ -30,42 +30,42 @@ from .network import SolverNetwork, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot
 
 WHOLE_LEGS = 1_000
-"""Up to so many legs the network is solved whole: no bound but the solver's has a part in it."""
+"""Maximum number of legs up to which the whole network is solved, by the solver's bound alone."""
 
 SIFTED_FIRST = 100_000
 SIFTING_S_PER_LEG = 3e-6
-"""Networks of so many legs are cut down before multipliers are looked for, since they may turn out
-to be small; of larger ones this takes too long to do without need, and cannot be broken off [s]."""
+"""Networks of this size are reduced before multipliers are sought, as they may turn out small; of
+larger ones this takes too long if not needed, and cannot be interrupted [s]."""
 
 SHARE = 0.3
-"""Part of the time left that multipliers may take."""
+"""Share of the remaining time for multipliers."""
 
 SLOT_M_S = 20.0
-"""ΔV slots of the multipliers' bound, widened where its values would not fit into memory."""
+"""ΔV slots of the multipliers' bound, widened if its values do not fit in memory."""
 
 FINER = 0.8
-"""Reduced costs are worked out again where slots can be finer by this factor."""
+"""Reduced costs are recomputed if slots can be finer by this factor."""
 
 
 class SolverModel(Protocol):
-    """A network written for a solver."""
+    """A network modelled for a solver."""
 
     def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:
-        """Solve it, or as much as the time allows."""
+        """Solve it as far as time allows."""
         ...
 
     def forbid(self, groups: list[list[int]]) -> None:
-        """Let no path use a leg of each of these groups, from the next solve on."""
+        """Forbid paths with a leg from each of these groups, from the next solve on."""
         ...
 
 
 MakeModel = Callable[[SolverNetwork, Rules, float, list[int]], SolverModel]
-"""Network, rules, unit of the objective, legs of a plan to begin from."""
+"""Arguments: network, rules, unit of the objective, legs of an initial plan."""
 
 
 @dataclass(frozen=True)
 class ModelOptions(Options):
-    """Options of the methods that hand the network to a solver."""
+    """Options of the methods that pass the network to a solver."""
 
     jobs: int = option(
         0,
@@ -90,7 +90,7 @@ def prove(
     start: Iterable[int] | None,
     options: ModelOptions,
 ) -> Result:
-    """Prove how much the best plan is worth.
+    """Prove a bound on the best plan.
 
     A small network is solved whole. From a larger one, arcs are dropped that no plan worth a goal
     can use; the goal is a little below the bound and above the incumbent. If the solver finds such
@@ -153,13 +153,13 @@ class _Course:
         }
 
     def enough(self) -> bool:
-        """Asks ``stop``, once per iteration."""
+        """Whether ``stop`` says so; queried once per iteration."""
         known = self._certificate
         self._ended = self._ended or known.proven or self._stop(known.incumbent, known.bound)
         return self._ended
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return 0.0 if self._ended else self._stop.remaining_s()
 
     def run(self, jobs: int, most_arcs: int, evaluations: int) -> None:
@@ -188,7 +188,7 @@ class _Course:
         if rows.landing.size > SIFTED_FIRST:
             if self.remaining_s() < SIFTING_S_PER_LEG * rows.landing.size:
                 self.notes.append(
-                    f"the network of {rows.landing.size} connections was not handed to the solver: "
+                    f"the network of {rows.landing.size} connections was not passed to the solver: "
                     "too little time was left"
                 )
                 return
@@ -201,7 +201,7 @@ class _Course:
             if part.legs > most_arcs:
                 self.notes.append(
                     f"{part.legs} arcs may belong to a plan worth {goal:g}, which is more than "
-                    f"most_arcs = {most_arcs}: they were not handed to the solver"
+                    f"most_arcs = {most_arcs}: they were not passed to the solver"
                 )
                 return
             before = certificate.bound
@@ -216,7 +216,7 @@ class _Course:
         return network
 
     def _multipliers(self, bound: WalkBound, evaluations: int) -> np.ndarray:
-        """Multipliers for which the best walk is worth little; lowers the bound."""
+        """Multipliers with a small best walk; lowers the bound."""
         certificate = self._certificate
         end = now_s() + SHARE * self.remaining_s()
         descent = Descent(bound)
@@ -231,7 +231,7 @@ class _Course:
     def _reduced(
         self, network: SolverNetwork, multipliers: np.ndarray, goal: float
     ) -> SolverNetwork:
-        """The network of the legs that a plan worth the goal may use, by finer and finer slots."""
+        """The network of legs that a plan above the goal may use, by increasingly fine slots."""
         rules = self._mission.rules
         slot = math.inf
         while network.legs and finest_slot(network, rules.budget) < FINER * slot:
@@ -243,7 +243,7 @@ class _Course:
         return network
 
     def _solve(self, network: SolverNetwork, goal: float) -> None:
-        """Hand a network to the solver that holds every plan worth a goal."""
+        """Pass a network that contains every plan above a goal to the solver."""
         certificate, rules = self._certificate, self._mission.rules
         stays = bool(rules.may_end[rules.start])
         answer = SolverAnswer((), 0.0 if stays else -math.inf, 0)
@@ -274,7 +274,7 @@ class _Course:
 
 
 def _too_dear(network: SolverNetwork, rules: Rules, path: tuple[int, ...]) -> list[list[int]]:
-    """Legs that exceed a tank when one is taken of each group; none if a path keeps to it.
+    """Legs that overdraw a tank if one is taken from each group; none for a feasible path.
 
     Each group goes from one body to the next of the path's first tank that does not reach, and
     costs no less than the leg taken.

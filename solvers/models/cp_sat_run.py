@@ -1,4 +1,4 @@
-"""One run of CP-SAT that reports bounds and stops when told to."""
+"""A run of CP-SAT that reports bounds and can be stopped."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from ortools.sat.python import cp_model
 from .answer import Hear
 
 POLL_S = 0.05
-"""How often the run looks whether it shall stop [s]."""
+"""Interval at which the stopping criterion is queried [s]."""
 
 SEEDS = 2**31
-"""CP-SAT takes seeds below this."""
+"""Upper limit of CP-SAT's seeds."""
 
 
 def run(
     model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear
 ) -> tuple[cp_model.CpSolver, bool, float]:
-    """Maximise a model with one thread; with several, one seed would not give one answer.
+    """Maximise a model with one thread, as several would make results depend on timing.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The network of all connections, cut down to what a plan can use, as plain arrays.
+"""Network of all connections, reduced to those a plan can use, as plain arrays.
 
 See docs/model.md section 4.
 
@@ -31,15 +31,15 @@ from adr_opt.kernels.rules.rules import Rules
 from ..networks.arrays import Network as Rows
 
 GUARD_M_S = 1e-6
-"""Guard of sums of ΔV, which may be rounded in another order: what exceeds the budget by less is
-kept. A plan that fits by the rules is never lost, and a path that does not fit is re-timed."""
+"""Guard for sums of ΔV rounded in another order: an excess below it is kept. No plan within the
+rules is ever lost, and an infeasible path is re-timed."""
 
 ENOUGH = 0.98
-"""Nodes and legs are gone through again while no more than this share of the legs is left."""
+"""Reduction is repeated while it leaves at most this share of the legs."""
 
 
 class SolverNetwork(NamedTuple):
-    """Nodes in order of time, the start first, and the ways between them.
+    """Nodes in order of time, the start first, with the ways between them.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class SolverNetwork(NamedTuple):
 
 @kernel
 def _within_reach(network, is_station, budget, kept, used):
-    """Least ΔV used since refuelling at every node; drops the legs that nothing is left for."""
+    """Least ΔV used since refuelling at every node; drops legs beyond the remaining budget."""
     used[:] = math.inf
     used[0] = 0.0
     for node in range(network.body.size):
@@ -109,7 +109,7 @@ def _within_reach(network, is_station, budget, kept, used):
 
 @kernel
 def _of_use(network, rules, kept):
-    """Drop the legs after which the mission cannot end, or nothing of worth comes."""
+    """Drop legs after which the mission cannot end, or no worth can be collected."""
     ends = np.empty(network.body.size, np.bool_)
     worthy = np.empty(network.body.size, np.bool_)
     for node in range(network.body.size - 1, -1, -1):
@@ -128,7 +128,7 @@ def _of_use(network, rules, kept):
 
 @kernel
 def _merge(network, kept, landed, place, group):
-    """Which nodes are one.
+    """Groups of nodes to be merged.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def _merge(network, kept, landed, place, group):
 
 @kernel
 def _dominated(pair, landing, delta_v, dominated):
-    """Which legs another one makes superfluous.
+    """Legs that another dominates.
 
     They are sorted: by pair, from the last node they leave to the first, by landing, by ΔV.
     """
@@ -181,7 +181,7 @@ def _dominated(pair, landing, delta_v, dominated):
 
 
 def all_of(rows: Rows, rules: Rules) -> SolverNetwork:
-    """Rows, legs and waits of a mission as a network in order of time: nothing is cut.
+    """Rows, legs and waits of a mission as a network in order of time, without reductions.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ def of_rows(rows: Rows, rules: Rules) -> SolverNetwork:
 
 
 def keep(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwork:
-    """The network of some of its legs, without what has become superfluous.
+    """Network of some of its legs, without those thereby made superfluous.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def keep(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwor
 
 
 def _cut(network: SolverNetwork, kept: np.ndarray, rules: Rules) -> SolverNetwork:
-    """Drop what is of no use, merge, and drop what is dominated then."""
+    """Drop useless legs, merge nodes, then drop dominated legs."""
     kept = kept.copy()
     nodes = network.nodes
     _within_reach(network, rules.is_station, rules.budget, kept, np.empty(nodes))
@@ -273,7 +273,7 @@ def _next_of_body(body: np.ndarray) -> np.ndarray:
 
 
 def path_of(network: SolverNetwork, order, rules: Rules) -> list[int]:
-    """The legs of an order of bodies, or of its longest beginning that is in the network.
+    """Legs of an order of bodies, or of its longest beginning in the network.
 
     Parameters
     ----------
@@ -314,7 +314,7 @@ def path_of(network: SolverNetwork, order, rules: Rules) -> list[int]:
 
 
 def bodies_along(network: SolverNetwork, chosen) -> tuple[int, ...]:
-    """The bodies of the path that takes some legs, in order.
+    """Bodies of the path over some legs, in order.
 
     Parameters
     ----------

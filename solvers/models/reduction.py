@@ -1,4 +1,4 @@
-"""Which legs a plan better than the best known one can use: reduced costs of the network.
+"""Reduced costs of the network: legs that a better plan can use.
 
 With a multiplier π_j ≥ 0 on "target j at most once", every plan is worth at most
 
@@ -29,25 +29,25 @@ from ..networks.layers import SLACK
 from .network import SolverNetwork
 
 MOST_STATES = 10_000_000
-"""States of a sweep; slots of ΔV are widened until they are no more."""
+"""Maximum number of states in a sweep; slots of ΔV are widened to keep to it."""
 
 FINEST_SLOT_M_S = 0.5
 ROUNDING = 1e-9
-"""Relative guard of sums of prizes; what misses the goal by less is kept."""
+"""Relative guard for sums of prizes; a shortfall below it is kept."""
 
 BITS = 16
-"""A value is packed with the body before, or after: ``value << BITS | body``."""
+"""Bits of a packed value for the body before, or after: ``value << BITS | body``."""
 
 NOBODY = 2**BITS - 1
-"""In place of that body: the path may go, or have come, anywhere."""
+"""Marks that the path may come from, or go to, any body."""
 
 NEVER = -(2**61)
 LARGEST = 2**40
-"""No sum of values exceeds it in size, and NEVER is far below whatever is added to it."""
+"""Upper limit of sums of values, with NEVER far below anything added to it."""
 
 
 class PathTerms(NamedTuple):
-    """What legs take and services give.
+    """Costs of legs and gains of services.
 
     Attributes
     ----------
@@ -65,19 +65,19 @@ class PathTerms(NamedTuple):
 
 
 def finest_slot(network: SolverNetwork, budget: float) -> float:
-    """The finest slot of ΔV that a sweep over the network can afford [m/s]."""
+    """Finest affordable slot of ΔV for a sweep over the network [m/s]."""
     return max(FINEST_SLOT_M_S, budget * network.nodes / MOST_STATES)
 
 
 @inlined
 def _other_than(best, second, body):
-    """The better one of two packed values that is not packed with a body."""
+    """The better of two packed values with a body other than the given one."""
     return second if best & NOBODY == body else best
 
 
 @inlined
 def _put(best, second, value):
-    """Two packed values, the best and the best one with another body, after a third came."""
+    """The best packed value, and the best with another body, updated with a third."""
     if value > best:
         return value, (second if (value ^ best) & NOBODY == 0 else best)
     if (value ^ best) & NOBODY != 0 and value > second:
@@ -122,7 +122,7 @@ def _forwards(network, is_station, terms, best, second):
 
 @kernel
 def _backwards(network, is_station, may_end, terms, best, second, through):
-    """Most of a path through every leg; turns ``best``, as forwards, into what is left to come.
+    """Best path through every leg; turns ``best`` from a forward value into a backward one.
 
     Rows of ``best`` are read last when the node's own legs are done, so each is then overwritten
     with the most that can be collected after the node, by slots used.
@@ -133,7 +133,7 @@ def _backwards(network, is_station, may_end, terms, best, second, through):
         i = network.body[node]
         behind = NOBODY if is_station[i] else i
         onward = network.onward[node]
-        # To stop here goes nowhere: no leg has NOBODY as its destination.
+        # Stopping here leads nowhere: no leg has NOBODY as its destination.
         stop = NOBODY if may_end[i] else NEVER
         for s in range(top + 1):
             ahead[s], instead[s] = stop, NEVER
@@ -161,7 +161,7 @@ def _backwards(network, is_station, may_end, terms, best, second, through):
 def best_through(
     network: SolverNetwork, rules: Rules, multipliers: np.ndarray, slot: float
 ) -> np.ndarray:
-    """No plan that uses a leg is worth more than this.
+    """Upper bound on plans that use each leg.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def best_through(
 
 
 def can_reach(through: np.ndarray, goal: float) -> np.ndarray:
-    """Legs that a plan worth the goal may use, shape (legs,) bool.
+    """Legs that a plan above the goal may use, shape (legs,) bool.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Prizes as whole numbers, for solvers that know no others."""
+"""Prizes as integers, for solvers that require them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import numpy as np
 from adr_opt.common.tolerance import MOST_STEPS, are_multiples
 
 PARTS = 2**40
-"""Sum of all prizes in steps, about, where they are no multiples of the unit."""
+"""Approximate sum of all prizes in steps, if they are not multiples of the unit."""
 
 
 def in_steps(prize: np.ndarray, unit: float) -> tuple[np.ndarray, float]:
-    """Prizes in whole steps, never too few.
+    """Prizes in whole steps, rounded up.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Networks of connections that proofs search."""
+"""Networks of connections for proofs."""

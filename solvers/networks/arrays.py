@@ -1,4 +1,4 @@
-"""A network of legs in time, as arrays."""
+"""A time-expanded network of legs, as arrays."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Network(NamedTuple):
 
 
 def joined(firsts: list[np.ndarray]) -> np.ndarray:
-    """One list of first legs out of those of all bodies; what closes a body has none."""
+    """One list of first legs from those of all bodies; closing rows have no legs."""
     before = np.cumsum([0, *(int(first[-1]) for first in firsts)])
     parts = [first + legs for first, legs in zip(firsts, before[:-1], strict=True)]
     return np.append(np.concatenate(parts), before[-1])

@@ -1,7 +1,7 @@
-"""The network of walks: rows of a body within one bucket of time are one, and ΔV is in slots.
+"""Network of walks: rows of a body are aggregated into time buckets, and ΔV into slots.
 
-Both only widen what is allowed. Who is at a body by the last row of a bucket is there by its first
-one, so he may take all legs of the bucket; a leg costs its whole slots only. So many legs become
+Both only widen what is allowed. A walk at a body by the last row of a bucket is there by its first
+one, so it may take all legs of the bucket; a leg costs its whole slots only. Many legs thus become
 superfluous: those that cost no less in slots than another one to the same body, leave no later and
 land in no earlier bucket. What is left is some times smaller than the network of all connections,
 and so are the values of its states.
@@ -21,11 +21,11 @@ from .arrays import Network, joined
 from .layers import SLACK
 
 LONGEST = 0.5
-"""Share of the shortest leg that a bucket may take at most, so that none lands where it left."""
+"""Largest share of the shortest leg that a bucket may span, so that none lands where it left."""
 
 
 class Buckets(NamedTuple):
-    """Buckets, body after body, each body's in order of time, and the legs that count.
+    """Buckets by body and time, with their undominated legs.
 
     One bucket more closes each body, where nothing leaves any more.
 
@@ -71,7 +71,7 @@ class Buckets(NamedTuple):
 
 @kernel
 def _assign(network, length, start, of_row):
-    """Put rows into buckets of a length."""
+    """Assign rows to buckets of a length."""
     bucket = 0
     for i in range(network.start.size - 1):
         start[i] = bucket
@@ -90,7 +90,7 @@ def _assign(network, length, start, of_row):
 
 @kernel
 def _look_up(delta_v, landing, of_row, parts, slot, prices, buckets):
-    """Steps of ΔV and landing buckets of legs: short loops do not wait for what is looked up."""
+    """ΔV steps and landing buckets of legs: short loops that do not wait for memory."""
     for leg in range(prices.size):
         prices[leg] = max(0.0, math.floor(parts * delta_v[leg] / slot - SLACK))
     for leg in range(buckets.size):
@@ -99,7 +99,7 @@ def _look_up(delta_v, landing, of_row, parts, slot, prices, buckets):
 
 @kernel
 def _keep(network, start, of_row, i, slot, parts, steps):
-    """The legs of body i that count.
+    """Undominated legs of body i.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def _keep(network, start, of_row, i, slot, parts, steps):
     low, high = network.start[i], network.start[i + 1] - 1
     base = start[i]
     never = np.int32(2**31 - 1)
-    # Earliest landing bucket of the later legs to a body that cost no more than so many steps.
+    # Earliest landing bucket of the later legs to a body, by the most steps that they cost.
     earliest = np.full((bodies, steps), never, np.int32)
     cheapest = np.full((bodies, steps), np.inf)
     most = network.first[high] - network.first[low]
@@ -150,7 +150,7 @@ def _keep(network, start, of_row, i, slot, parts, steps):
 
 
 class Assignment(NamedTuple):
-    """Which rows are in one bucket.
+    """Assignment of rows to buckets.
 
     Attributes
     ----------
@@ -167,7 +167,7 @@ class Assignment(NamedTuple):
 
 
 def assign(network: Network, share: float) -> Assignment:
-    """Put the rows of a network into buckets.
+    """Assign the rows of a network to buckets.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def build(
     parts: int,
     jobs: int,
 ) -> Buckets:
-    """The network of walks.
+    """Build the network of walks.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def build(
     slot_m_s : float
         Slot of ΔV [m/s].
     parts : int
-        Legs are told apart in so many steps of ΔV within each slot.
+        Number of ΔV steps that legs are told apart in within each slot.
     jobs : int
         Threads. The result does not depend on it.
     """

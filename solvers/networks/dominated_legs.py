@@ -1,7 +1,7 @@
-"""Legs that are of no use to who has waited: he has had a better one already.
+"""Legs dominated for a chaser that has waited: an earlier departure was at least as good.
 
-A leg is stale for a chaser who was ready when another one left for the same body that lands no
-later and costs no more. Connections do not say so, since whoever is ready in between has a use for
+A leg is stale for a chaser that was ready when another one left for the same body that lands no
+later and costs no more. Connections cannot tell, since a chaser ready in between has a use for
 it. Of those that labels could take again and again while they wait, nearly all are stale.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import kernel
 
 LOOK_BACK = 8
-"""A leg is compared with those of so many earlier departures; to miss one is no mistake."""
+"""Number of earlier departures to compare each leg with; an omission is harmless."""
 
 
 class RowLegs(NamedTuple):
@@ -36,7 +36,7 @@ class RowLegs(NamedTuple):
 
 @kernel
 def mark_stale(begin, end, bodies, legs, since, fresh):
-    """Find out since when nobody has a use for the legs of a body.
+    """Find from which ready row on the legs of a body are dominated.
 
     Parameters
     ----------
@@ -45,9 +45,9 @@ def mark_stale(begin, end, bodies, legs, since, fresh):
     bodies : int
     legs : RowLegs
     since : (legs,) int32
-        Written: who was ready by this row has no use for the leg; −1 for none.
+        Written: the leg is dominated for a chaser ready by this row; −1 for none.
     fresh : (rows,) int32
-        Written: who was ready by this row has no use for any leg of the row.
+        Written: all legs of the row are dominated for a chaser ready by this row.
     """
     destination, first, landing, delta_v = legs
     earlier = np.full((bodies, LOOK_BACK), -1)

@@ -1,4 +1,4 @@
-"""The facts that a proof rests on, for certificates: see :mod:`adr_opt.mission.evidence`."""
+"""Evidence of proofs, for certificates: see :mod:`adr_opt.mission.evidence`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Walks of a chaser that carries something: from one number of kits aboard to another.
+"""Layers of walks of a chaser with cargo: transitions between numbers of kits.
 
 The values of walks have a layer for each number of kits, so that kits are counted as exactly as
 bodies are. What a service does to what the tank is worth becomes an image of slots, rounded so
@@ -16,18 +16,18 @@ from adr_opt.kernels.rules import loads as load_kernels
 from adr_opt.kernels.rules.loads import Loads
 
 SLACK = 1e-9
-"""Guard of roundings to slots, always in the optimistic direction [slots]."""
+"""Guard for rounding to slots, always in the optimistic direction [slots]."""
 
 
 class Layers(NamedTuple):
-    """How walks go from one number of kits aboard to another.
+    """Transitions of walks between numbers of kits.
 
     Attributes
     ----------
     takes : (bodies,) int64
         Kits that a service takes.
     image : (bodies, layers, width) int32
-        Slot after the service of a body with so many kits aboard, of each slot before; −1 for none.
+        Slot after the service of a body, by kits aboard and slot before; −1 for none.
     tops : (layers,) int64
         Slot of a full tank.
     """
@@ -39,7 +39,7 @@ class Layers(NamedTuple):
 
 @kernel
 def _change(loads, slot, top, image):
-    """Write the slots after services that change what is left, of each slot before."""
+    """Write the slots after services that change the remaining ΔV, by slot before."""
     bodies, layers, width = image.shape
     for body in range(bodies):
         for kits in range(layers):
@@ -52,7 +52,7 @@ def _change(loads, slot, top, image):
 
 
 def layers_of(loads: Loads | None, slot: float, top: int, width: int) -> Layers | None:
-    """How walks go from one number of kits to another; None where loads do not count.
+    """Transitions between numbers of kits; None if loads do not matter.
 
     A slot holds all that is left up to the next one, so it is that one's image that counts.
     """
@@ -67,7 +67,7 @@ def layers_of(loads: Loads | None, slot: float, top: int, width: int) -> Layers 
 
 @inlined
 def top_of(layers, top, kits):
-    """Slot of a full tank with so many kits aboard."""
+    """Slot of a full tank with a number of kits aboard."""
     if layers is None:
         return top
     return layers.tops[kits]

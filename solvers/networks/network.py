@@ -1,4 +1,4 @@
-"""The time-expanded network with waiting arcs: every connection once, at its own departure.
+"""Time-expanded network with waiting arcs: every connection once, at its own departure.
 
 A chaser at a body waits from one departure event to the next one. So a *row* stands for a body at
 a departure event: its moves are the connections that leave there and then, all to one destination,
@@ -28,7 +28,7 @@ from .dominated_legs import RowLegs, mark_stale
 
 
 class Outgoing(NamedTuple):
-    """Rows and legs of one body, counted within it.
+    """Rows and legs of one body, with local indices.
 
     Attributes
     ----------
@@ -39,8 +39,8 @@ class Outgoing(NamedTuple):
     delta_v : (legs,) float64
         [m/s].
     service : (legs,) int32
-        Number of the service that the leg leads to: far fewer than legs, since whoever arrives at
-        a body from this one at one time is served by one time.
+        Number of the service that the leg leads to: far fewer than legs, since all arrivals at
+        a body from this one at one time are serviced by one time.
     end : (services,) float64
         End of it [s].
     body : (services,) int32
@@ -61,7 +61,7 @@ class Outgoing(NamedTuple):
 
 @kernel
 def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
-    """Keep the connections to j that fit into the mission at the beginning of their arrays.
+    """Keep the connections to j that fit into the mission, at the front of their arrays.
 
     Of those that leave together none is kept that costs no less than one that arrives no later:
     corrections of what short transfers and those that drift cost may have left some.
@@ -73,7 +73,7 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
     before : int
         Services of the bodies before.
     end : (crossings,) float64
-        Written: earliest end of service of who arrives there [s].
+        Written: earliest end of service after an arrival there [s].
 
     Returns
     -------
@@ -102,9 +102,9 @@ def _possible(j, departure, arrival, delta_v, crossing, rules, before, end):
 
 @inlined
 def reachable(i, j, rules, is_start):
-    """Nobody goes to where he is, back to an orbit that is no body's, or to refuel unearned.
+    """Whether a move is possible: not to the same body or a start orbit, no unearned refuelling.
 
-    Nor does he leave from where others start.
+    Nor from the start orbit of another chaser.
     """
     if i < rules.first_target and not rules.is_station[i] and not is_start[i]:
         return False
@@ -115,7 +115,7 @@ def reachable(i, j, rules, is_start):
 
 @kernel
 def found_of(i, j, leaving, orbits, extra_delta_v, transfer_rule, listed, last):
-    """The connections of a pair: worked out, or copied where they are listed.
+    """Connections of a pair: computed, or copied if listed.
 
     The same ones as schedules are made of: what a leg that comes too late dominates is gone.
     """
@@ -197,7 +197,7 @@ def _from_body(i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, 
 
 @kernel
 def _signpost(departure, start, duration, post):
-    """First row of its body at or after each of as many equal steps of time as it has rows."""
+    """First row of the body at or after equidistant times, as many as it has rows."""
     for i in range(start.size - 1):
         row, rows = start[i], start[i + 1] - start[i]
         for step in range(rows):
@@ -278,7 +278,7 @@ def build(
             _land(departure, start, post, rules.duration, found[i], landing[own], delta_v[own])
             if with_ends:
                 end[own] = found[i].end[found[i].service]
-            # Within a row of landing, too, an earlier end is of use to those who pay for time.
+            # Within a row of landing, too, an earlier end is useful if time has a price.
             legs = RowLegs(destination, first, end if with_ends else landing, delta_v)
             mark_stale(start[i], start[i + 1], bodies, legs, since, fresh)
 
@@ -312,7 +312,7 @@ def build(
 
 
 class Listed(NamedTuple):
-    """The connections of one origin, destination after destination.
+    """Connections of one origin, destination after destination.
 
     Attributes
     ----------
@@ -331,7 +331,7 @@ class Listed(NamedTuple):
 
 
 def listed_of(mission: Mission, i: int) -> Listed | None:
-    """The connections of an origin that are listed; None where they are worked out one by one."""
+    """Listed connections of an origin; None if they are computed one by one."""
     connecting = mission.connecting
     if not connecting.is_listed:
         return None

@@ -1,4 +1,4 @@
-"""The legs of a mission in few bytes each, made origin by origin: a network for any size.
+"""Legs of a mission in few bytes each, made origin by origin: a network for any size.
 
 The network of all connections (:mod:`.network`) is kept whole before walks are given a smaller one.
 Here each origin's connections are worked out, brought into whole numbers and forgotten, so that
@@ -6,8 +6,8 @@ what is kept at any time is what walks need: a leg is one integer. Everything is
 more is allowed, never less:
 
 - Time is counted in *steps* of one length for all bodies. A leg that departs within a step may be
-  taken by whoever is there by the end of the step, and who is ready within a step is ready at its
-  beginning: ⌊·⌋ is monotone, so who is in time for a departure is so in steps. Steps are counted
+    taken by a walk that is there by the end of the step, and a walk ready within a step is ready at
+    its start: ⌊·⌋ is monotone, so all departures in time are in time in steps. Steps are counted
   from 1, and launches, which take no time, depart a step before all that they lead to.
 - ΔV is counted in *units*, rounded down: Σ ⌊ΔV/u⌋ ≤ ⌊Σ ΔV/u⌋ ≤ ⌊budget/u⌋.
 - Legs of a pair are left out that cost no less than another one of the pair that departs no earlier
@@ -36,17 +36,17 @@ from .network import found_of, listed_of, reachable
 
 DEPARTURE, DESTINATION, AHEAD = 48, 32, 16
 FIELD = 0xFFFF
-"""A leg is four numbers of 16 bits: step of departure, destination, steps to landing, ΔV units."""
+"""Largest value of a field; a leg has four of 16 bits: departure step, destination, steps, ΔV."""
 
 MOST = 2**15 - 2
-"""Steps, bodies and units: each goes into 16 bits, and the sign of the whole is left out."""
+"""Maximum number of steps, bodies and units, which fit in 16 bits without affecting the sign."""
 
 NEVER = 2**62
-"""More steps than there are."""
+"""More steps than any mission has."""
 
 
 class Stream(NamedTuple):
-    """Legs of all bodies in whole numbers.
+    """Legs of all bodies as integers.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Stream(NamedTuple):
 
 @inlined
 def first_leg(stream, body, step):
-    """The first leg of a body that departs at a step or later; behind its last one if none does."""
+    """First leg of a body that departs at or after a step; the end of its legs if none does."""
     low, high = stream.first[body], stream.last[body]
     while low < high:
         middle = (low + high) // 2
@@ -90,19 +90,19 @@ def first_leg(stream, body, step):
 
 
 class LegUnits(NamedTuple):
-    """A step of time [s] and a unit of ΔV [m/s], in which legs are counted."""
+    """Units of legs: a time step [s] and a unit of ΔV [m/s]."""
 
     length: float
     unit: float
 
 
 class NoRoom(Exception):
-    """There are more legs than there is room for."""
+    """The legs exceed the available memory."""
 
 
 @kernel
 def _put(j, found, rules, units, ahead, earliest, room, count):
-    """Put the legs of one pair that count behind ``count`` others.
+    """Append the undominated legs of one pair after ``count`` others.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _put(j, found, rules, units, ahead, earliest, room, count):
 
 @kernel
 def _of_body(i, inputs, listed, rules, is_start, units, most, ahead):
-    """All legs of a body that count, and the fewest steps that one of them takes.
+    """Undominated legs of a body, and the least number of steps of any.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ class LegSource:
         self._launches = mission.instance.launches
 
     def of(self, i: int, length: float, unit: float) -> tuple[np.ndarray, int]:
-        """The legs of a body, and the fewest steps that one of them takes.
+        """Legs of a body, and the least number of steps of any.
 
         Parameters
         ----------
@@ -212,7 +212,7 @@ class LegSource:
     def stream(
         self, length: float, unit: float, room: int, *, jobs: int, over: Callable[[], bool]
     ) -> Stream:
-        """The legs of all bodies.
+        """Legs of all bodies.
 
         Parameters
         ----------
@@ -265,5 +265,5 @@ class LegSource:
 
 
 def units_of(budget: float, unit: float) -> int:
-    """Whole units of a full tank [m/s]."""
+    """Number of units in a full tank."""
     return math.floor(budget / unit + SLACK)

@@ -1,4 +1,4 @@
-"""Sixteen integers side by side: vectors of the processor as values in kernels.
+"""SIMD vectors of sixteen integers as values in kernels.
 
 Loops over several arrays at once are not vectorised by the compiler, because it cannot know that
 the arrays do not overlap. With these few operations a kernel says itself what happens sixteen
@@ -64,7 +64,7 @@ def store(typing, array, at, lanes):
 
 @intrinsic
 def spread(typing, number):
-    """One number in all lanes."""
+    """A number in all lanes."""
 
     def code(context, builder, signature, values):
         value = context.cast(builder, values[0], signature.args[0], types.int32)
@@ -77,7 +77,7 @@ def spread(typing, number):
 
 @intrinsic
 def count_up(typing):
-    """The numbers 0 to 15."""
+    """The numbers 0 to 15 in the lanes."""
 
     def code(context, builder, signature, values):
         return ir.Constant(_VECTOR, list(range(LANES)))
@@ -110,7 +110,7 @@ both = _binary(lambda builder, a, b: builder.and_(a, b), "Bits set in both, lane
 
 @intrinsic
 def where_equal(typing, a, b, then, otherwise):
-    """``then`` in the lanes where a = b, ``otherwise`` in the rest."""
+    """``then`` in lanes where a = b, ``otherwise`` elsewhere."""
 
     def code(context, builder, signature, values):
         a, b, then, otherwise = values
@@ -121,7 +121,7 @@ def where_equal(typing, a, b, then, otherwise):
 
 @intrinsic
 def where_less(typing, a, b, then, otherwise):
-    """``then`` in the lanes where a < b, ``otherwise`` in the rest."""
+    """``then`` in lanes where a < b, ``otherwise`` elsewhere."""
 
     def code(context, builder, signature, values):
         a, b, then, otherwise = values
@@ -132,7 +132,7 @@ def where_less(typing, a, b, then, otherwise):
 
 @intrinsic
 def where_same(typing, a, b, bits, then):
-    """``then`` in the lanes where a and b agree in the given bits, ``b`` in the rest."""
+    """``then`` in lanes where a and b agree in the given bits, ``b`` elsewhere."""
 
     def code(context, builder, signature, values):
         a, b, bits, then = values

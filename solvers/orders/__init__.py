@@ -1,1 +1,1 @@
-"""Orders of bodies and their best times."""
+"""Orders of bodies and their optimal timing."""

@@ -1,4 +1,4 @@
-"""Orders of targets that are changed by bits, and what is known of how far they can be flown.
+"""Orders of targets under local changes, with fronts of how far they can be flown.
 
 The Pareto fronts of :mod:`.fronts` at every target of an order, from both ends. Those backwards are
 whole; those forwards are the ones that are early enough for the rest, which are few.
@@ -19,11 +19,11 @@ from .fronts import ParetoFront
 from .reach import may_fit
 
 PASSED_OVER = 0.15
-"""Probability that a position is not looked at."""
+"""Probability that a position is skipped."""
 
 
 class BitOrder(NamedTuple):
-    """An order of targets, and how far it can be flown from both ends; places are bodies.
+    """An order of targets, with fronts from both ends; places are bodies.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ def _before(rules, order, position):
 
 @kernel
 def time_forth(rules, connections, course, length, first, settled, workspace):
-    """Fronts forwards from a position on; whether all targets can be reached.
+    """Forward fronts from a position on; returns whether all targets can be reached.
 
     Only those that are early enough for the rest: the fronts backwards are right. From the position
     ``settled`` up the fronts are right if those before have not changed.
@@ -65,7 +65,7 @@ def time_forth(rules, connections, course, length, first, settled, workspace):
 
 @kernel
 def time_back(rules, connections, course, length, last, settled, workspace):
-    """Fronts backwards from a position on; whether all of them suffice.
+    """Backward fronts from a position on; returns whether all are feasible.
 
     From the position ``settled`` down the fronts are right if those behind have not changed.
     """
@@ -88,7 +88,7 @@ def time_back(rules, connections, course, length, last, settled, workspace):
 
 @kernel
 def copy_course(source, destination, bodies):
-    """Copy an order, its fronts at all bodies."""
+    """Copy an order with its fronts at all bodies."""
     write(destination.order, source.order)
     for side in range(2):
         one, other = source.came, destination.came
@@ -100,7 +100,7 @@ def copy_course(source, destination, bodies):
 
 @kernel
 def insert(order, source, position):
-    """Move the target at a later place to a position."""
+    """Move a target at a later position to a position."""
     j = order[source]
     for p in range(source, position, -1):
         order[p] = order[p - 1]
@@ -109,7 +109,7 @@ def insert(order, source, position):
 
 @kernel
 def left_with(rules, connections, course, length, j, p, latest, workspace):
-    """Time that is left once a target is put in at a position [s]; −inf if it does not fit.
+    """Time left after inserting a target at a position [s]; −inf if it does not fit.
 
     ``latest`` is when the chaser has to be ready at the next target, or when the mission ends.
     """
@@ -133,7 +133,7 @@ def left_with(rules, connections, course, length, j, p, latest, workspace):
 
 @kernel
 def best_position(rules, connections, reach, course, length, j, workspace, rng):
-    """Where most time is left once a target is put in; −1 if it fits in nowhere."""
+    """Position with most time left after inserting a target; −1 if it fits nowhere."""
     rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
     course, workspace = borrowed(course), borrowed(workspace)
     best, most = -1, -np.inf
@@ -156,13 +156,13 @@ def best_position(rules, connections, reach, course, length, j, workspace, rng):
 
 @kernel
 def new_course(order, bodies):
-    """A course for a copy of an order, of which nothing is timed yet."""
+    """Storage for a copy of an order, without fronts."""
     return BitOrder(order.copy(), fronts.new_front(bodies), fronts.new_front(bodies))
 
 
 @kernel
 def prize_of(rules, course, length):
-    """What an order collects."""
+    """Sum of prizes of an order."""
     prize = 0.0
     for p in range(length):
         prize += rules.prize[course.order[p]]
@@ -171,7 +171,7 @@ def prize_of(rules, course, length):
 
 @kernel
 def spare(course, length):
-    """Time that the chaser might be later by, in the mean over all targets of an order [s]."""
+    """Mean slack over all targets of an order [s]."""
     total = 0.0
     for p in range(length):
         j = course.order[p]
@@ -181,7 +181,7 @@ def spare(course, length):
 
 @kernel
 def with_refuelling(rules, course, length):
-    """The sequence of bodies that ends first, refuelling stops included."""
+    """The sequence of bodies with the earliest end, refuelling stops included."""
     order, came = course.order, course.came
     backwards = np.empty(2 * length, np.int64)
     moves, point = 0, 0

@@ -1,4 +1,4 @@
-"""The connections that orders of targets are timed on: for each pair those worth taking.
+"""Table of connections for timing orders of targets: for each pair, those worth taking.
 
 Where nodes drift a pair has thousands of connections. Those that some value of time chooses are a
 tenth of them, and an order of targets is timed on them a hundred thousand times a second.
@@ -19,11 +19,11 @@ from adr_opt.mission.mission import Mission
 from ..beams.time_value import TIME_VALUE_M_S_PER_H
 
 SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
-"""Values of time whose choices are taken, as multiples of what beams take an hour to be worth."""
+"""Values of time whose choices are included, as multiples of the beams' value of an hour."""
 
 
 class ConnectionTable(NamedTuple):
-    """Connections of all pairs, those of a pair side by side and in order of departure.
+    """Connections of all pairs in CSR form, each pair's in order of departure.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class ConnectionTable(NamedTuple):
 
 @kernel
 def _mark(found, limits, j, values, taken, wanted):
-    """Mark the connections of a pair that one of the values of time [m/s per s] chooses."""
+    """Mark the connections of a pair chosen by any of the values of time [m/s per s]."""
     for c in range(wanted.size):
         wanted[c] = False
     for value in values:
@@ -63,7 +63,7 @@ def _mark(found, limits, j, values, taken, wanted):
 
 
 def table_of(mission: Mission) -> ConnectionTable:
-    """The table of a mission under which nodes drift; its timetable is built."""
+    """The table of a mission with drifting nodes; builds its timetable."""
     rules, limits = mission.rules, mission.timetable.limits
     connecting = mission.timetable.connecting
     usual = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S

@@ -1,4 +1,4 @@
-"""How simulated annealing of orders cools down (Kirkpatrick, Gelatt and Vecchi 1983)."""
+"""Cooling schedule for simulated annealing of orders (Kirkpatrick, Gelatt and Vecchi 1983)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from adr_opt.kernels.core.compile import inlined
 
 
 class AnnealingSchedule(NamedTuple):
-    """What an order is judged by, and how far it may get worse.
+    """Objective weights of an order, and temperatures.
 
     Attributes
     ----------
@@ -27,6 +27,6 @@ class AnnealingSchedule(NamedTuple):
 
 @inlined
 def temperature(schedule, iteration):
-    """Temperature of an iteration, falling by the same factor each time [prizes]."""
+    """Temperature of an iteration, falling geometrically [prizes]."""
     hot, cold = schedule.hot, schedule.cold
     return hot * (cold / hot) ** (iteration / schedule.iterations)

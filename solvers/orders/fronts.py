@@ -1,4 +1,4 @@
-"""How far an order of targets can be flown, from both of its ends, over many connections a pair.
+"""Pareto fronts of (time, ΔV) along an order of targets, over many connections per pair.
 
 Forwards, the Pareto front at a target has the ways to have come so far that are worth having:
 points of (time ready, ΔV left), the later the richer. Backwards it has what suffices to fly the
@@ -26,14 +26,14 @@ from ..beams.levels import STRAIGHT
 MOST_POINTS = 64
 
 DIRECT, BY_STATION, AT_STATION = 0, 1, 2
-"""Places of the parts of a front: of who comes directly, of who comes by a station, and there."""
+"""Indices of the parts of a front: direct arrival, arrival via a station, and at the station."""
 
 STEPS = 60
-"""A point has more ΔV than the one before by at least this part of a tank."""
+"""Least ΔV step between points of a front, as a share 1/STEPS of a tank."""
 
 
 class ParetoFront(NamedTuple):
-    """Pareto fronts at several places, side by side.
+    """Pareto fronts at several places, as columns.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class ParetoFront(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Memory to work in.
+    """Scratch arrays.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Workspace(NamedTuple):
 
 @kernel
 def new_front(places):
-    """Room for fronts."""
+    """Empty storage for fronts."""
     return ParetoFront(
         np.zeros(places, np.int64), np.empty((places, MOST_POINTS)),
         np.empty((places, MOST_POINTS)), np.empty((places, MOST_POINTS), np.int16),
@@ -87,14 +87,14 @@ def new_front(places):
 
 @kernel
 def new_workspace(connections):
-    """Memory to work in, enough for any pair."""
+    """Scratch arrays, large enough for any pair."""
     most = max(1, connections.total.max())
     return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3), new_front(2))
 
 
 @inlined
 def first_at(numbers, low, high, least):
-    """The first place in ascending numbers where they are at least so large."""
+    """First index in ascending numbers of at least a value."""
     while low < high:
         middle = (low + high) // 2
         if numbers[middle] < least:
@@ -106,7 +106,7 @@ def first_at(numbers, low, high, least):
 
 @inlined
 def first_by_end(connections, begin, total, least):
-    """The first place in the order of ends where they are at least so large."""
+    """First index in the order of ends of at least a value."""
     low, high = 0, total
     while low < high:
         middle = (low + high) // 2
@@ -119,7 +119,7 @@ def first_by_end(connections, begin, total, least):
 
 @inlined
 def put(front, place, size, time, tank, parent, via):
-    """Add the next point; returns how many there are."""
+    """Append a point; returns the new number of points."""
     front.time[place, size], front.tank[place, size] = time, tank
     front.parent[place, size], front.via[place, size] = parent, via
     return size + 1
@@ -127,7 +127,7 @@ def put(front, place, size, time, tank, parent, via):
 
 @kernel
 def _fly(connections, i, j, here, at, latest, workspace, to):
-    """Points that the connections of a pair lead to, none after a time; returns how many.
+    """Points reached by a pair's connections up to a time; returns their number.
 
     They are written into the parts of the workspace at ``to``, DIRECT or BY_STATION, which is i.
     """
@@ -176,7 +176,7 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
 
 @kernel
 def _refuelled(connections, i, s, here, latest):
-    """When a chaser may be refuelled at a station at the earliest [s], and by which point."""
+    """Earliest refuelling at a station [s], and the point it comes from."""
     connections = borrowed(connections)
     here = borrowed(here)
     begin, total = connections.first[i, s], connections.total[i, s]
@@ -205,7 +205,7 @@ def _refuelled(connections, i, s, here, latest):
 
 @kernel
 def _merge(count, parts, rest, step, to, at):
-    """Merge two ascending fronts, at the places 0 and 1 of ``parts``."""
+    """Merge two ascending fronts, at indices 0 and 1 of ``parts``."""
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, -step
@@ -228,7 +228,7 @@ def _merge(count, parts, rest, step, to, at):
 
 @kernel
 def forwards(rules, connections, i, j, refuels, here, latest, workspace):
-    """The front at the next target of an order, none of it after a time, for a trial: place 0.
+    """Front at the next target of an order up to a time, for a trial: index 0.
 
     Parameters
     ----------
@@ -280,7 +280,7 @@ def forwards(rules, connections, i, j, refuels, here, latest, workspace):
 
 @kernel
 def take(source, at, destination, to):
-    """Copy a front; whether the same one was there."""
+    """Copy a front; returns whether it was unchanged."""
     source, destination = borrowed(source), borrowed(destination)
     size = source.size[at]
     same = destination.size[to] == size
@@ -296,7 +296,7 @@ def take(source, at, destination, to):
 
 @inlined
 def slack(came, at, suffices, to):
-    """How much later a chaser might be and still fly the rest [s]; −inf if it cannot."""
+    """Slack of a chaser that can still fly the rest [s]; −inf if it cannot."""
     best, point = -np.inf, 0
     size = came.size[at]
     for rest in range(suffices.size[to] - 1, -1, -1):

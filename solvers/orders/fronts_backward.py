@@ -1,4 +1,4 @@
-"""What suffices to fly the rest of an order: the fronts of :mod:`.fronts` towards its beginning."""
+"""Backward Pareto fronts: the least resources for the rest of an order, see :mod:`.fronts`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .fronts import (
 
 @kernel
 def _fly_back(connections, i, j, there, at, earliest, workspace, to):
-    """Points from which the connections of a pair lead to others, none before a time.
+    """Points from which a pair's connections lead to others, from a time on.
 
     They are written into the parts of the workspace at ``to``.
     """
@@ -70,7 +70,7 @@ def _fly_back(connections, i, j, there, at, earliest, workspace, to):
 
 @kernel
 def _needed_full(connections, s, j, there, earliest):
-    """How late a chaser may be refuelled at a station; −inf for never [s]."""
+    """Latest refuelling at a station that suffices; −inf if none does [s]."""
     connections = borrowed(connections)
     there = borrowed(there)
     begin, total = connections.first[s, j], connections.total[s, j]
@@ -97,7 +97,7 @@ def _needed_full(connections, s, j, there, earliest):
 
 @kernel
 def _merge_back(count, parts, rest, step, to, at):
-    """Merge two descending fronts at the places 0 and 1 of ``parts``."""
+    """Merge two descending fronts at indices 0 and 1 of ``parts``."""
     parts = borrowed(parts)
     to = borrowed(to)
     a, b, size, best = 0, 0, 0, np.inf
@@ -117,7 +117,7 @@ def _merge_back(count, parts, rest, step, to, at):
 
 @kernel
 def backwards(rules, connections, i, j, there, earliest, workspace, to):
-    """The front that suffices at a target before one with a given front, none before a time.
+    """Sufficient front at a target before one with a known front, from a time on.
 
     Parameters as of :func:`.fronts.forwards`, from the front of ``there`` at ``j`` back to ``i``,
     for the place ``to`` of the trial. From a target the chaser may always go by a station.
@@ -146,7 +146,7 @@ def backwards(rules, connections, i, j, there, earliest, workspace, to):
 
 @kernel
 def finish(rules, connections, i, earliest, workspace, to):
-    """The front that suffices at the last target of an order, for the place ``to`` of the trial."""
+    """Sufficient front at the last target of an order, at index ``to`` of the trial."""
     size, parts, here = np.int64(0), workspace.parts, workspace.trial
     if rules.may_end[i]:
         size = put(here, to, size, rules.duration, 0.0, 0, STRAIGHT)

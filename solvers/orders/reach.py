@@ -1,4 +1,4 @@
-"""What a leg between two times costs at least: positions of an order are refused by it at once.
+"""Lower bounds on legs between two times, which reject positions of an order quickly.
 
 A target fits in between two others if the chaser can come there and go on, straight or by a
 station, between the earliest time at which it is ready at the one and the latest at which it has
@@ -20,10 +20,10 @@ from adr_opt.kernels.core.memory import borrowed
 from .connection_table import ConnectionTable
 
 CELLS = 73
-"""The mission in cells of time: of five days, if it takes a year."""
+"""Number of time cells per mission: five days each if it takes a year."""
 
 SPANS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, CELLS)
-"""Cells that a span has for which bounds are kept; others are taken for the next longer one."""
+"""Spans in cells for which bounds are kept; others use the next longer one."""
 
 
 class Reach(NamedTuple):
@@ -34,7 +34,7 @@ class Reach(NamedTuple):
     cell_s : float
         [s].
     rank : (CELLS + 1,) int64
-        Which of the spans is the least of at least so many cells.
+        Index of the least span of at least this number of cells.
     least : (bodies, bodies, spans, CELLS) float32
         Least ΔV of the connections of a pair that leave and end within a span that begins with a
         cell, +inf for none [m/s].
@@ -52,7 +52,7 @@ class Reach(NamedTuple):
 
 @kernel
 def _by_span(connections, i, j, cell_s, spans, cheapest, least):
-    """Fill in the bounds of a pair; the least time its connections take [s]."""
+    """Fill in the bounds of a pair; returns the least duration of its connections [s]."""
     connections = borrowed(connections)
     for g in range(CELLS):
         for n in range(CELLS):
@@ -100,14 +100,14 @@ def _reach_of(connections, stations, duration, spans):
 
 
 def reach_of(connections: ConnectionTable, stations: int, duration: float) -> Reach:
-    """Bounds on the legs of a mission of some duration [s], over its table."""
+    """Bounds on the legs of a mission of a given duration [s], from its table."""
     reach: Reach = _reach_of(connections, stations, duration, np.array(SPANS, dtype=np.int64))
     return reach
 
 
 @inlined
 def leg(reach, i, j, begin, end):
-    """Least ΔV of the connections of a pair that leave and end between two times [m/s]."""
+    """Least ΔV of connections of a pair that leave and end between two times [m/s]."""
     cost = np.inf
     if end - earliest_taken(begin) >= reach.straight[i, j]:
         first = min(max(int(earliest_taken(begin) / reach.cell_s), 0), CELLS - 1)
@@ -118,7 +118,7 @@ def leg(reach, i, j, begin, end):
 
 @kernel
 def may_fit(rules, reach, i, j, k, times, tanks, refuels):
-    """Whether a chaser may come from a body to a target, and go on to another one in time.
+    """Whether a chaser may reach a target from one body and continue to another in time.
 
     Parameters
     ----------

@@ -38,21 +38,21 @@ LONGEST_STRING = 6
 MOST_STRINGS = 3
 
 HOT, COLD = 1.0, 0.03
-"""Temperatures of the annealing, in mean prizes."""
+"""First and last temperature of the annealing, in mean prizes."""
 
 TIME_COUNTS = 0.3
-"""Share of what time is worth by which an order is judged. Targets that are hard to come by take
-more of it than their prize is worth, and an order that spares time for nothing is none better."""
+"""Share of the value of time in the objective of an order. Targets that are hard to reach take more
+of it than their prize is worth, and time saved for nothing makes no order better."""
 
 NEIGHBOURS = 3
-"""A target is as far from others as the mean of so many that are nearest to it."""
+"""Number of nearest targets whose mean distance defines the remoteness of a target."""
 
 PATIENCE = 0.99
-"""Share of the memory that a target was missing which an iteration leaves."""
+"""Factor per iteration on the memory of missing targets."""
 
 
 class Surroundings(NamedTuple):
-    """How targets lie among the others.
+    """Distances between targets.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Surroundings(NamedTuple):
 
 @kernel
 def ruin(order, length, near, rng):
-    """Take strings of targets out of an order.
+    """Remove strings of targets from an order.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def ruin(order, length, near, rng):
 
 @kernel
 def _recreate(rules, connections, around, course, length, workspace, rng):
-    """Put missing targets back in, as far as they fit; returns how many are visited, or −1."""
+    """Reinsert missing targets as far as they fit; returns the number of visits, or −1."""
     order, far, absent = course.order, around.far, around.absent
     missing = order.size - length
     keys = np.empty(missing)
@@ -248,7 +248,7 @@ def anneal(rules, connections, around, order, length, schedule, rng, halt):
 
 @kernel
 def _nearness(rules, connections, time_value):
-    """What the best connection of each pair costs in either direction, time at its value [m/s]."""
+    """Least cost of each pair's connections in either direction, time at its value [m/s]."""
     bodies = rules.service.size
     apart = np.full((bodies, bodies), np.inf)
     for i in range(bodies):
@@ -265,7 +265,7 @@ def _nearness(rules, connections, time_value):
 
 
 class Strings:
-    """Anneals orders of one mission, and goes on from where it was.
+    """Annealing of orders of one mission, resumable.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ class Strings:
         self._length = 0
 
     def beside(self, seed: int) -> Strings:
-        """Another one of the same mission, that may anneal at the same time."""
+        """An independent annealing of the same mission, which may run concurrently."""
         other = copy(self)
         other._rng = np.random.default_rng(seed)
         other._around = self._around._replace(absent=self._around.absent.copy())
@@ -301,7 +301,7 @@ class Strings:
         return other
 
     def begin(self, sequence: Iterable[int]) -> None:
-        """Go on from a plan: bodies in order."""
+        """Set the current plan: bodies in order."""
         rules = self._mission.rules
         visited = [int(j) for j in sequence if j >= rules.first_target]
         others = sorted(set(range(rules.first_target, rules.service.size)) - set(visited))
@@ -309,7 +309,7 @@ class Strings:
         self._length = len(visited)
 
     def anneal(self, iterations: int) -> npt.NDArray[np.int64]:
-        """Anneal the order; the best plan on the way, refuelling stops included."""
+        """Anneal the order; returns the best plan found, refuelling stops included."""
         mission = self._mission
         rules, prize = mission.rules, worth_of(mission).prize
         worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration

@@ -1,4 +1,4 @@
-"""An order of targets, timed with the best refuelling stops between them.
+"""An order of targets, timed with optimal refuelling stops between them.
 
 Local search works on orders of targets alone. Where to refuel is not searched but solved: on the
 way from one target to the next the chaser may pass by a station, and all ways to do so are kept
@@ -23,7 +23,8 @@ from adr_opt.mission.mission import Mission
 from ..beams.levels import STRAIGHT
 
 MOST_LABELS = 6
-"""Labels kept at a target: the earliest ones. More are rare, and only cost plans, not legality."""
+"""Maximum number of labels per target, the earliest ones. More are rare, and dropping them only
+costs quality, not legality."""
 
 
 class OrderLabels(NamedTuple):
@@ -50,7 +51,7 @@ class OrderLabels(NamedTuple):
 
 
 def make_labels(mission: Mission) -> OrderLabels:
-    """Labels for orders of the targets of a mission, the start filled in."""
+    """Labels for orders of a mission's targets, with the start filled in."""
     targets, rules = len(mission.instance.targets), mission.rules
     shape = (targets + 1, MOST_LABELS)
     labels = OrderLabels(
@@ -67,7 +68,7 @@ def make_labels(mission: Mission) -> OrderLabels:
 
 @inlined
 def _has(labels, position, place):
-    """The resources of a label: a target is serviced at each position, and no kits are carried.
+    """Resources of a label: a service at each position, and no kits.
 
     With the first one a chaser may refuel; whether it has done so on the way is no matter then.
     """
@@ -79,21 +80,21 @@ def _has(labels, position, place):
 
 @inlined
 def _write(labels, position, place, has, parent, via):
-    """Write a label to a place."""
+    """Write a label to an index."""
     labels.time[position, place], labels.left[position, place] = has.time, has.left
     labels.parent[position, place], labels.via[position, place] = parent, via
 
 
 @inlined
 def _move(labels, position, place, to):
-    """Move a label to another place."""
+    """Move a label to another index."""
     parent, via = labels.parent[position, place], labels.via[position, place]
     _write(labels, position, to, _has(labels, position, place), parent, via)
 
 
 @kernel
 def _add(labels, position, count, has, parent, via, loads):
-    """Add a label unless another one dominates it; drop those that it dominates."""
+    """Add a label unless dominated, and drop those that it dominates."""
     labels = borrowed(labels)
     for a in range(count):
         if dominates(_has(labels, position, a), has, loads):
@@ -118,7 +119,7 @@ def _add(labels, position, count, has, parent, via, loads):
 
 @kernel
 def extend(rules, order, labels, position):
-    """Labels of the target at a position (counted from 0) from those of the one before it.
+    """Labels at a position (from 0) of an order, extended from the previous one.
 
     Returns
     -------
@@ -161,7 +162,7 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
     reference : (positions,) float64
         Earliest end at each position in the order compared with [s].
     patience : float
-        Give up where the order is the reference's again and still so much later [s].
+        Give up where the order is the reference's again and still later by this [s].
 
     Returns
     -------
@@ -180,7 +181,7 @@ def time_order(rules, order, length, start, labels, changed, reference, patience
 
 @kernel
 def with_refuelling(order, length, labels):
-    """The sequence of bodies of the label that ends first, refuelling stops included."""
+    """Sequence of bodies of the label with the earliest end, refuelling stops included."""
     backwards = np.empty(2 * length, np.int64)
     moves, label = 0, 0
     for position in range(length, 0, -1):

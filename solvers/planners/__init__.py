@@ -1,1 +1,1 @@
-"""The planners: a module or a folder each. None imports another one."""
+"""Planners: a module or a folder each. None imports another one."""

@@ -1,4 +1,4 @@
-"""The default planner: anytime, and it knows when to stop."""
+"""The default planner: an anytime search with a concurrent proof."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def auto(
     start: Iterable[Iterable[int]] | None = None,
     options: AutoOptions = AutoOptions(),
 ) -> Result:
-    """The best plan that the time allows, and a proof where one is found.
+    """The best plan that the time allows, with a proof if one is found.
 
     Begins with the guarded greedy plan and the searches of ``beam``, behind which it never falls
     for that reason. Then rounds, each with more effort than the one before, of search and of proof

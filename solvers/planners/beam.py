@@ -1,4 +1,4 @@
-"""Beam search, the planner: one deterministic search of a given width."""
+"""The beam-search planner: one deterministic search of a given width."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def beam(
     progress: Progress,
     options: BeamOptions = BeamOptions(),
 ) -> Result:
-    """Level by level over visits, keeping the best partial plans of each level.
+    """Beam search, level by level over visits, keeping the best partial plans of each level.
 
     Deterministic as long as the time allows the whole width. A narrow search first tells how much
     it does allow; one that is late all the same is hurried to its end.
@@ -117,7 +117,7 @@ def beam(
 def _by_policy(
     mission: Mission, best: Incumbent, options: BeamOptions, stop: Stop
 ) -> tuple[int, tuple[str, ...]]:
-    """Offer the best of a beam whose partial plans a learned policy judges.
+    """Offer the best plan of a beam guided by a learned policy.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The exact method: label setting on exact times with ng-route memory that grows on demand.
+"""The exact method: label setting on exact times, with ng-route memory augmented on demand.
 
 A beam finds a plan; :class:`solvers.proof.proof.Proof` asks, exhaustively, for a better one.
 Its searches set labels forwards over the departure events themselves, with exact times and exact
@@ -34,13 +34,13 @@ from ..walks.latest_times import Latest
 from . import many_routes
 
 WIDTH = 2000
-"""Of the guided beams that are searched before each round of proof."""
+"""Width of the guided beams before each round of proof."""
 
 FIRST_BEAMS, MOST_BEAMS = 8, 16
-"""How many before the first round, twice as many before each further one."""
+"""Number of beams before the first round, doubled in each further one up to the second number."""
 
 COST_SLOT_M_S = 12.5
-"""Slot of ΔV in proofs of the least cost, of walks that do not pay for it [m/s]."""
+"""Slot of ΔV in cost proofs, for walks that do not pay for it [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def exact(
     start: Iterable[Iterable[int]] | None = None,
     options: ExactOptions = ExactOptions(),
 ) -> Result:
-    """The optimal plan and its proof; at the limit the best plan and bound so far.
+    """The optimal plan and its proof; at the limit, the best plan and bound so far.
 
     Of several chasers, and where loads, expense or limits of stations count, by column generation:
     see :func:`.many_routes.plan`.
@@ -91,7 +91,7 @@ def _one_route(
     start: Iterable[Iterable[int]] | None,
     options: ExactOptions,
 ) -> Result:
-    """The optimal plan of one chaser, and its proof."""
+    """The optimal plan of one chaser, with its proof."""
     certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(*start)

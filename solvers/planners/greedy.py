@@ -1,4 +1,4 @@
-"""Greedy planners: as published, and with the one guard that it lacks."""
+"""Greedy planners: as published, and with a refuelling guard."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class GuardedOptions(GreedyOptions, method="greedy-guarded"):
 
     beta: float = option(
         -1.0,
-        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s an hour, and "
+        "Weight of the time from ready to arrival. Below 0: 0.0125, which is 45 m/s per hour, or "
         "less where planes drift.",
         unit="per s",
     )
@@ -76,7 +76,7 @@ def greedy(
     progress: Progress,
     options: GreedyOptions = GreedyOptions(),
 ) -> Result:
-    """The published greedy: the legal target with the least α·ΔV + β·T; refuel if there is none.
+    """The published greedy: the legal target with the least α·ΔV + β·T, or else a refuelling.
 
     It has no look-ahead for the way back to the station and strands itself. Of several chasers each
     goes for what those before have left. Deterministic; ends by itself within a millisecond and
@@ -93,7 +93,7 @@ def greedy_guarded(
     progress: Progress,
     options: GuardedOptions = GuardedOptions(),
 ) -> Result:
-    """Greedy that takes a target only if the chaser can refuel after it, or need not any more.
+    """Greedy that takes only targets after which the chaser can refuel, or no longer needs to.
 
     The same rule as :func:`greedy` with one guard and, by default, a price on time, so that a
     cheap transfer is not waited for while a zone is closed; as quick.

@@ -1,4 +1,4 @@
-"""Planning for several chasers: search and proof side by side, round by round."""
+"""Planning for several chasers: rounds of search and concurrent proof."""
 
 from __future__ import annotations
 
@@ -31,31 +31,31 @@ from ..walks.floors import floor_bound
 from .rounds import Task, run
 
 FIRST_MOVES, MOST_MOVES = 20, 160
-"""Moves of the search in a round: twice as many in each; more where proofs take their time."""
+"""Moves of the search per round: the first number, doubled up to the second."""
 
 USUAL_SWEEP_S = 0.017
-"""What a sweep of the walks takes where so many moves are made."""
+"""Time of a sweep of the walks at which these numbers are used [s]."""
 
 WIDTH = 100
-"""Of the beams of a move; where rows are worked out on demand, the narrowest."""
+"""Width of the beams of a move; the narrowest if rows are computed on demand."""
 
 PACKING_S = 10.0
-"""The longest that putting routes together may take in a round."""
+"""Longest time for packing routes per round [s]."""
 
 FOR_COST = 0.2
-"""Share of the time left that making the plan cheaper may take."""
+"""Share of the remaining time for reducing the plan's cost."""
 
 LAST_FOR_COST = 0.1
-"""Share of all time that is kept for it where another cost than ΔV is asked for."""
+"""Share of all time reserved for it if the cost is not ΔV."""
 
 EXCHANGES = 30
-"""Of targets, for each one that is serviced, by which the plan is made cheaper; also in each round
-where planes drift, so that routes are more than a way through a cloud."""
+"""Exchanges per serviced target that reduce the plan's cost; also in each round where planes drift,
+so that routes are more than a way through a cloud."""
 
 
 @dataclass(frozen=True)
 class Goals:
-    """What planning by rounds is asked for.
+    """Goals of planning by rounds.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Goals:
 
 
 class _Prover(ConcurrentProof[ColumnProof]):
-    """The proving half: with a pool of its own as well."""
+    """The proving half, with a route pool of its own."""
 
     def __init__(
         self,
@@ -101,23 +101,23 @@ class _Prover(ConcurrentProof[ColumnProof]):
         super().__init__(certificate, own, stop, made)
 
     def fetch(self) -> None:
-        """Hear of the incumbent and of routes, before a round."""
+        """Receive the incumbent and routes, before a round."""
         super().fetch()
         self._pool.take(self._shared_pool)
 
     def deliver(self) -> None:
-        """Tell what the round has found."""
+        """Deliver the results of the round."""
         self._shared_pool.take(self._pool)
         super().deliver()
 
     @property
     def multipliers(self) -> FloatArray:
-        """What one more of each target would be worth, as far as it is known."""
+        """Dual price of each target, as far as known."""
         return self._nothing if self.proof is None else self.proof.multipliers
 
 
 class _Search:
-    """The searching half: ruin and recreate across routes, packing, and exchanges of targets."""
+    """The searching half: ruin and recreate across routes, packing, and target exchange."""
 
     def __init__(
         self,
@@ -135,12 +135,12 @@ class _Search:
         self._width = first_width(problem.missions[0], WIDTH)
 
     def begin(self, start: Routes | None, scale: int) -> None:
-        """The first plans; ``scale`` times as many moves are made in a round as usual."""
+        """Make the first plans; ``scale`` multiplies the number of moves per round."""
         self._moves, self._most_moves = scale * FIRST_MOVES, scale * MOST_MOVES
         self.routes.begin(start)
 
     def beside(self, prover: _Prover | None, rounds: int) -> Task | None:
-        """The proof, as long as it can do more."""
+        """The proof, as long as it can progress."""
         return None if prover is None or prover.done else prover.advance
 
     def advance(self, prover: _Prover | None, rounds: int) -> None:
@@ -157,19 +157,19 @@ class _Search:
                 search.complete(self._width)
 
     def exchange(self, stop: Stop) -> bool:
-        """Make the best plan cheaper; whether anything was found."""
+        """Reduce the cost of the best plan; returns whether anything was found."""
         many = EXCHANGES * sum(map(len, self._certificate.routes or ()))
         return self.exchanges.anneal(many, stop)
 
     def meet(self, prover: _Prover | None) -> None:
-        """Hear what targets are worth, and do more in the next round."""
+        """Receive dual prices of targets, and do more in the next round."""
         if prover is not None:
             self.routes.multipliers = prover.multipliers
         self._moves = min(2 * self._moves, self._most_moves)
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done."""
+        """Work counters."""
         return {**self.routes.counters, **self.exchanges.counters}
 
 
@@ -184,7 +184,7 @@ def plan(
     options: ProofOptions,
     goals: Goals,
 ) -> Result:
-    """The best plan that the time allows, and a proof where one is found.
+    """The best plan that the time allows, with a proof if one is found.
 
     Rounds, each with more effort than the one before: ruin and recreate across routes
     (:class:`solvers.routes.route_search.RouteSearch`) side by side with column generation

@@ -1,4 +1,4 @@
-"""Planning for one chaser: beams, ruin and recreate, annealing and a proof, round by round."""
+"""Planning for one chaser: rounds of beams, ruin and recreate, annealing, and a proof."""
 
 from __future__ import annotations
 
@@ -31,34 +31,34 @@ from .rounds import Task, run
 Prover = ConcurrentProof[Proof | LargeProof]
 
 USUAL_WIDTH = 2000
-"""Of the first beam, the one that the planner ``beam`` searches."""
+"""Width of the first beam, that of the ``beam`` planner."""
 
 VARIED_WIDTH = 1000
-"""Of the first varied beam."""
+"""Width of the first varied beam."""
 
 UNHURRIED = 0.25
-"""Share of the time left that the first beam may take beside a proof."""
+"""Share of the remaining time for the first beam alongside a proof."""
 
 MOST_GUIDED = 16
-"""Guided beams in a round."""
+"""Maximum number of guided beams per round."""
 
 WIDEST = 30_000
 
 ASKING = 0.1
-"""Share of the usual widths where rows are worked out on demand."""
+"""Share of the usual widths if rows are computed on demand."""
 
 USUAL_TARGETS = 50
-"""Fields of this size get beams of the widths above; larger ones narrower ones."""
+"""Number of targets for which these widths are meant; larger fields get narrower beams."""
 
 ANNEALED, ANNEALINGS = 300, 8
-"""Iterations of an annealing where planes drift, and annealings of the first round."""
+"""Iterations per annealing where planes drift, and number of annealings in the first round."""
 
 PROVING_ROUNDS = 4
-"""Where planes drift and a proof has no bound yet, it goes on in one of so many rounds after
-the second; in the others a second order is annealed in its place."""
+"""After the second round, if planes drift and a proof has no bound yet, it continues in one round
+of this many; in the others, a second order is annealed instead."""
 
 FRUITLESS = 6
-"""So many annealings from one plan that find nothing better are followed by one from another."""
+"""Number of fruitless annealings from one plan before another plan is chosen."""
 
 
 class RouteSearches:
@@ -100,25 +100,25 @@ class RouteSearches:
 
     @property
     def drifts(self) -> bool:
-        """Whether planes drift far enough for orders to be annealed, which takes memory."""
+        """Whether planes drift enough for annealing orders, which takes memory."""
         return self._mission.instance.transfer.may_drift
 
     def needed_s(self, width: int) -> float:
-        """Seconds that a beam takes."""
+        """Expected time of a beam [s]."""
         return self._beams.needed_s(width)
 
     def usual_width(self, width: int) -> int:
-        """A width up to this one whose beam leaves most of the time to others."""
+        """A width up to this one whose beam leaves most of the time for others."""
         needed_s, allowed_s = self.needed_s(width), UNHURRIED * self._stop.remaining_s()
         return width if needed_s <= allowed_s else max(1, int(width * allowed_s / needed_s))
 
     def scaled(self, width: int) -> int:
-        """A width for a field of this size."""
+        """A width adapted to the size of the field."""
         least = max(10, int(self._scale * width))
         return self.usual_width(least) if self._asks else least
 
     def begin(self, prover: Prover | None, cores: int) -> None:
-        """What comes before the first round: the quickest beams, and a first bound."""
+        """Before the first round: the fastest beams, and a first bound."""
         certificate, stop = self._certificate, self._stop
 
         def is_over() -> bool:
@@ -137,12 +137,12 @@ class RouteSearches:
             self.usual(self._usual)
 
     def _is_unbounded(self, rounds: int) -> bool:
-        """Whether a search has proven nothing, so that the next ones will not prove it soon."""
+        """Whether the searches have proven nothing so far, and hardly will in the next ones."""
         bound = self._certificate.bound
         return self.drifts and bound >= self._mission.total_worth and rounds > 2
 
     def beside(self, prover: Prover | None, rounds: int) -> Task | None:
-        """The proof, or where it has not got far a second order to anneal."""
+        """The proof or, if it has made little progress, a second order to anneal."""
         task: Task | None = None
         anneals = partial(self.part, self._annealings)
         if prover is not None and not prover.done:
@@ -169,13 +169,13 @@ class RouteSearches:
         self.improve(self._recreations, self.scaled(self._width // 20))
 
     def usual(self, width: int) -> None:
-        """Search one beam with the usual settings, unless as wide a one was searched before."""
+        """Search one beam with the usual settings, unless done before at this width."""
         if width > self._widest:
             self._widest = width
             self.beam(width)
 
     def guided(self, latest: Latest, beams: int) -> None:
-        """Search some beams by the times that a proof knows."""
+        """Search some beams guided by the latest times from a proof."""
         for _ in range(beams):
             if self._certificate.proven:
                 break
@@ -189,7 +189,7 @@ class RouteSearches:
         self.counters["beams"] += 1
 
     def varied(self, width: int, latest: Latest | None = None) -> None:
-        """Search one beam with settings near the usual ones."""
+        """Search one beam with settings varied around the usual ones."""
         # The draws do not depend on the clock, so that time limits do not shift them.
         mission, settings, seed = varied(self._mission, width, self._rng)
         if self._stop.remaining_s() <= 0.0:
@@ -201,7 +201,7 @@ class RouteSearches:
         self.counters["beams"] += 1
 
     def anneal(self, annealings: int, width: int) -> None:
-        """Where planes drift: anneal an order again and again, another once that is fruitless."""
+        """Anneal an order repeatedly where planes drift, switching to another after failures."""
         if not (self.drifts and self._mission.total_worth > 0.0):
             return
         if self._strings is None and self._stop.remaining_s() > 0.0:
@@ -223,7 +223,7 @@ class RouteSearches:
             self.counters["annealings"] += 1
 
     def may_part(self) -> bool:
-        """Get ready to anneal a second order; whether there is one to anneal."""
+        """Prepare a second annealing; returns whether there is an order for it."""
         if self._strings is None:
             return False
         if self._beside is None:
@@ -234,14 +234,14 @@ class RouteSearches:
         return True
 
     def part(self, annealings: int) -> None:
-        """Anneal a second order, in a thread beside the searches; :meth:`meet` brings it back."""
+        """Anneal a second order in a concurrent thread; :meth:`meet` collects the result."""
         for _ in range(annealings):
             if self._beside is None or self._stop.remaining_s() <= 0.0:
                 break
             self._found.offer(self._beside.anneal(ANNEALED))
 
     def apart(self, width: int) -> Task:
-        """A varied beam that is drawn now, to search in a thread; :meth:`meet` brings it back."""
+        """A random varied beam to search in a thread; :meth:`meet` collects the result."""
         mission, settings, seed = varied(self._mission, width, self._rng)
         self.counters["beams"] += 1
 
@@ -252,7 +252,7 @@ class RouteSearches:
         return search
 
     def meet(self, prover: Prover | None) -> None:
-        """Tell what was found in a thread, and do more in the next round."""
+        """Collect results of threads, and do more in the next round."""
         if self._found.sequence is not None:
             self._certificate.offer(self._found.sequence)
         self._width = min(2 * self._width, WIDEST)
@@ -282,7 +282,7 @@ def _prover(mission: Mission, certificate: GapTracker, stop: Stop, options: Proo
 
 
 def _one_after_another(first: Task | None, then: Task) -> Task:
-    """Both tasks as one."""
+    """Two tasks as one, in sequence."""
 
     def both() -> None:
         if first is not None:
@@ -303,7 +303,7 @@ def plan(
     proves: bool = True,
     time_value_m_s_per_h: float = USUAL,
 ) -> Result:
-    """The best plan of one chaser that the time allows, and a proof where one is found.
+    """The best plan of one chaser that the time allows, with a proof if one is found.
 
     Begins with the guarded greedy plan and the searches of ``beam``. Then rounds: one of proof
     (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans

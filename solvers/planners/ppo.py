@@ -1,4 +1,4 @@
-"""The learned planner: a trained policy, decoded."""
+"""The learned planner: decoding of a trained policy."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from ..policies.policy_beam import PolicyBeamSettings, beam
 from ..progress.incumbent import Incumbent
 
 PUNCTUAL = 0.9
-"""Share of the time left that a beam may be planned to take."""
+"""Share of the remaining time that a beam may be expected to take."""
 PRIOR_WEIGHT, PRIOR_WEIGHT_BESIDE_CHAINS = 0.05, 0.005
-"""Worth of a unit of log-probability in a beam [targets]. Where the policy sees chains, what they
-promise says most of it already."""
+"""Worth of a unit of log-probability in a beam [targets]. If the policy sees chains, their promises
+already contain most of it."""
 
 BATCH = 64
-"""Samples played side by side."""
+"""Number of samples played concurrently."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Rounds of a planner: a search and a proof side by side, each round with more effort."""
+"""Rounds of a planner: a search and a concurrent proof, each round with more effort."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ class Search(Protocol):
     """The searching half of a planner."""
 
     def beside(self, prover: Any, rounds: int) -> Task | None:
-        """The work of the second thread in the round that begins; None if there is none."""
+        """Work of the second thread in the coming round; None if there is none."""
 
     def advance(self, prover: Any, rounds: int) -> None:
-        """The work of this thread in a round."""
+        """Work of this thread in a round."""
 
     def meet(self, prover: Any) -> None:
-        """Both threads are done with the round."""
+        """Called once both threads have finished the round."""
 
 
 def run(
@@ -38,7 +38,7 @@ def run(
     cores: int,
     until_done: bool = False,
 ) -> int:
-    """Go on round by round until it is proven, or enough.
+    """Run rounds until the plan is proven optimal or the stopping criterion is met.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Learned policies, for every planner that can use one: files, scores, decoding."""
+"""Learned policies for planners: files, scores, decoding."""
 
 from .policy import SHIPPED, Policy, load_policy, log_probabilities
 

@@ -1,4 +1,4 @@
-"""From a policy to a plan: the best move again and again, or samples."""
+"""Decoding of a policy into a plan: greedily, or by sampling."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from .promises import FloatArray, follow_chains, promises
 
 Sequence = npt.NDArray[np.int64]
 Found = Callable[[Sequence], object]
-"""Hears of every plan, a sequence of bodies."""
+"""Callback for every plan, as a sequence of bodies."""
 
 Enough = Callable[[], bool]
 
 LEAST_PART = 8
-"""Fewer episodes are not worth a thread."""
+"""Number of episodes up to which another thread does not pay."""
 
 
 class Field:
-    """A mission as episodes are played on it.
+    """A mission as a field for episodes.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Field:
 
     @property
     def sees_chains(self) -> bool:
-        """Whether the policy's observation has chains."""
+        """Whether the policy's observation includes chains."""
         return follows_chains(self.policy.observation)
 
     def begin(self, count: int) -> kernels.Episodes:
@@ -77,7 +77,7 @@ class Field:
         return episodes
 
     def board(self, episodes: kernels.Episodes) -> Board:
-        """What the policy sees of episodes."""
+        """The policy's observations of episodes."""
         count = episodes.slot.size
         board = Board(self.policy.observation, count, self.targets)
         parts = min(self._threads, count // LEAST_PART)
@@ -97,7 +97,7 @@ class Field:
 
 
 def pick(episodes: kernels.Episodes, rows: npt.NDArray[np.int64]) -> kernels.Episodes:
-    """Copies of some episodes, in the order of ``rows``; a row may occur often."""
+    """Copies of some episodes, in the order of ``rows``, which may repeat."""
     return kernels.Episodes(*(np.ascontiguousarray(part[rows]) for part in episodes))
 
 
@@ -108,7 +108,7 @@ def play(
     temperature: float,
     found: Found,
 ) -> None:
-    """Play ``count`` episodes to their end side by side.
+    """Play ``count`` episodes to their end concurrently.
 
     The best promise that they come across is kept. Without noise, so is the plan of following the
     chains alone: what they gain on each other is nearly free.
@@ -145,7 +145,7 @@ def finish(
     found: Found,
     promise: BestPromise | None = None,
 ) -> float:
-    """Go on from states to the end of every mission.
+    """Play from given states to the end of every mission.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def finish(
 
 
 class BestPromise:
-    """The best promise seen: a plan that can be flown, whatever the policy makes of it.
+    """The best promise seen: a flyable plan, whatever the policy makes of it.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class BestPromise:
         self.made: list[int] = []
 
     def look(self, board: Board, episodes: kernels.Episodes) -> FloatArray | None:
-        """Look at the boards of states.
+        """Examine the observations of states.
 
         Returns what they promise, see :func:`.promises.promises`; None if the
         policy sees no chains.
@@ -224,7 +224,7 @@ class BestPromise:
         return promised
 
     def keep(self, most: float, found: Found) -> None:
-        """Make the plan behind it, by following the chains, if ``most`` mean prizes are less."""
+        """Build its plan by following the chains, if ``most`` mean prizes are less."""
         if self._state is not None and self._most > most + EQUAL_PRIZES:
             finish(self._field, self._state, [self.made], follow_chains, found)
 
@@ -239,5 +239,5 @@ def gumbel(rng: np.random.Generator) -> Callable[[tuple[int, ...]], npt.NDArray[
 
 
 def chunks(total: int, size: int) -> list[int]:
-    """``total`` in parts of at most ``size``."""
+    """``total`` split into parts of at most ``size``."""
     return [min(size, total - done) for done in range(0, total, size)]

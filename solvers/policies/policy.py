@@ -23,13 +23,13 @@ from .screening import ACTIONS, BATCH, check_graph, parsed
 FORMAT = "adr-opt-policy/1"
 
 SHIPPED = "set"
-"""The policy of the package that is taken unless another is asked for."""
+"""Default policy, shipped with the package."""
 
 MOST_BYTES = 4 * 2**20
-"""A larger file is no policy of ours; it is refused before it is read."""
+"""Maximum size of a policy file, checked before reading."""
 
 LONGEST_NAME = 60
-"""Most letters of a name in the metadata."""
+"""Maximum length of a name in the metadata."""
 
 ILLEGAL = -1e8
 """Score of an illegal move."""
@@ -38,7 +38,7 @@ FloatArray = npt.NDArray[np.float32]
 
 
 class Policy:
-    """Scores of moves and the value of states.
+    """Network that gives scores of moves and values of states.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class Policy:
         self._check_outputs()
 
     def _inputs(self, states: int, actions: int) -> dict[str, tuple[int, ...]]:
-        """The shapes of what the network takes for some states."""
+        """Shapes of the network's inputs for a number of states."""
         if self.observation == "published":
             return {"observation": (states, published_size(self.targets or 0))}
         return {
@@ -123,7 +123,7 @@ class Policy:
         }
 
     def _check_outputs(self) -> None:
-        """Judge two made-up states, so that no other file gets further than this."""
+        """Evaluate two artificial states, so that invalid files are rejected at once."""
         actions = 4 if self.observation != "published" else (self.targets or 0) + 1
         states: Any = {
             name: np.zeros(shape, np.float32) for name, shape in self._inputs(2, actions).items()
@@ -140,7 +140,7 @@ class Policy:
             )
 
     def judge(self, observation: Observation, mask: npt.NDArray[np.bool_]) -> tuple[Any, Any]:
-        """Scores (batch, actions), illegal moves at :data:`ILLEGAL`, and values (batch,)."""
+        """Scores (batch, actions), with illegal moves at :data:`ILLEGAL`, and values (batch,)."""
         seen = observation if isinstance(observation, dict) else {"observation": observation}
         scores, value = self._session.run(None, seen)
         # A NaN would win every argmax, and so would an illegal move among legal ones that score
@@ -153,7 +153,7 @@ class Policy:
         return np.where(mask, scores, np.float32(ILLEGAL)), value
 
     def notes(self, mission: Mission) -> tuple[str, ...]:
-        """What to say of a plan that it had a part in: whether it knows such missions."""
+        """Notes for a plan made with the policy: whether it was trained on such missions."""
         known = "j2" if self.facts.get("dynamics") == "j2" else "two-body"
         if mission.instance.dynamics == known:
             return ()
@@ -163,7 +163,7 @@ class Policy:
         )
 
     def check_size(self, targets: int) -> None:
-        """Refuse an instance that the policy was not made for.
+        """Refuse an instance of a size that the policy does not support.
 
         Raises
         ------
@@ -189,14 +189,14 @@ def _read(path: Path) -> bytes:
 
 
 def field_names(observation: str) -> str:
-    """The names of all numbers of an observation: what a policy was trained to see."""
+    """Names of all fields of an observation, as seen in training."""
     if observation == "published":
         return "; ".join(PUBLISHED_ELEMENTS)
     return "; ".join((*move_fields(observation), *MISSION_FIELDS))
 
 
 def load_policy(name: str | os.PathLike[str] = SHIPPED, threads: int = 1) -> Policy:
-    """The policy of a name or a file.
+    """The policy with a name or in a file.
 
     Parameters
     ----------

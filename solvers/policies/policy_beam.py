@@ -1,4 +1,4 @@
-"""Beam search over what a policy sees, level by level over visits."""
+"""Beam search guided by a policy, level by level over visits."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .promises import FloatArray as Promised
 from .promises import time_left_of_best
 
 AFTERWARDS = 0.5
-"""Worth of ten hours left at the end of the chain that promises most [mean prizes]."""
+"""Worth of ten hours left at the end of the most promising chain [mean prizes]."""
 
 MOVED = 6
-"""So many children, as a multiple of the width, are moved and compared exactly."""
+"""Number of children moved and compared exactly, as a multiple of the width."""
 
 REFUELLED = 0.25
-"""Share of the width that goes on from the station."""
+"""Share of the width that continues from the station."""
 
 
 @dataclass(frozen=True)
 class PolicyBeamSettings:
-    """How a beam by policy keeps partial plans.
+    """Selection of partial plans in a policy-guided beam.
 
     Attributes
     ----------
@@ -50,21 +50,21 @@ class PolicyBeamSettings:
 
 
 class _Trail:
-    """How all partial plans came about: a tree of moves."""
+    """Tree of the moves of all partial plans."""
 
     def __init__(self) -> None:
         self._bodies = [HOME]
         self._parents = [-1]
 
     def add(self, bodies: Sequence, parents: Sequence) -> Sequence:
-        """One more move each; returns the new nodes."""
+        """Add one move each; returns the new nodes."""
         first = len(self._bodies)
         self._bodies.extend(bodies.tolist())
         self._parents.extend(parents.tolist())
         return np.arange(first, len(self._bodies))
 
     def back(self, node: int) -> list[int]:
-        """The bodies on the way to a node."""
+        """Bodies on the way to a node."""
         sequence: list[int] = []
         while node > 0:
             sequence.append(self._bodies[node])
@@ -73,7 +73,7 @@ class _Trail:
 
 
 class _Partial(NamedTuple):
-    """Partial plans: their states, nodes in the trail, and sums of log-probabilities."""
+    """Partial plans: states, nodes of the trail, and sums of log-probabilities."""
 
     episodes: kernels.Episodes
     nodes: Sequence
@@ -81,7 +81,7 @@ class _Partial(NamedTuple):
 
 
 class _Children(NamedTuple):
-    """Partial plans after one more move: parents are nodes of the trail, worth in mean prizes."""
+    """Partial plans after one more move: parent nodes in the trail, and worth in mean prizes."""
 
     episodes: kernels.Episodes
     parents: Sequence
@@ -89,7 +89,7 @@ class _Children(NamedTuple):
     worth: npt.NDArray[np.float64]
 
     def best(self, most: int, words: Sequence, trail: _Trail) -> _Partial:
-        """Those worth most, of equal visits and body only one; ``words`` hash the visits."""
+        """The best children, only one per set of visits and body; ``words`` hash the visits."""
         order = np.argsort(-self.worth, kind="stable")
         body = self.episodes.body.astype(np.int64)
         same = (self.episodes.visited * words).sum(axis=1) ^ (body << 1)
@@ -100,7 +100,7 @@ class _Children(NamedTuple):
 
 
 def beam(field: Field, settings: PolicyBeamSettings, found: Found, enough: Enough) -> int:
-    """Level by level over visits, all states of a level judged by the network at once.
+    """Search level by level over visits, with one network call per level.
 
     A refuelling on the way is part of the level, so states before and after it are never compared.
     Plans that service the same targets and end at the same body are the same state but for time
@@ -157,7 +157,7 @@ def _worth_of_moves(
     partial: _Partial,
     promised: Promised | None,
 ) -> tuple[npt.NDArray[np.float64], FloatArray]:
-    """Worth of every move before it is made, and its log-probability with all before it.
+    """Worth of every move in advance, and its log-probability with all earlier ones.
 
     −inf where a move is illegal or, with chains, not followed by any.
     """
@@ -182,7 +182,7 @@ def _move(
     priors: FloatArray,
     actions: slice,
 ) -> _Children:
-    """Make the moves among ``actions`` that are worth most, and say what their ends are worth."""
+    """Make the best moves among ``actions``, and evaluate the resulting states."""
     rows, moves = np.nonzero(worth[:, actions] > -np.inf)
     moves = moves + actions.start
     value = worth[rows, moves]
@@ -202,7 +202,7 @@ def _move(
 
 
 def _side_by_side(parts: list[_Children]) -> _Children:
-    """Children of the same level as one."""
+    """Children of the same level merged."""
     episodes = kernels.Episodes(
         *(np.concatenate(arrays) for arrays in zip(*(part.episodes for part in parts), strict=True))
     )

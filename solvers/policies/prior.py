@@ -1,4 +1,4 @@
-"""What a learned policy thinks of the moves of one state."""
+"""Preferences of a learned policy among the moves of one state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .policy import load_policy
 
 
 class Prior:
-    """A policy asked for single states of one mission.
+    """A policy queried for single states of one mission.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Prior:
     def moves(
         self, body: int, time: float, left: float, since_refuel: int, visited: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.int64]:
-        """The legal moves of a state, bodies, those that the policy likes best first.
+        """Legal moves of a state as bodies, in the policy's order of preference.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What chains promise, from boards of the observations that follow them."""
+"""Promises of chains, from observations that include them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from adr_opt.learning.episodes import Board
 FloatArray = npt.NDArray[np.float64]
 
 MOST_H = 50.0
-"""More time left than that is worth no more."""
+"""Time left beyond which more is worth nothing [h]."""
 
 
 def promises(board: Board) -> FloatArray:
-    """Prize of the whole mission that the chains after each move promise, in mean prizes.
+    """Prize of the whole mission promised by the chains after each move, in mean prizes.
 
     Returns
     -------
@@ -27,13 +27,13 @@ def promises(board: Board) -> FloatArray:
 
 
 def time_left_of_best(board: Board) -> FloatArray:
-    """Time left at the end of the chain that promises most, after each move [10 h]."""
+    """Time left at the end of the most promising chain after each move [10 h]."""
     longest: FloatArray = np.minimum(_chains(board).time_left / HOUR_S, MOST_H) / 10.0
     return longest
 
 
 def follow_chains(board: Board) -> npt.NDArray[np.int64]:
-    """The moves after which chains promise most; what they promise never gets less."""
+    """Moves with the most promising chains, whose promise never decreases."""
     best: npt.NDArray[np.int64] = _chains(board).lead.argmax(axis=1)
     return best
 

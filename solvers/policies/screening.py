@@ -1,4 +1,4 @@
-"""Which ONNX files may be run: only networks like those that ``train`` writes.
+"""Screening of ONNX files: only networks like those written by ``train`` may run.
 
 ONNX Runtime allocates what a file asks for, and runs what it says for as long as it says. So a file
 is judged before it is run: by its operators, by its tensors, and by the shapes of everything in
@@ -21,25 +21,25 @@ OPERATORS = frozenset(
         "Mul", "ReduceMax", "ReduceSum", "Relu", "Squeeze", "Tanh", "Unsqueeze",
     }
 )  # fmt: skip
-"""What our networks are made of; none of them repeats anything or reads a file."""
+"""Operators of supported networks; none of them loops or reads a file."""
 
 MOST_NODES = 500
 WIDEST = 4096
-"""Most numbers that describe a state or one of its moves, anywhere in the network."""
+"""Maximum number of features of a state or a move, anywhere in the network."""
 
 BATCH, ACTIONS = 4099, 4111
-"""Numbers of states and of moves that shapes are inferred for; prime, to be known again in them."""
+"""Numbers of states and moves in shape inference; prime, so that they are recognisable."""
 
 FLOAT, INT64 = 1, 7
 BYTES = {FLOAT: 4, INT64: 8}
-"""Types of tensors, as ONNX numbers them, and how long a number is."""
+"""Tensor types by ONNX number, with the size of an element."""
 
 NUMBER, WHOLE, TENSOR, WHOLES = 1, 2, 4, 7
-"""Types of attributes, as ONNX numbers them; the others hold texts and graphs."""
+"""Attribute types by ONNX number; the others hold texts and graphs."""
 
 
 def parsed(data: bytes, path: Any) -> Any:
-    """The model in a file, not yet judged.
+    """The model in a file, not yet screened.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def parsed(data: bytes, path: Any) -> Any:
         model = onnx.ModelProto()
     if not model.graph.node:
         raise InputError(
-            f"{path}: not a whole ONNX file, so not a policy; give a file that train wrote"
+            f"{path}: not a complete ONNX file, so not a policy; give a file that train wrote"
         )
     # Readers may differ in what they take fields for that they do not know.
     model.DiscardUnknownFields()
@@ -66,7 +66,7 @@ def parsed(data: bytes, path: Any) -> Any:
 
 
 def check_graph(model: Any, path: Any, inputs: Mapping[str, tuple[int, ...]]) -> None:
-    """Refuse a network that is not like ours: each is bounded by the number of states and moves.
+    """Refuse unsupported networks: a supported one is bounded by the numbers of states and moves.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def check_graph(model: Any, path: Any, inputs: Mapping[str, tuple[int, ...]]) ->
 
 
 def _foreign(model: Any, inputs: Mapping[str, tuple[int, ...]]) -> str:
-    """What in a model is not of a network of ours; empty if nothing is."""
+    """Unsupported parts of a model; empty if there are none."""
     graph = model.graph
     if [(opset.domain, opset.version) for opset in model.opset_import] != [("", OPSET)]:
         return f"does not use the operator set {OPSET}"

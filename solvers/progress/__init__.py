@@ -1,1 +1,1 @@
-"""What every method keeps track of: incumbent, gap, time."""
+"""Progress of a method: incumbent, gap and time."""

@@ -1,4 +1,4 @@
-"""What all proofs of the least ΔV have in common, be they of one chaser or of a campaign."""
+"""Common parts of cost proofs, for one chaser or a campaign."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from adr_opt.common.tolerance import COST_RELATIVE
 from adr_opt.mission.prizes import Prizes
 
 RELATIVE = COST_RELATIVE
-"""A cost is the least if it exceeds the bound by no more than this share of it."""
+"""Largest excess over the bound at which a cost counts as least, as a share of it."""
 
 
 SLACK_WORTH = 1e-9
-"""So much less is asked for at most, as a share: the bound on the cost comes down by as much."""
+"""Relative reduction of the goal, by which the bound on the cost falls."""
 
 
 class CostRounds(Protocol):
-    """A proof of the least ΔV of plans that are worth enough, round by round.
+    """Rounds of a proof of the least ΔV of plans with sufficient worth.
 
     Attributes
     ----------
@@ -36,14 +36,14 @@ class CostRounds(Protocol):
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
 
     def close(self) -> None:
         """End the threads."""
 
 
 def asked(problem: Prizes, least_worth: float) -> float:
-    """What a plan has to be worth at least, of which a proof asks for the cost.
+    """Least worth of plans in a cost proof.
 
     A little less, so that no rounding of a sum of prizes counts, but far more than any plan has
     that collects less.
@@ -52,12 +52,12 @@ def asked(problem: Prizes, least_worth: float) -> float:
 
 
 def is_least(cost: float, bound: float) -> bool:
-    """Whether a cost is the least, for all that a bound lets it exceed the least by."""
+    """Whether a cost is least, within the tolerance of the bound."""
     return cost <= bound * (1.0 + RELATIVE)
 
 
 def settled(proof: CostRounds, over: Callable[[], bool]) -> tuple[float, dict[str, float]]:
-    """Go through the rounds of a proof, and close it.
+    """Run all rounds of a proof, and close it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Incumbent and bound of a proof under way, and what to ask for next."""
+"""Incumbent and bound of a running proof, and its next goal."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from adr_opt.mission.result import Result
 from .incumbent import Incumbent
 
 STRIDE = 0.01
-"""Ask for a plan worth so much less than the bound (relative)."""
+"""Distance of the next goal below the bound (relative)."""
 
 
 class GapTracker:
-    """Incumbent and bound of a problem, the progress that is told of both, and their result.
+    """Incumbent and bound of a problem, with progress reports and the final result.
 
     Parameters
     ----------
@@ -43,26 +43,26 @@ class GapTracker:
 
     @property
     def routes(self) -> Routes | None:
-        """The best plan: bodies in order for each chaser; None before the first."""
+        """The best plan: bodies in order for each chaser; None before the first one."""
         return self._best.routes
 
     @property
     def sequence(self) -> tuple[int, ...] | None:
-        """The route of the one chaser in the best plan; None before the first."""
+        """Route of the only chaser in the best plan; None before the first one."""
         return self._best.sequence
 
     @property
     def incumbent(self) -> float:
-        """What it is worth; −inf before the first."""
+        """Worth of the best plan; −inf before the first one."""
         return self._best.objective
 
     @property
     def cost(self) -> float:
-        """What it costs; +inf before the first."""
+        """Cost of the best plan; +inf before the first one."""
         return self._best.cost
 
     def offer(self, *routes: Iterable[int]) -> bool:
-        """What may be the best plan so far; whether it is: see :class:`Incumbent`."""
+        """Offer a plan; returns whether it is the best so far: see :class:`Incumbent`."""
         before = self.incumbent
         better = self._best.offer(*routes)
         if self.incumbent > before:
@@ -70,7 +70,7 @@ class GapTracker:
         return better
 
     def tell(self, incumbent: float, bound: float) -> None:
-        """Report what was found here, or elsewhere and is still to be offered here.
+        """Report an incumbent or a bound that may have been found elsewhere.
 
         Two threads may tell at once, and neither knows all that the other has told; what is heard
         never gets worse all the same.
@@ -82,10 +82,9 @@ class GapTracker:
                 self._progress(*told)
 
     def lower(self, bound: float, evidence: Evidence | None = None) -> None:
-        """A bound that was proven, rounded down to the step of the prizes; −inf for no plan.
+        """Lower the bound, rounded down to the step of the prizes; −inf if there is no plan.
 
-        What it rests on is kept; where nobody can tell, that of the last bound of which it is
-        known.
+        The evidence is kept; without any, that of the last bound with evidence.
         """
         bound = max(self._problem.rounded_down(bound), self.incumbent)
         if bound < 0.0:
@@ -106,7 +105,7 @@ class GapTracker:
         notes: Iterable[str] = (),
         otherwise: Routes | None = None,
     ) -> Result:
-        """The best plan and the bound as the result of a method, and what the bound rests on.
+        """The best plan and the bound as a method's result, with the evidence.
 
         Parameters
         ----------
@@ -136,13 +135,13 @@ class GapTracker:
 
     @property
     def proven(self) -> bool:
-        """Whether the incumbent meets the bound, or no plan has all that is required."""
+        """Whether the incumbent meets the bound, or no plan has all required targets."""
         none = self._problem.shown(self.bound) == -math.inf
         return none or self._problem.meets(self.incumbent, self.bound)
 
     @property
     def stated(self) -> float:
-        """The bound if it says more than that nothing beyond all prizes is collected, else +inf.
+        """The bound if it is less than the sum of all prizes, else +inf.
 
         No more is collected than the largest prizes of as many targets as may be serviced.
         """
@@ -153,21 +152,21 @@ class GapTracker:
 
     @property
     def goal(self) -> float:
-        """What the next plan has to be worth to be better."""
+        """Least worth of a better plan."""
         return self.incumbent + (self._problem.prize_step or self._problem.prize_resolution)
 
     @property
     def next_goal(self) -> float:
-        """The same, but half of it where prizes have no step, so that none is within tolerance."""
+        """Least worth of a better plan, halved without a step so that none is within tolerance."""
         return self.goal if self._problem.prize_step else 0.5 * (self.incumbent + self.goal)
 
     def below(self, goal: float) -> float:
-        """What no plan is worth more than if none is worth :attr:`next_goal`."""
+        """Upper bound if no plan reaches :attr:`next_goal`."""
         return self.incumbent if self._problem.prize_step else goal
 
     @property
     def threshold(self) -> float:
-        """What to ask for next: more than the incumbent, at most the bound."""
+        """Threshold of the next search: above the incumbent, at most the bound."""
         step = self._problem.prize_step
         value = min(self.bound, rounded_up((1.0 - STRIDE) * self.bound, step))
         if step:

@@ -1,4 +1,4 @@
-"""Tell parts of a search that the time is over: kernels under way, and those that get a share."""
+"""Time limits for parts of a search: running kernels, and shares of time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import numpy.typing as npt
 from adr_opt.common.stop import Stop
 
 POLL_S = 0.02
-"""How often a search under way asks whether the time is over."""
+"""Interval at which a running search checks the time."""
 
 
 @contextmanager
 def halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
-    """A flag that is set, from a thread beside the kernel, when ``stop`` has no time left."""
+    """A flag, set by a thread beside the kernel once ``stop`` has no time left."""
     flag = np.zeros(1, dtype=np.bool_)
     if stop is None:
         yield flag
@@ -39,7 +39,7 @@ def halted_by(stop: Stop | None) -> Iterator[npt.NDArray[np.bool_]]:
 
 
 class ShareOfTime:
-    """A share of the time that a criterion has left now; the criterion itself is not asked."""
+    """A share of a criterion's remaining time; the criterion itself is not asked."""
 
     def __init__(self, stop: Stop, share: float) -> None:
         remaining_s = stop.remaining_s()
@@ -47,9 +47,9 @@ class ShareOfTime:
         self._left_s = remaining_s - share * remaining_s if math.isfinite(remaining_s) else 0.0
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._stop.remaining_s() - self._left_s

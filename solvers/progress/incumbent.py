@@ -1,4 +1,4 @@
-"""The best plan so far: the one place where plans are compared (docs/model.md section 5)."""
+"""The incumbent: the only place where plans are compared (docs/model.md section 5)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from adr_opt.mission.problem import Problem, Routes, problem_of
 
 
 class Incumbent:
-    """The best plan that was offered: most prize, then least cost.
+    """The best plan offered so far: by prize, then by cost.
 
     Parameters
     ----------
@@ -41,11 +41,11 @@ class Incumbent:
 
     @property
     def sequence(self) -> tuple[int, ...] | None:
-        """The route of the one chaser; None before the first plan."""
+        """Route of the only chaser; None before the first plan."""
         return None if self.routes is None else self.routes[0]
 
     def offer(self, *routes: Iterable[int]) -> bool:
-        """Routes, one for each chaser, that may be the best plan; whether they are.
+        """Offer routes, one for each chaser; returns whether they are the best plan.
 
         They are closed first (:meth:`adr_opt.mission.mission.Mission.closed`). What cannot be flown
         to its end, or may not end there, visits a target on two routes or takes more of a station
@@ -68,7 +68,7 @@ class Incumbent:
         return True
 
     def _cost_of(self, routes: Routes) -> float:
-        """What routes cost together; +inf if they are no plan."""
+        """Total cost of routes; +inf if they are no plan."""
         problem, costs, uses = self._problem, [], []
         first = problem.instance.first_target
         targets = [j for route in routes for j in route if j >= first]
@@ -92,7 +92,7 @@ class Incumbent:
 
 
 def _cost_by_choice(mission: Mission, moves: tuple[int, ...]) -> float:
-    """What a route costs over the connections of the timetable; +inf if it cannot be flown."""
+    """Cost of a route over the timetable's connections; +inf if it cannot be flown."""
     rules = mission.rules
     made, delta_v, state = rule_kernels.replay(
         rules,

@@ -1,4 +1,4 @@
-"""What a proof over the network of all connections takes: time and memory, before it is made."""
+"""Time and memory that a proof will need, estimated before building its network."""
 
 from __future__ import annotations
 
@@ -11,43 +11,43 @@ from adr_opt.mission.problem import Problem, problem_of
 
 SET_UP_S_PER_EVENT = 3e-6
 SWEEP_S_PER_ENTRY = 3.3e-8
-"""Time that setting up a proof takes, which cannot be broken off, for each timetable entry.
+"""Set-up time of a proof per timetable entry, which cannot be interrupted.
 
 By `bench/set_up.py` on one core 0.6 to 0.9 µs on fields of 50 and 100 targets over 3 to 10 days,
 and 2.0 µs on one with six zones; more where limits of altitude are wide, see
 :data:`adr_opt.kernels.legs.phasing.WIDE`."""
 
 BYTES_PER_EVENT = 900
-"""Memory that a proof takes up to its first labels for each timetable entry.
+"""Memory of a proof up to its first labels per timetable entry.
 
 By `bench/set_up.py` 490 to 870 bytes on the same fields, the values of the finer walks included."""
 
 CONNECTIONS_PER_EVENT = 10
-"""An entry has about so many there."""
+"""Number of listed connections per timetable entry."""
 
 MEMORY_SHARE = 0.5
-"""Part of the free memory that the network may take."""
+"""Share of free memory for the network."""
 
 
 TOO_LARGE = (
-    "the network of all connections takes too much memory, so the bound is that of walks whose "
-    "ΔV is paid for, or of least times"
+    "the network of all connections takes too much memory, so the bound is from walks that pay "
+    "for ΔV, or from least times"
 )
-"""What is said of a bound that no network was made for."""
+"""Note of a bound without a network."""
 
 
 def fits_memory(problem: Mission | Problem) -> bool:
-    """Whether there is memory for the network of a proof."""
+    """Whether the network of a proof fits in memory."""
     return BYTES_PER_EVENT * _entries(problem) <= MEMORY_SHARE * available_bytes()
 
 
 def set_up_s(problem: Mission | Problem) -> float:
-    """About how long setting up a proof takes [s]."""
+    """Approximate set-up time of a proof [s]."""
     return SET_UP_S_PER_EVENT * _entries(problem)
 
 
 def sweep_s(problem: Mission | Problem) -> float:
-    """About how long the values of all walks take for one set of multipliers [s]."""
+    """Approximate time of one evaluation of all walks [s]."""
     layers = max(
         1 + int(most_kits(mission.rules.loads)) for mission in problem_of(problem).missions
     )
@@ -55,7 +55,7 @@ def sweep_s(problem: Mission | Problem) -> float:
 
 
 def _entries(problem: Mission | Problem) -> float:
-    """Timetable entries; where connections are listed, and counted, as many as have so many.
+    """Timetable entries, or their equivalent number for listed connections.
 
     Of each kind of chasers that has a network of its own.
     """
@@ -71,7 +71,7 @@ def _entries(problem: Mission | Problem) -> float:
 
 
 def bound_notes(problem: Mission | Problem) -> list[str]:
-    """What a reader of a bound has to know."""
+    """Notes for readers of a bound."""
     notes = _rounded(problem)
     if not fits_memory(problem):
         notes.append(
@@ -83,7 +83,7 @@ def bound_notes(problem: Mission | Problem) -> list[str]:
 
 
 def proof_notes(problem: Mission | Problem) -> list[str]:
-    """The same where :func:`proof_of` chose how to prove."""
+    """Notes for readers of a bound by the proof that :func:`proof_of` chose."""
     return [*_rounded(problem), *([] if fits_memory(problem) else [TOO_LARGE])]
 
 

@@ -1,1 +1,1 @@
-"""Proofs that no plan is better."""
+"""Proofs of optimality."""

@@ -1,4 +1,4 @@
-"""A proof beside a search: it works on a certificate of its own, compared between rounds."""
+"""A proof concurrent with a search, on its own certificate, synchronised between rounds."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from adr_opt.common.stop import Stop
 from ..progress.gap import GapTracker
 
 LEAST_PROOF_S, LEAST_SET_UPS = 1.0, 2.0
-"""With less time left, or less than so many times what setting it up takes, no proof is begun."""
+"""Least remaining time, absolute and as a multiple of the set-up time, at which a proof begins."""
 
 
 class Rounds(Protocol):
-    """A proof that goes on round by round."""
+    """A proof that proceeds round by round."""
 
     done: bool
 
     def begin(self) -> None:
-        """What takes little time."""
+        """Quick initial work."""
 
     def advance(self, enough: Callable[[], bool]) -> None:
         """One round."""
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
 
     def close(self) -> None:
         """End the threads."""
@@ -65,11 +65,11 @@ class ConcurrentProof(Generic[AnyProof]):
 
     @property
     def done(self) -> bool:
-        """Whether the proof can do no more."""
+        """Whether the proof cannot progress further."""
         return self.proof is not None and self.proof.done
 
     def advance(self) -> None:
-        """One round; the first one is the beginning of the proof alone."""
+        """One round; the first one only begins the proof."""
         if self.proof is None:
             self.proof = self._made()
             if self.proof is not None:
@@ -78,19 +78,19 @@ class ConcurrentProof(Generic[AnyProof]):
         self.proof.advance(lambda: self._stop.remaining_s() <= 0.0)
 
     def fetch(self) -> None:
-        """Hear of the incumbent, before a round."""
+        """Receive the incumbent, before a round."""
         if self._shared.routes is not None:
             self._own.offer(*self._shared.routes)
 
     def deliver(self) -> None:
-        """Tell what the round has found."""
+        """Deliver the results of the round."""
         if self._own.routes is not None:
             self._shared.offer(*self._own.routes)
         self._shared.lower(self._own.bound, self._own.evidence)
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done."""
+        """Work counters."""
         return {} if self.proof is None else self.proof.counters
 
     def close(self) -> None:

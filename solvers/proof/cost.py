@@ -1,4 +1,4 @@
-"""Least ΔV at the best prize: the relaxation with walks that pay for what they use.
+"""Proof of least ΔV at the best prize: the relaxation with walks that pay for their use.
 
 Of the plans worth at least P, which costs least? With a price λ on worth, in m/s, every such plan
 costs at least
@@ -41,29 +41,29 @@ from ..walks.tariffs import Tariff
 from ..walks.walks import LARGEST, Paid, WalkBound
 
 GREATEST_TANKS = 2.0
-"""Most that a service is worth to a walk [tanks]."""
+"""Upper limit on the worth of a service to a walk [tanks]."""
 
 COARSER, PARTS = 4.0, 10
-"""Slots of walks that pay, in slots of walks that do not; and steps of ΔV in one of theirs."""
+"""Slots of paying walks, in slots of non-paying ones, and ΔV steps per slot of theirs."""
 
 REACH_SHARE = 1.0 / 150.0
-"""Length of a bucket of time as a share of the shortest leg where nothing is paid."""
+"""Length of a time bucket as a share of the shortest leg, where nothing is paid."""
 
 EVALUATIONS = 8
-"""Prices tried for the first bound."""
+"""Number of prices tried for the first bound."""
 
 FIRST_LABELS, GROWTH = 4_000_000, 2
-"""Labels of the first searches, and how many times as many the next ones may make."""
+"""Maximum number of labels in the first searches, and its growth factor."""
 
 NEAR = 0.15
-"""Gap, as a share of the cost known, within which the whole of it is asked for at first."""
+"""Gap, as a share of the known cost, within which all of it is searched at first."""
 
 LEAST_SHARE = 1.0 / 8.0
-"""Of the gap, asked for at least before more labels are allowed."""
+"""Least share of the gap searched before more labels are allowed."""
 
 
 class PricedBound(WalkBound):
-    """Walks that pay for their ΔV, that of tows included, and for time until they stop.
+    """Walks that pay for ΔV, that of tows included, and for time until they stop.
 
     Parameters
     ----------
@@ -108,9 +108,9 @@ class PricedBound(WalkBound):
             self._pay(np.ones(1))
 
     def _stops(self) -> np.ndarray:
-        """What walks that stop in a bucket have paid for time, packed: no less than the truth.
+        """Price of time of walks that stop in a bucket, packed: a lower bound.
 
-        Who is ready in a bucket was not ready for the last departure of the bucket before.
+        A walk ready in a bucket was not ready for the last departure of the bucket before.
         """
         buckets = self.buckets
         before = np.append(-np.inf, buckets.closes[:-1])
@@ -123,13 +123,13 @@ class PricedBound(WalkBound):
         return np.where(buckets.may_end[body], packed, NEVER).astype(np.int32)
 
     def _pay(self, price: np.ndarray) -> None:
-        """Let a m/s cost so much with so many kits aboard, or with any number."""
+        """Set the price of ΔV for a number of kits aboard, or for any."""
         most = LARGEST // (1 << self.bits) // 2
         paid = np.floor(price[:, None] * self.buckets.least / self.unit)
         self.price, self.toll = price, np.minimum(paid, most).astype(np.int32)
 
     def charge(self, worth: float, tariff: Tariff | None = None) -> None:
-        """Let a unit of worth be worth so much to walks from now on [m/s, or as of the tariff]."""
+        """Set the worth of a unit for walks [m/s, or the unit of the tariff]."""
         new = tariff is not None and tariff is not self._tariff
         if not new and worth == self._worth:
             return
@@ -142,14 +142,14 @@ class PricedBound(WalkBound):
         self.prize = worth * self.worths - float(self.price.min()) * self.flown
 
     def cost_at(self, price: float, worth: float) -> tuple[float, float]:
-        """The bound at a price of worth [m/s], and what the best walk is worth there."""
+        """The bound at a price of worth [m/s], and the worth of the best walk there."""
         self.charge(price)
         value, _ = self.evaluate(np.zeros(self.prize.size), keep=True)
         return price * worth - value, float(self.worths[self.walk].sum())
 
 
 class CostProof(CostRounds):
-    """Rounds of search for the least ΔV of plans that are worth enough.
+    """Rounds of search for the least ΔV of plans with sufficient worth.
 
     Parameters
     ----------
@@ -208,11 +208,11 @@ class CostProof(CostRounds):
 
     @property
     def proven(self) -> bool:
-        """Whether the cost known is the least."""
+        """Whether the known cost is proven to be least."""
         return is_least(self._cost(), self.bound)
 
     def advance(self) -> None:
-        """One round: searches for plans that cost less, one that proves and one that finds."""
+        """One round: searches for cheaper plans, one exact and one heuristic."""
         with suppress(TimeIsOver):
             if not self._ready:
                 self._prepare()
@@ -221,7 +221,7 @@ class CostProof(CostRounds):
         self.done = self.done or self.proven
 
     def _prepare(self) -> None:
-        """Sweeps: a first bound, and the values that labels are dropped by."""
+        """Sweeps: a first bound, and the completion values that prune labels."""
         reach, walks = self._reach, self._walks
         reach.evaluate(np.zeros(reach.prize.size), keep=True)
         low, high = 0.0, walks.greatest_price
@@ -252,17 +252,17 @@ class CostProof(CostRounds):
         self._ready = True
 
     def _below(self, share: float) -> float:
-        """A cost to ask for: at a share of the gap, less than that of the plan known."""
+        """Goal of a search: at a share of the gap, below the known plan's cost."""
         cost = self._cost()
         less = 0.5 * RELATIVE * cost
         return min(self.bound + share * (cost - self.bound), cost - less)
 
     def _free(self) -> float:
-        """What a walk would be worth that is worth enough and costs nothing [m/s]."""
+        """Worth of a walk that is sufficient and costs nothing [m/s]."""
         return self._price * self._worth - self._spent
 
     def _search(self) -> None:
-        """Ask for plans that cost no more than a share of the gap above the bound."""
+        """Search for plans within a share of the gap above the bound."""
         if not self._tried and self._cost() - self.bound <= NEAR * self._cost():
             self._share = 1.0
         known, most = self._free(), self._below(self._share)
@@ -300,7 +300,7 @@ class CostProof(CostRounds):
             self.done = True
 
     def _find(self) -> None:
-        """Look for plans that cost less, in a search that may overlook some."""
+        """Search heuristically for cheaper plans."""
         known, most = self._free(), self._below(self._finding_share)
         finished, _, plan, _ = self._finding.search(known - most, self._labels, self._over)
         if plan is not None:
@@ -319,7 +319,7 @@ class CostProof(CostRounds):
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
         return {
             "cost_searches": self._proving.searches + self._finding.searches,
             "cost_labels": self._proving.labels_made + self._finding.labels_made,

@@ -1,4 +1,4 @@
-"""A proof under way where the network of all connections is too large: a bound at every size.
+"""Proof for networks too large to hold completely: a bound at every size.
 
 First every service is taken at its least time and ΔV (:mod:`solvers.walks.floors`), which takes no
 time to speak of. Then, if the legs of all origins fit into memory and can be made in time, as whole
@@ -31,62 +31,62 @@ from ..walks.priced_walks import PooledBound
 from ..walks.tank_walks import BYTES, TankBound, width_of
 
 LEG_BYTES = 8
-"""Memory that a leg takes."""
+"""Memory per leg [bytes]."""
 
 STATE_BYTES = 16
-"""And a step of time at a body."""
+"""Memory per time step at a body [bytes]."""
 
 ROOM_BYTES = 3.0 * 2**30
-"""Most memory of all legs."""
+"""Maximum memory of all legs [bytes]."""
 
 STATES_BYTES = 2.0**29
-"""Most memory of all values."""
+"""Maximum memory of all values [bytes]."""
 
 MEMORY_SHARE = 0.5
-"""Part of the free memory that the legs may take."""
+"""Share of free memory for the legs."""
 
 TIME_SHARE = 0.7
-"""Part of the time that making the legs may take: what they are needed for has to follow."""
+"""Share of the time for making the legs, as their use must follow."""
 
 UNITS_M_S = (5.0, 20.0, 50.0, 150.0)
-"""How finely ΔV is counted, the finest that there is room for [m/s]."""
+"""Units of ΔV, of which the finest that fits is used [m/s]."""
 
 TANK_UNITS_M_S = (25.0, 50.0, 100.0)
-"""The same for walks that know how much is left of a tank."""
+"""Units of ΔV for walks that track the tank [m/s]."""
 
 PAYING_SHARE = 0.25
-"""Part of the time after which walks that pay have to have come to their end, if others follow."""
+"""Share of the time after which paying walks must have converged, if others follow."""
 
 TANK_BYTES = 4.0 * 2**30
-"""Most memory of their values."""
+"""Maximum memory of their values [bytes]."""
 
 TANK_S = 4e-9
-"""Time of one evaluation for each leg and unit, on one core [s]."""
+"""Time of one evaluation per leg and unit, on one core [s]."""
 
 TANK_EVALUATIONS = 25
-"""There has to be time for so many."""
+"""Number of evaluations for which there must be time."""
 
 STEP_SHARE = 1.0 / 60.0
-"""A step of time, as a share of the shortest leg."""
+"""Time step as a share of the shortest leg."""
 
 FIRST_EVALUATIONS = 8
-"""Of the first round: a planner beside it has rounds of many seconds."""
+"""Evaluations in the first round: a concurrent planner has rounds of many seconds."""
 
 SAMPLED = 4
-"""Legs of so many origins are made to know how many there are of all."""
+"""Number of origins whose legs are made to estimate the total."""
 
 SAMPLED_PAIRS = 8
-"""Connections of so many pairs are listed first, where they are."""
+"""Number of pairs whose connections are listed first, if they are listed."""
 
 HOPELESS = 2.0
-"""Steps as short as can be let so many times as many legs count as longer ones, at most."""
+"""Largest ratio of the number of undominated legs at the finest steps to that at coarser ones."""
 
 SPARE = 1.2
-"""There is room for so many times the legs that the sample lets expect."""
+"""Ratio of available storage to the estimated number of legs."""
 
 
 class Layout(NamedTuple):
-    """How legs are to be counted.
+    """Discretisation of legs.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Layout(NamedTuple):
 
 
 class LargeProof:
-    """The bound of one mission, brought down as far as time and memory allow.
+    """Bound of one mission, lowered as far as time and memory allow.
 
     Parameters
     ----------
@@ -141,12 +141,12 @@ class LargeProof:
         self.done = certificate.proven
 
     def begin(self) -> None:
-        """The bound that takes no time."""
+        """Set a bound that takes no time."""
         self._certificate.lower(*floor_evidence(self._mission))
         self.done = self.done or self._certificate.proven
 
     def advance(self, enough: Callable[[], bool]) -> None:
-        """The legs, if this is the first round, and evaluations, twice as many in each round."""
+        """Make the legs in the first round, then evaluate, twice as often in each round."""
         with suppress(TimeIsOver):
             if self._descent is None:
                 self._set_up()
@@ -164,7 +164,7 @@ class LargeProof:
         self.done = over or self._certificate.proven
 
     def _lower(self, descent: Descent) -> None:
-        """Tell of a bound, and what it rests on."""
+        """Report a bound with its evidence."""
         assert self._bound is not None
         evidence = self._bound.evidence(descent.value, descent.multipliers)
         self._certificate.lower(descent.value, evidence)
@@ -173,7 +173,7 @@ class LargeProof:
         return self._stop.remaining_s() <= 0.0
 
     def _set_up(self) -> None:
-        """Make the legs, as fine as there is room for."""
+        """Make the legs, as fine as memory allows."""
         source = LegSource(self._mission)
         most = min(ROOM_BYTES, MEMORY_SHARE * available_bytes()) / LEG_BYTES
         remaining_s = TIME_SHARE * self._jobs * self._stop.remaining_s()
@@ -190,7 +190,7 @@ class LargeProof:
                 return
 
     def _tank_layouts(self) -> list[Layout]:
-        """Ways to count legs with tanks for which there is room and time, the finest first."""
+        """Affordable discretisations with tanks, finest first."""
         found, rules = [], self._mission.rules
         if not self._pays or rules.loads is not None or self._layout is None:
             return []
@@ -205,7 +205,7 @@ class LargeProof:
         return found
 
     def _know_tanks(self, paying: Descent) -> None:
-        """Go on with walks that know how much is left of a tank, if there is room and time."""
+        """Continue with walks that track the tank, if memory and time allow."""
         ways, start = self._tank_layouts(), paying.multipliers[:-1]
         self._pays = False
         if not ways:
@@ -226,7 +226,7 @@ class LargeProof:
                 return
 
     def _made(self, source: LegSource, layout: Layout, room: int) -> Stream | None:
-        """The legs, or None if they are more than was expected."""
+        """The legs, or None if they exceed the estimate."""
         try:
             return source.stream(layout.length, layout.unit, room, jobs=self._jobs, over=self._over)
         except NoRoom:
@@ -234,7 +234,7 @@ class LargeProof:
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
         evaluations = self._before + (0 if self._descent is None else self._descent.evaluations)
         counted: dict[str, float] = {"evaluations": evaluations, "searches": 0, "labels": 0}
         if self._descent is not None:
@@ -248,7 +248,7 @@ class LargeProof:
 
 
 def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> Iterator[Layout]:
-    """Ways to count legs, the finest first, by a sample of origins.
+    """Discretisations of legs, finest first, from a sample of origins.
 
     Where a service changes what is left of a tank, ΔV is not counted at all.
 
@@ -289,9 +289,9 @@ def layouts(source: LegSource, mission: Mission, most: float, most_s: float) -> 
 
 
 def _listing_s(mission: Mission) -> float:
-    """What listing the connections of all pairs takes, by a few of them; 0 for none [s].
+    """Estimated time to list the connections of all pairs, from a few of them; 0 for none [s].
 
-    A single origin may take minutes, and nobody breaks that off.
+    A single origin may take minutes, and cannot be interrupted.
     """
     bodies = len(mission.names)
     if not mission.connecting.is_listed or bodies < 2:

@@ -1,4 +1,4 @@
-"""The earliest end of plans that collect as much, proven by missions that end sooner.
+"""Earliest end of plans with equal prize, proven by shorter missions.
 
 Where the cost is the end of the last service, a plan costs less than D exactly if it is a plan of
 the same mission with the duration D. So no plan worth as much ends before D if what a mission of
@@ -24,27 +24,27 @@ from ..progress.gap import GapTracker
 from ..progress.halting import ShareOfTime
 
 JUST_BELOW = 0.9 * RELATIVE
-"""The first duration asked about, below the end by so much of it: what counts as the same."""
+"""Relative distance below the known end at which the first duration is tested, within tolerance."""
 
 SHARE = 0.5
-"""Each question may take so much of the time that is left."""
+"""Share of the remaining time for each test."""
 
 CLOSE = 0.01
-"""Halving ends when so much of the end is left between what is ruled out and what is not."""
+"""Relative gap between excluded and possible ends at which bisection stops."""
 
 LEAST_S = 0.05
-"""With less time left nothing more is asked [s]."""
+"""Least remaining time for another test [s]."""
 
 
 class _Answered(ShareOfTime):
-    """Enough as soon as it is known whether a shorter mission is worth as much."""
+    """Stops once it is known whether a shorter mission reaches the same worth."""
 
     def __init__(self, goal: float, stop: Stop) -> None:
         super().__init__(stop, SHARE)
         self._goal = goal
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return incumbent >= self._goal or bound < self._goal or super().__call__(incumbent, bound)
 
 
@@ -55,7 +55,7 @@ def prove_end(
     solve: Callable[[Any, Stop], Result],
     offer: Callable[[Result], bool],
 ) -> tuple[float, dict[str, float]]:
-    """Prove when the plans end at the earliest that are worth as much as the incumbent.
+    """Prove the earliest end of plans with at least the incumbent's worth.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def prove_end(
         try:
             sooner = problem.with_limits(duration_s=end)
         except InputError:
-            break  # somebody is there only later
+            break  # some chaser is available only later
         asked_about += 1
         found = solve(sooner, _Answered(goal, stop))
         if problem.worth(found.upper_bound) < goal:

@@ -1,4 +1,4 @@
-"""A proof under way: bound and incumbent, brought together round by round.
+"""Proof by rounds: bound and incumbent are brought together.
 
 The room shared by the Lagrangian bound, by the exact method and by ``auto``. One round has two
 parts. Multipliers of "each target at most once" are moved so that the best walk of the
@@ -39,19 +39,19 @@ from .cost import CostProof
 from .large_proof import LargeProof
 
 COARSER = 2.5
-"""Slots of ΔV are so many times as wide while multipliers are looked for as they are for labels."""
+"""Width of ΔV slots while multipliers are sought, as a multiple of that for labels."""
 
 SMALL = 1e-3
-"""Multipliers below this share of the largest prize are dropped rather than halved."""
+"""Share of the largest prize below which multipliers are dropped rather than halved."""
 
 FIRST_EVALUATIONS, FIRST_LABELS = 3, 1_000_000
-"""Effort of the first round, in evaluations of the bound and in labels of a search."""
+"""Effort of the first round: evaluations of the bound, and labels of a search."""
 
 GROWTH = 4
-"""Each round of searches may make so many times the labels of the one before."""
+"""Growth of the maximum number of labels per round."""
 
 MOST_LABELS = f"Maximum number of labels in one search, about {bytes_each()} bytes each."
-"""What the option of this name means."""
+"""Meaning of the option of this name."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,12 @@ class ProofOptions(Options):
 
     @property
     def cores(self) -> int:
-        """How many cores that is."""
+        """Number of cores."""
         return self.jobs or os.cpu_count() or 1
 
 
 class Proof:
-    """Rounds of bound and search for one mission.
+    """Rounds of bounding and search for one mission.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Proof:
         self.done = certificate.proven
 
     def begin(self) -> None:
-        """The first sweep: a first bound, and what guides a search."""
+        """The first sweep: a first bound, and guidance for a search."""
         with suppress(TimeIsOver):
             self._step()
 
@@ -131,7 +131,7 @@ class Proof:
             self.latest = latest_of(self._bound, self._mission, descent.multipliers, value)
 
     def _lower_by_walks(self, value: float, multipliers: np.ndarray, bound: WalkBound) -> None:
-        """A bound that walks without memory prove."""
+        """Lower the bound to one proven by walks without memory."""
         most = value - math.fsum(multipliers) + self._mission.bound_guard
         evidence = evidence_of(multipliers, [(0,)], [most], None, bound.slot)
         self._certificate.lower(value, evidence)
@@ -171,7 +171,7 @@ class Proof:
             self._labels = min(GROWTH * self._labels, self._options.most_labels)
 
     def _search(self, enough: Callable[[], bool]) -> bool:
-        """Ask for plans worth less and less until one is found or the labels are too many.
+        """Search for plans above decreasing thresholds until one is found or labels run out.
 
         The first time with the multipliers of the best bound and with none, since neither is always
         better: without, many labels are worth the same, and more of them dominate one another. Then
@@ -207,7 +207,7 @@ class Proof:
     def _ask(
         self, multipliers: np.ndarray, enough: Callable[[], bool]
     ) -> tuple[bool, float, float]:
-        """Ask with some multipliers: done, least threshold that nothing reaches, labels it took."""
+        """Search with some multipliers; returns: done, least unreachable threshold, labels."""
         certificate, routes, fine = self._certificate, self._routes, self._fine
         assert routes is not None
         assert fine is not None
@@ -243,7 +243,7 @@ class Proof:
 
     @property
     def counters(self) -> dict[str, float]:
-        """What was done so far."""
+        """Work counters."""
         return {
             "delta_v_slot_m_s": (self._fine or self._bound).slot,
             "evaluations": self._descent.evaluations,
@@ -266,14 +266,14 @@ def proof_of(
     least_s: float = 0.0,
     set_ups: float = 1.0,
 ) -> Proof | LargeProof | None:
-    """The proof that there is memory for; None where there is no time to set it up.
+    """The proof that fits in memory; None if there is no time to set it up.
 
     Parameters
     ----------
     mission, certificate, stop, options
         As :class:`Proof` takes them.
     least_s, set_ups : float
-        There has to be so much time, and so many times what setting up takes [s].
+        Least remaining time: absolute [s], and as a multiple of the set-up time.
     """
     if not fits_memory(mission):
         return LargeProof(mission, certificate, stop, options.cores)
@@ -291,7 +291,7 @@ def prove(
     *,
     search: Callable[[Latest], None] = lambda latest: None,
 ) -> dict[str, float]:
-    """Rounds of proof until nothing is left to do or it is enough; returns the counters.
+    """Run rounds of proof until finished or stopped; returns the counters.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def prove(
 def prove_cost(
     mission: Mission, certificate: GapTracker, stop: Stop, options: ProofOptions
 ) -> tuple[float, dict[str, float]]:
-    """Prove how much ΔV the plans cost at least that are worth as much as the incumbent.
+    """Prove a lower bound on the ΔV of plans with at least the incumbent's worth.
 
     Returns
     -------
@@ -352,7 +352,7 @@ def bounded(
     start: Iterable[int] | None,
     options: ProofOptions,
 ) -> Result:
-    """The result of a bound that is only rounds of proof, from a start plan if there is one."""
+    """Result of a bound that consists of rounds of proof, optionally from a start plan."""
     certificate = GapTracker(mission, progress)
     if start is not None:
         certificate.offer(start)

@@ -1,1 +1,1 @@
-"""Routes of several chasers: pooled, packed, exchanged."""
+"""Routes of several chasers: pools, set packing, target exchange."""

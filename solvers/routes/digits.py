@@ -1,4 +1,4 @@
-"""Sums of large prizes compared exactly by HiGHS, which knows a dozen digits and forgives the last.
+"""Exact comparison of sums of large prizes with HiGHS, which resolves only a dozen digits.
 
 A sum of whole numbers reaches a goal exactly if its digits do, from the last to the first, with
 what is carried from each to the next: of digits S₀, S₁ … of the numbers summed, and g₀, g₁ … of the
@@ -21,27 +21,27 @@ from scipy.sparse import csc_array, hstack
 from adr_opt.mission.problem import Problem
 
 BASE = 2**12
-"""Of the digits: a thousand columns that are whole to 10⁻⁶ each miss a sum by far less than 1."""
+"""Base of the digits: a thousand columns integral to 10⁻⁶ each miss a sum by far less than 1."""
 
 FEW = 1e6
-"""Sums of numbers below this are compared as they are."""
+"""Sums of numbers below this are compared directly."""
 
 PARTS = 64
-"""Prizes without a common step are counted in such parts of what arithmetic can tell apart."""
+"""Units per smallest resolvable difference, for prizes without a common step."""
 
 OFF = 0.25
-"""What sums of whole numbers may be off by."""
+"""Largest error in sums of integers."""
 
 
 def has_large(problem: Problem) -> bool:
-    """Whether prizes have too many steps for sums of them to be compared as they are."""
+    """Whether prizes have too many steps for direct comparison of sums."""
     largest = float(problem.planning_prizes.max(initial=0.0))
     step = problem.prize_step
     return largest > 0.0 and (not step or largest > FEW * step)
 
 
 def in_units(problem: Problem, worths: Sequence[float], goal: float) -> tuple[list[int], int]:
-    """Worths and a goal as whole numbers; in favour of the worths where they have no step."""
+    """Worths and a goal as integers, rounded in favour of the worths if they have no step."""
     step = problem.prize_step
     if step:
         return [round(worth / step) for worth in worths], math.ceil(goal / step - OFF)
@@ -50,7 +50,7 @@ def in_units(problem: Problem, worths: Sequence[float], goal: float) -> tuple[li
 
 
 def reaching(numbers: Sequence[int], goal: int) -> tuple[LinearConstraint, int]:
-    """Columns whose numbers sum to a goal at least, and how many carries stand behind them."""
+    """Constraints that columns sum to at least a goal, and the number of carry variables."""
     levels, largest = 1, max([goal, *numbers])
     while BASE**levels <= largest:
         levels += 1
@@ -71,7 +71,7 @@ def reaching(numbers: Sequence[int], goal: int) -> tuple[LinearConstraint, int]:
 
 
 def beside(constraint: LinearConstraint, carries: int) -> LinearConstraint:
-    """A constraint on columns that asks nothing of carries behind them."""
+    """A constraint on columns, extended by zeros for carry variables."""
     matrix = csc_array(constraint.A)
     wider = hstack([matrix, csc_array((matrix.shape[0], carries))], format="csc")
     return LinearConstraint(wider, constraint.lb, constraint.ub)

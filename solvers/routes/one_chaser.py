@@ -1,4 +1,4 @@
-"""Routes of one chaser over the targets that the others leave."""
+"""Routes of one chaser over the targets left by others."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RouteOf = Callable[[Mission], Iterable[int]]
 
 
 def left(problem: Problem, done: Iterable[int]) -> FloatArray:
-    """What targets are worth that are not done, and −inf for the others, shape (bodies,)."""
+    """Worths of remaining targets, and −inf for done ones, shape (bodies,)."""
     worths = np.array(problem.planning_prizes)
     for j in done:
         worths[j] = -np.inf
@@ -32,7 +32,7 @@ def targets_of(problem: Problem, routes: Iterable[Iterable[int]]) -> set[int]:
 
 
 def one_after_another(problem: Problem, route_of: RouteOf) -> Routes:
-    """Routes made chaser after chaser, each over what those before have left.
+    """Routes made chaser by chaser, each over the targets left by the previous ones.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def one_after_another(problem: Problem, route_of: RouteOf) -> Routes:
 
 
 def without_empty(problem: Problem, worths: FloatArray, uses: Sequence[Use]) -> FloatArray:
-    """The same worths, but that nobody goes to stations at which nothing is left.
+    """The same worths, without stations whose supplies are exhausted.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def without_empty(problem: Problem, worths: FloatArray, uses: Sequence[Use]) -> 
 def trimmed(
     problem: Problem, mission: Mission, route: Iterable[int], uses: Sequence[Use]
 ) -> tuple[tuple[int, ...], Use]:
-    """As much of a route as stations have propellant for, and what it takes of them.
+    """The longest beginning of a route within stations' propellant, and its use of it.
 
     Parameters
     ----------

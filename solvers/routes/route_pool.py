@@ -1,4 +1,4 @@
-"""Routes that were met, and the best plan that can be put together from them."""
+"""Pool of known routes, and the best plan that combines them."""
 
 from __future__ import annotations
 
@@ -15,19 +15,18 @@ from .one_chaser import FloatArray
 from .set_packing import cheapest_of, packing
 
 LEAST_COST = 1e-3
-"""Of two choices worth the same the cheaper one: all costs together count for less than so many
-steps of prize."""
+"""Steps of prize that all costs together count for, as a tie-breaker between equal choices."""
 
 
 Stops = tuple[tuple[int, int], ...]
 
 Key = tuple[int, frozenset[int], Stops]
-"""Kind, targets, and refuellings at stations that have a limit."""
+"""Chaser type, targets, and refuellings at limited stations."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A route that a chaser of a kind can fly.
+    """A route that a chaser of a type can fly.
 
     Attributes
     ----------
@@ -51,21 +50,21 @@ class Column:
 
     @property
     def key(self) -> Key:
-        """What columns are told apart by."""
+        """Identity of the column."""
         return self.kind, self.targets, self.stops
 
     @property
     def taken(self) -> dict[int, float]:
-        """How often it takes what may be taken so often only: targets once, refuellings."""
+        """Use of limited resources: targets, which are limited to one visit, and refuellings."""
         return {**dict.fromkeys(sorted(self.targets), 1.0), **dict(self.stops)}
 
     def paid(self, prices: FloatArray) -> float:
-        """What it pays for all that, at prices of shape (bodies,)."""
+        """Price of these resources, at prices of shape (bodies,)."""
         return math.fsum(prices[body] * times for body, times in self.taken.items())
 
 
 def dealt(problem: Problem, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Routes:
-    """Routes of kinds given to chasers of these kinds; nothing to the others."""
+    """Routes assigned to chasers of their types; the other chasers get none."""
     routes: list[tuple[int, ...]] = [()] * len(problem.missions)
     free = [list(kind.chasers) for kind in problem.kinds]
     for kind, route in flown:
@@ -74,7 +73,7 @@ def dealt(problem: Problem, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Rou
 
 
 class RoutePool:
-    """The cheapest route met for each set of targets and kind of chaser.
+    """The cheapest known route for each set of targets and chaser type.
 
     And for each number of refuellings where stations have limits.
 
@@ -89,18 +88,18 @@ class RoutePool:
         self._columns: dict[Key, Column] = {}
 
     def columns(self) -> list[Column]:
-        """All of them, in the order in which their sets were met."""
+        """All columns, in the order in which their sets were found."""
         return list(self._columns.values())
 
     def take(self, other: RoutePool) -> None:
-        """Keep the routes of another pool that are new or cheaper."""
+        """Add the routes of another pool that are new or cheaper."""
         for column in other.columns():
             known = self._columns.get(column.key)
             if known is None or column.cost < known.cost:
                 self._columns[column.key] = column
 
     def add(self, kind: int, route: Iterable[int]) -> Column | None:
-        """Keep a route that a chaser of a kind can fly to an end; None if it cannot."""
+        """Add a route that a chaser of a type can fly to a legal end; None if it cannot."""
         mission = self._problem.kinds[kind].mission
         moves = mission.closed(route)
         targets = frozenset(j for j in moves if j >= self._first)
@@ -126,7 +125,7 @@ class RoutePool:
         return column
 
     def best(self, columns: Sequence[Column], time_limit_s: float) -> Routes | None:
-        """The plan worth most that some columns make, by set packing with HiGHS.
+        """The best plan made of some columns, by set packing with HiGHS.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Ruin and recreate across routes: some chasers fly anew over what the others leave."""
+"""Ruin and recreate across routes: some chasers are rerouted over the targets left by others."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from .one_chaser import FloatArray, left, one_after_another, targets_of, trimmed
 from .route_pool import Column, RoutePool, dealt
 
 FIRST_WIDTH = 200
-"""Of the beams of the first plans."""
+"""Width of the beams for first plans."""
 
 MOST_FLOWN_ANEW = 3
-"""Chasers whose routes are given up at once."""
+"""Maximum number of routes abandoned at once."""
 
 ADRIFT = 100
-"""So many moves that find nothing better are followed by a return to the best plan."""
+"""Number of moves without improvement before a return to the best plan."""
 
 TOLERANCE = 0.3
-"""Mean noise by which routes are preferred that are to be completed, in mean prizes."""
+"""Mean noise in the preference among routes to be completed, in mean prizes."""
 
 WITHOUT_STATIONS = 0.3
-"""Share of routes that do without stations that have a limit."""
+"""Share of routes that avoid limited stations."""
 
 LEAST_OFFER = 0.05
-"""Share of its worth that a target keeps at least where it is worth something to others."""
+"""Least share of its worth that a target keeps if it is worth something to others."""
 
 
 class RouteSearch:
-    """Looks for plans of a campaign, and keeps all routes that it meets.
+    """Searches for plans of a campaign, and keeps all routes found.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class RouteSearch:
     ----------
     multipliers : (bodies,) float64
         What one more of each target would be worth to all chasers together, as far as it is known.
-        Who flies anew before others leaves them what is worth much to all.
+        A chaser that is rerouted before others leaves them the targets that are worth much to all.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class RouteSearch:
         self.counters = {"beams": 0, "recreations": 0, "completions": 0, "packings": 0}
 
     def begin(self, start: Routes | None = None) -> None:
-        """The guarded greedy plan, one by beams, chaser after chaser, and one that is given."""
+        """Make first plans: guarded greedy, by beams chaser by chaser, and the given one."""
         self._meet(one_after_another(self._problem, guarded_sequence))
         self._meet(one_after_another(self._problem, self._usual))
         if start is not None:
@@ -85,7 +85,7 @@ class RouteSearch:
         self.begin_again()
 
     def begin_again(self) -> None:
-        """Go on from the best plan, whoever has found it."""
+        """Continue from the best plan, whatever its source."""
         best = self._certificate.routes
         if best is not None:
             self._meet(best)
@@ -102,7 +102,7 @@ class RouteSearch:
         return tuple(int(j) for j in found)
 
     def _meet(self, routes: Routes) -> None:
-        """Go on from routes, and tell of them."""
+        """Set the current routes, and report them."""
         for chaser, route in enumerate(routes):
             if route:
                 self._pool.add(self._kind_of[chaser], route)
@@ -111,7 +111,7 @@ class RouteSearch:
         self._worth = self._problem.collected(targets_of(self._problem, routes))
 
     def move(self, width: int) -> None:
-        """Give up the routes of some chasers, and fly anew over what the others leave."""
+        """Abandon the routes of some chasers, and reroute them over the remaining targets."""
         problem, rng = self._problem, self._rng
         count = len(problem.missions)
         flown_anew = rng.permutation(count)[: int(rng.integers(1, min(count, MOST_FLOWN_ANEW) + 1))]
@@ -147,7 +147,7 @@ class RouteSearch:
     def _fly(
         self, chaser: int, worths: FloatArray, uses: list[Use], width: int
     ) -> tuple[int, ...] | None:
-        """A route of a chaser, by a beam with settings of its own; None if the time is over.
+        """A route of a chaser by a beam with random settings; None if time is over.
 
         Parameters
         ----------
@@ -172,7 +172,7 @@ class RouteSearch:
         return trimmed(problem, mission, route, uses)[0]
 
     def _use(self, chaser: int, route: tuple[int, ...]) -> Use:
-        """What a chaser takes of stations."""
+        """Use of station supplies by a chaser."""
         problem, mission = self._problem, self._problem.missions[chaser]
         if not problem.limits:
             return ()
@@ -181,10 +181,10 @@ class RouteSearch:
         return problem.use(mission, moves[: schedule.made], schedule.delta_vs)
 
     def complete(self, width: int) -> None:
-        """Let all chasers but one fly routes met that do not meet, and one go for the rest.
+        """Combine disjoint known routes for all chasers but one, which is routed over the rest.
 
         Routes that are worth much, less multipliers, are preferred: there are no better ones left
-        to find for who flies them, and the others lose little by them.
+        to find for their chasers, and the others lose little by them.
         """
         problem, rng = self._problem, self._rng
         columns = self._pool.columns()
@@ -219,7 +219,7 @@ class RouteSearch:
         return column.worth - column.paid(self.multipliers)
 
     def pack(self, time_limit_s: float) -> None:
-        """The best plan of the routes met."""
+        """The best plan of the known routes."""
         found = self._pool.best(self._pool.columns(), min(time_limit_s, self._stop.remaining_s()))
         self.counters["packings"] += 1
         if found is not None and self._certificate.offer(*found):

@@ -1,4 +1,4 @@
-"""Set packing with HiGHS: which of many columns to take, no target twice."""
+"""Set packing with HiGHS: a choice of columns with no target twice."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from adr_opt.plan.station_limits import Use
 from .one_chaser import FloatArray
 
 PRESOLVED = 2_000
-"""Of more columns HiGHS takes far longer to find some that need not be looked at than it does
-without, and does not look at the clock meanwhile."""
+"""Number of columns up to which presolving is used. Beyond it, HiGHS's presolve takes far longer
+than it saves, and ignores the time limit."""
 
 LEAST_S = 0.1
-"""It is given as much time at least."""
+"""Least time limit [s]."""
 
 LEAST_CARRY, MOST_CARRY = -2.0, 1e4
-"""What is carried from a digit to the next: as many columns are taken as there are chasers."""
+"""Range of carries between digits: at most one column per chaser is taken."""
 
 SOLVED, INFEASIBLE = 0, 2
-"""How :func:`scipy.optimize.milp` says what became of it."""
+"""Status values of :func:`scipy.optimize.milp`."""
 
 
 class Packed(NamedTuple):
-    """What became of a question for the cheapest columns.
+    """Outcome of a search for the cheapest columns.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ def cheapest_of(
     gap: float | None = None,
     carries: int = 0,
 ) -> Packed:
-    """The columns that keep to some constraints and cost least together.
+    """The cheapest columns that satisfy some constraints.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def cheapest_of(
     gap : float, optional
         Relative gap at which it may end; that of HiGHS by default.
     carries : int
-        The last so many variables are no columns: see :mod:`.digits`.
+        Number of trailing variables that are no columns: see :mod:`.digits`.
     """
     columns = costs.size - carries
     least_each = np.append(np.zeros(columns), np.full(carries, LEAST_CARRY))
@@ -96,7 +96,7 @@ def packing(
     *,
     all_flown: bool = False,
 ) -> LinearConstraint:
-    """No target on two of the columns taken, and no more of a kind than there are chasers.
+    """Constraints: no target on two chosen columns, and at most as many of a type as chasers.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Targets that change routes: taken out of some and put back where they cost least.
+"""Exchange of targets between routes: removed, and reinserted where they cost least.
 
 Ruin and recreate across the routes of a campaign with annealing on the cost that the instance
 names, at no less than the best plan's worth. Targets that it leaves out may take the place of
@@ -24,41 +24,41 @@ from .one_chaser import targets_of
 from .route_pool import RoutePool
 
 HOT, COLD = 0.01, 0.0003
-"""First and last temperature, as shares of what the best plan costs."""
+"""First and last temperature, as shares of the best plan's cost."""
 
 MOST_OUT = 4
-"""Targets that are taken out at once, but for whole routes."""
+"""Maximum number of targets removed at once, except whole routes."""
 
 SPARES = 2
-"""So many targets that nobody visits may come in at once."""
+"""Maximum number of unvisited targets that may be inserted at once."""
 
 BLINKS = 0.1
-"""Share of places that are overlooked."""
+"""Share of positions that are skipped."""
 
 BY_LOT, STRING = 0.45, 0.9
-"""Targets are drawn by lot, or follow each other on a route; else a whole route is given up."""
+"""Cumulative shares of removals of random targets and of strings; the rest are whole routes."""
 
 WITH_SPARES = 0.5
-"""How often targets that nobody visits may come in."""
+"""Share of moves in which unvisited targets may be inserted."""
 
 ONE_MORE = 0.5
-"""How often all of them are put in that find a place, be it beyond what the best plan has."""
+"""Share of moves that insert all insertable targets, even beyond the best plan's number."""
 
 WITH_STATIONS = 0.2
-"""How often targets are put back with a stop at a station before or after them."""
+"""Share of moves that insert targets with a station stop before or after them."""
 
 CHOSEN = 0.3
-"""How often the target that costs least comes in next, not one that is drawn by lot."""
+"""Share of insertions of the cheapest target rather than a random one."""
 
 SUM_BESIDE = 1e-3
-"""Where the dearest route alone counts, all others count for so much."""
+"""Weight of other routes if only the most expensive one counts."""
 
 MOST_REMEMBERED = 500_000
-"""Routes."""
+"""Maximum number of cached routes."""
 
 
 class _Timed(NamedTuple):
-    """A route as it ends, its cost, and what it takes of stations; +inf if it cannot be flown."""
+    """A route with its legal end, its cost and its use of stations; +inf if it cannot be flown."""
 
     moves: tuple[int, ...]
     cost: float
@@ -66,7 +66,7 @@ class _Timed(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """Where targets may come in: by how much all costs grow, and the route."""
+    """An insertion: increase of total cost, and the resulting route."""
 
     grows: float
     chaser: int
@@ -75,7 +75,7 @@ class _Place(NamedTuple):
 
 
 class Exchanges:
-    """Looks for plans that are worth more than the best one, or as much and cost less.
+    """Searches for plans of more worth, or of equal worth at less cost.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ class Exchanges:
         self.counters = {"exchanges": 0}
 
     def anneal(self, iterations: int, stop: Stop) -> bool:
-        """Cool once from the best plan; whether a better one was found.
+        """One cooling from the best plan; returns whether a better one was found.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Exchanges:
         return found_any
 
     def _offer(self, routes: Routes) -> bool:
-        """Tell of a better plan."""
+        """Report a better plan."""
         timed = [self._time(chaser, route) for chaser, route in enumerate(routes)]
         for chaser, route in enumerate(timed):
             if route.moves:
@@ -147,7 +147,7 @@ class Exchanges:
         return self._certificate.offer(*(route.moves for route in timed))
 
     def _total(self, routes: Routes) -> float:
-        """What routes cost together; +inf where stations have too little for them."""
+        """Total cost of routes; +inf if stations' supplies are exceeded."""
         timed = [self._time(chaser, route) for chaser, route in enumerate(routes)]
         costs = [route.cost for route in timed]
         if math.inf in costs or not self._problem.limits.allow([route.use for route in timed]):
@@ -158,7 +158,7 @@ class Exchanges:
         return objective.together(costs)
 
     def _open(self, route: tuple[int, ...]) -> tuple[int, ...]:
-        """Without stops that were not earned, and those at the end, which are added again."""
+        """A route without unearned stops and those at its end, which are added again later."""
         moves: list[int] = []
         earned = False
         for body in route:
@@ -170,7 +170,7 @@ class Exchanges:
         return tuple(moves)
 
     def _time(self, chaser: int, route: tuple[int, ...]) -> _Timed:
-        """A route of a chaser, from memory where it was met."""
+        """A timed route of a chaser, cached."""
         key = self._kind_of[chaser], route
         known = self._timed.get(key)
         if known is not None:
@@ -188,7 +188,7 @@ class Exchanges:
         return timed
 
     def _exchanged(self, now: Routes, asked: float) -> Routes | None:
-        """Routes after some targets left them and others came; None if they are worth less."""
+        """Routes after an exchange of targets; None if they are worth less."""
         rng, worths = self._rng, self._problem.planning_prizes
         out = self._drawn(now)
         routes = [self._open(tuple(j for j in route if j not in out)) for route in now]
@@ -215,7 +215,7 @@ class Exchanges:
         return tuple(routes) if have >= asked else None
 
     def _drawn(self, now: Routes) -> set[int]:
-        """Targets that are to leave their routes."""
+        """Random targets to be removed from their routes."""
         rng = self._rng
         visited = sorted(targets_of(self._problem, now))
         if not visited:
@@ -236,7 +236,7 @@ class Exchanges:
         bag: list[int],
         with_stations: bool,
     ) -> _Place | None:
-        """The cheapest place for one of some targets, but for those that are overlooked."""
+        """Cheapest insertion of any of some targets, apart from skipped positions."""
         best: _Place | None = None
         ways = []
         for body in bag:
@@ -269,7 +269,7 @@ class Exchanges:
         return best
 
     def _least(self, chaser: int, route: tuple[int, ...]) -> float:
-        """No schedule of a route costs less."""
+        """Lower bound on the cost of a route."""
         known = self._timed.get((self._kind_of[chaser], route))
         if known is not None:
             return known.cost

@@ -1,4 +1,4 @@
-"""All missions of a campaign as one tour through time, planned for the least expense.
+"""Closed tours: all missions of a campaign as one tour through time, at least expense.
 
 Chasers are launched onto any target, one after another, and every target must be done: missions
 follow each other in time, so that a campaign is one order of all targets, cut where a mission ends.

@@ -1,4 +1,4 @@
-"""Ruin and recreate of a tour, with annealing on its true expense."""
+"""Ruin and recreate of a tour, by annealing on its true expense."""
 
 import math
 from typing import NamedTuple
@@ -13,17 +13,17 @@ from .inserting import CostRows, PuttingRules, put_back
 from .sweeps import backwards
 
 MOST_GROWTH = 30.0
-"""Times the mass of an empty chaser: what is heavier is too heavy, whatever it weighs."""
+"""Maximum ratio to the mass of an empty chaser; heavier ones count as too heavy."""
 
 TOO_DEAR = 0.05
-"""What a metre per second costs that such a chaser flies."""
+"""Cost per m/s of such a chaser."""
 
 LEAST_MARGINAL = 0.002
-"""Of a kilogram: what slopes are made of at least, so that tiny missions draw not everything."""
+"""Least slope per kilogram, so that tiny missions do not attract everything."""
 
 
 class RuinRules(NamedTuple):
-    """How much of a tour is taken out, and how it is put back.
+    """Extent of removals from a tour, and rules of reinsertion.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class RuinRules(NamedTuple):
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so many temperatures off.
+        Largest random error of the costs of places, in temperatures.
     """
 
     most: int
@@ -45,7 +45,7 @@ class RuinRules(NamedTuple):
 
 
 class TourTimes(NamedTuple):
-    """A tour: its order, whether a mission begins with a target, about when each is reached."""
+    """A tour: order, beginnings of missions, and approximate time of each target."""
 
     order: np.ndarray
     begins: np.ndarray
@@ -54,7 +54,7 @@ class TourTimes(NamedTuple):
 
 @kernel
 def judged(cost, tour, size, behind, grid, expense, fresh):
-    """True expense of a tour at the times that its slopes make best.
+    """True expense of a tour at times optimal for its slopes.
 
     Parameters
     ----------
@@ -139,14 +139,14 @@ def judged(cost, tour, size, behind, grid, expense, fresh):
 
 @inlined
 def marked_string(marks, begin, count):
-    """Mark some neighbours of a tour."""
+    """Mark some neighbours in a tour."""
     for k in range(begin, begin + count):
         marks[k] = True
 
 
 @kernel
 def marked(least, order, begins, at, size, most, marks):
-    """Mark what a tour is to lose.
+    """Mark the targets to be removed from a tour.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-r"""A bound on the expense of all tours: prices of targets, raised until walks do each about once.
+r"""Lower bound on the expense of all tours, by prices that make walks visit targets about once.
 
 A mission whose legs come to X = Σ ΔV / exhaust speed carries at launch
 
@@ -6,8 +6,8 @@ A mission whose legs come to X = Σ ΔV / exhaust speed carries at launch
 
 and its expense is convex and growing in c. The tangent at any c never exceeds it: every tangent
 makes a bound, with a launch and a kilogram at launch at fixed costs. Where the number of missions
-is given, one more price, a fee for each launch that is given back for so many of them, makes walks
-launch about as often, and the tangent that touches what so many missions carry in the mean loses
+is given, one more price, a fee for each launch that is given back for this number, makes walks
+launch about as often, and the tangent at the mean load of that many missions loses
 least. Prices follow subgradients (M. Held, P. Wolfe and H. Crowder, Mathematical Programming 6,
 1974, 62–88), smoothed over rounds; where walks are mixtures, of some that are drawn. The value that
 counts is swept once more in double precision at the best prices.
@@ -31,28 +31,28 @@ FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 
 SAFETY = 1e-6
-"""Share by which a bound is lowered for rounding: sums of some thousand numbers lose far less."""
+"""Relative reduction of a bound for rounding: sums of some thousand numbers lose far less."""
 
 FEE = 3.0
-"""What a fee is counted in, as a multiple of prices: launches are few, and dear."""
+"""Unit of a fee, as a multiple of prices: launches are few, and expensive."""
 
 BEFORE = 1.25
-"""By how much the highest level exceeds the mass that a tangent touches: beyond it costs of a
-kilogram are those of its launch, but the legs before it."""
+"""Ratio of the highest level to the mass touched by a tangent: beyond it, the cost of a kilogram is
+that at launch, without earlier legs."""
 
 BEYOND = 1e35
-"""By what a leg makes mass grow that is forbidden: no cost reaches that, nor is it infinite."""
+"""Mass growth of a forbidden leg: beyond any cost, but finite."""
 
 DRAWN = 8
-"""Walks of a mixture that a direction is the mean of."""
+"""Number of walks of a mixture whose mean gives a direction."""
 
 NEAR_M_S = 100.0
-"""Scale of ΔV on which neighbours are told from others."""
+"""Scale of ΔV that distinguishes neighbours."""
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """At most the expense of a mission: fixed + per_kg · mass at launch.
+    """A tangent from below to the expense of a mission: fixed + per_kg · mass at launch.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Tangent:
 
     @classmethod
     def at(cls, expense: TourExpense, carried_kg: float) -> Tangent:
-        """The tangent where so much is carried.
+        """The tangent at a carried mass.
 
         Parameters
         ----------
@@ -82,7 +82,7 @@ class Tangent:
 
 @dataclass(frozen=True)
 class Bounding:
-    """How prices are raised.
+    """Schedule by which prices are raised.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Bounding:
 
 @dataclass(frozen=True)
 class Bound:
-    """A bound, and what proves it.
+    """A bound with its evidence.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Bound:
 
 
 def neighbourhoods(cells: Costs, count: int) -> Integers:
-    """The targets that each one has the most and the cheapest legs with, shape (targets, count).
+    """Targets with the most and the cheapest legs to each one, shape (targets, count).
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def neighbourhoods(cells: Costs, count: int) -> Integers:
 
 
 def memories(neighbours: Integers) -> Memories:
-    """What walks remember, for :func:`~.walks.sweep`."""
+    """Memory of walks, for :func:`~.walks.sweep`."""
     targets, count = neighbours.shape
     bit = np.full((targets, targets), -1, np.int64)
     for i in range(targets):
@@ -175,7 +175,7 @@ def memories(neighbours: Integers) -> Memories:
 
 
 def levels_of(expense: TourExpense, tangent: Tangent, count: int) -> FloatArray:
-    """Masses from an empty chaser to more than the tangent touches, in a geometric series [kg].
+    """Masses in a geometric series from an empty chaser to beyond the tangent's [kg].
 
     Parameters
     ----------
@@ -189,14 +189,14 @@ def levels_of(expense: TourExpense, tangent: Tangent, count: int) -> FloatArray:
 
 
 def growths(expense: TourExpense, unit_m_s: float) -> FloatArray:
-    """The share by which legs of so many units make mass grow, shape (65536,)."""
+    """Relative mass growth by legs of each number of units, shape (65536,)."""
     growth: FloatArray = np.exp(np.arange(FORBIDDEN + 1) * (unit_m_s / expense.exhaust_m_s))
     growth[FORBIDDEN] = BEYOND
     return growth
 
 
 class _Walks:
-    """The cheapest walk at any prices, in a precision of its own."""
+    """The cheapest walk at any prices, in its own precision."""
 
     def __init__(
         self,
@@ -227,7 +227,7 @@ class _Walks:
         return self._cells, masses, prices.astype(kind), *self._rules, self._least
 
     def value(self, prices: FloatArray, fee: float) -> float:
-        """The least of all walks at some prices and a fee for launches, and all prices."""
+        """Least cost of all walks at some prices and a fee for launches, plus all prices."""
         sweep(*self._asked(prices, fee))
         # No mission at all is a walk too.
         total = float(prices.astype(self._kind).sum(dtype=np.float64))
@@ -236,7 +236,7 @@ class _Walks:
     def missing(
         self, prices: FloatArray, fee: float, random: np.random.Generator
     ) -> tuple[FloatArray, float, float]:
-        """One less how often the cheapest walks do each target, their missions, and their load.
+        """Subgradient (one minus the cheapest walks' visits to each target), missions, and load.
 
         After :meth:`value` at the same prices; means over some walks that are drawn.
         """
@@ -251,14 +251,14 @@ class _Walks:
 
 @dataclass(frozen=True)
 class FirstPrices:
-    """What a bound begins with.
+    """Initial values of a bound.
 
     Attributes
     ----------
     prices : (targets,) float64, optional
         All the same, and no mission worth it, without.
     missions : int, optional
-        The bound is on tours of so many missions; on all by default.
+        Number of missions of the tours that the bound is on; on all tours by default.
     fee : float
         For each launch, where their number is given.
     """
@@ -281,7 +281,7 @@ def bound(
     first: FirstPrices = ALL_TOURS,
     tell: Callable[[int, float], None] | None = None,
 ) -> Bound:
-    """The best bound that rounds of prices find.
+    """The best bound found by rounds of prices.
 
     Parameters
     ----------

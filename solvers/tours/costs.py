@@ -1,4 +1,4 @@
-"""What a tour costs: legs on a grid of times, and the expense of missions by what they carry."""
+"""Costs of a tour: legs on a time grid, and the expense of missions by carried mass."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy.typing as npt
 from adr_opt.kernels.core.compile import inlined, kernel
 
 FORBIDDEN = 65535
-"""Units of ΔV that no leg costs."""
+"""ΔV units of a forbidden leg."""
 
 BLOCK = 32
-"""Times of the grid that :func:`nearby` takes together."""
+"""Number of grid times combined by :func:`nearby`."""
 
 FAR = np.float32(1e30)
-"""Where there is no way."""
+"""Cost of an impossible way."""
 
 Costs = npt.NDArray[np.uint16]
 
@@ -41,7 +41,7 @@ class TimeGrid(NamedTuple):
 
 
 class TourCosts(NamedTuple):
-    """What legs cost.
+    """Costs of legs.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class TourCosts(NamedTuple):
 
 
 class TourRows(NamedTuple):
-    """A tour as rows, with room for one more target than there are.
+    """A tour as rows, with storage for one additional target.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class TourRows(NamedTuple):
 
 
 class TourExpense(NamedTuple):
-    """What a mission costs by what its chaser carries at launch.
+    """Expense of a mission by the chaser's mass at launch.
 
     That is ``fixed + per_kg c + per_kg_squared c²`` with c the kits and the least propellant [kg].
 
@@ -103,12 +103,12 @@ class TourExpense(NamedTuple):
 
 
 OVERWEIGHT = 0.1
-"""What a kilogram of propellant beyond the tank costs a plan that is not legal yet."""
+"""Penalty per kilogram of propellant beyond the tank, in a plan that is not legal yet."""
 
 
 @inlined
 def expense_of(expense, carried, kits):
-    """Expense of a mission, and what another kilogram would add.
+    """Expense of a mission, and its increase per kilogram.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def expense_of(expense, carried, kits):
 
 @kernel
 def nearby(cost, least):
-    """The least cost of each pair about each block of times.
+    """Least cost of each pair near each block of times.
 
     Parameters
     ----------
@@ -151,5 +151,5 @@ def nearby(cost, least):
 
 
 def blocks(times: int) -> int:
-    """How many blocks there are."""
+    """Number of blocks."""
     return math.ceil(times / BLOCK)

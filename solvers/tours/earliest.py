@@ -1,9 +1,9 @@
-"""Tours of all places that end as early as possible, where a few ways may be exceptions.
+"""Tours of all places with the earliest end, where a few ways may be exceptions.
 
-Given is when one arrives at the earliest who is ready at a time and may wait: nobody arrives
-earlier who is ready later. Of all who have been at the same places, are at the same one and have
-used as many exceptions, the earliest is therefore never worse than another (Held and Karp, 1962),
-and so is one who has used fewer and is no later. Level by level all such states are kept, or the
+Given are earliest arrivals by ready time, with waiting allowed, so that being ready later never
+leads to an earlier arrival. Of all states with the same places done, the same last place and
+equal exceptions used, the earliest is therefore never worse than another (Held and Karp, 1962),
+nor is one with fewer exceptions that is no later. Level by level all such states are kept, or the
 earliest of them if there are too many. If none was left out, the tour found is the best one.
 
 Ways that are no exceptions often join few places with each other; states from which what is left
@@ -21,15 +21,16 @@ import numpy.typing as npt
 from adr_opt.kernels.core.compile import inlined, kernel
 
 MOST_PLACES = 58
-"""Sets of places, the place and the exceptions used share words of 64 and 16 bits."""
+"""Maximum number of places: a set of places, the last place and the exceptions used are packed in
+words of 64 and 16 bits."""
 
 ONE = np.uint64(1)
 ROOM = 0.7
-"""Share of a table of hashes that is filled at most."""
+"""Maximum load of a hash table."""
 
 
 class Arrivals(NamedTuple):
-    """When one arrives at the earliest.
+    """Earliest arrivals.
 
     Attributes
     ----------
@@ -38,15 +39,15 @@ class Arrivals(NamedTuple):
     row : (2, places, places) int64
         Where the arrivals of a way stand, usual ones and exceptions; −1 where there is no way.
     arrival : (rows, times) float64 or float32
-        Of all who are ready from ``k step`` on and before ``(k + 1) step``. Never falls with k;
-        infinite where nobody arrives. Later than the last time nobody leaves.
+        For ready times from ``k step`` on and before ``(k + 1) step``. Never falls with k;
+        infinite where there is none. There are no departures later than the last time.
     near : (places,) uint64
         Bit j where a usual way leads to j or from it.
     exceptions : int
         How many there may be.
     linear : bool
         Between two times that are less than ``3 step`` apart arrivals are linear, else those of the
-        later time: ``arrival[k]`` is that of who is ready at ``k step``.
+        later time: ``arrival[k]`` is that of a ready time ``k step``.
     """
 
     step: float
@@ -58,7 +59,7 @@ class Arrivals(NamedTuple):
 
 
 class States(NamedTuple):
-    """Those of a level: places done, the last one, exceptions used, when, and from which state."""
+    """States of a level: places done, last place, exceptions used, time, and predecessor."""
 
     done: npt.NDArray[np.uint64]
     here: npt.NDArray[np.int64]
@@ -68,7 +69,7 @@ class States(NamedTuple):
 
 
 def chosen(states: States, places: npt.NDArray[np.int64] | npt.NDArray[np.bool_]) -> States:
-    """Some of a level's states, in an order."""
+    """A selection of a level's states, in an order."""
     return States(
         states.done[places], states.here[places], states.used[places], states.time[places],
         states.parent[places],
@@ -76,7 +77,7 @@ def chosen(states: States, places: npt.NDArray[np.int64] | npt.NDArray[np.bool_]
 
 
 def room_for(size: int) -> States:
-    """Room for states, not written."""
+    """Storage for states."""
     return States(
         np.empty(size, np.uint64), np.empty(size, np.int64), np.empty(size, np.int64),
         np.empty(size), np.empty(size, np.int64),
@@ -84,7 +85,7 @@ def room_for(size: int) -> States:
 
 
 class Found(NamedTuple):
-    """What a search came to.
+    """Outcome of a search.
 
     Attributes
     ----------
@@ -113,7 +114,7 @@ def arrivals_of(
     *,
     linear: bool = False,
 ) -> Arrivals:
-    """Arrivals from whole tables.
+    """Arrivals from complete tables.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def arrivals_of(
 
 
 def near_of(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:
-    """Sets of places to or from which a way leads."""
+    """Sets of places with a way from or to each place."""
     joined = there | there.T
     return np.array(
         [sum(1 << int(j) for j in np.flatnonzero(line)) for line in joined], dtype=np.uint64
@@ -140,7 +141,7 @@ def near_of(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.uint64]:
 
 @inlined
 def _size(members):
-    """How many places a set has."""
+    """Number of places in a set."""
     members = members - ((members >> ONE) & np.uint64(0x5555555555555555))
     pairs = np.uint64(0x3333333333333333)
     members = (members & pairs) + ((members >> np.uint64(2)) & pairs)
@@ -150,7 +151,7 @@ def _size(members):
 
 @kernel
 def exceptions_needed(left, here, near):
-    """How many exceptions the rest of a tour has at least.
+    """Lower bound on the exceptions needed by the rest of a tour.
 
     A place with fewer than two usual ways to others that count has the rest of its two by
     exception, but the last place, wherever it is, has one less; and what no usual ways hold
@@ -194,7 +195,7 @@ def exceptions_needed(left, here, near):
 
 @inlined
 def _arrival(arrivals, kind, i, j, time):
-    """When one arrives who is ready at a time."""
+    """Arrival from a ready time."""
     row = arrivals.row[kind, i, j]
     if row < 0:
         return math.inf
@@ -212,7 +213,7 @@ def _arrival(arrivals, kind, i, j, time):
 
 @inlined
 def _place_of(done, here, used, table, filled):
-    """Where a state stands in a table of hashes, or where it would."""
+    """Index of a state in a hash table, present or not."""
     mask = np.uint64(filled.size - 1)
     mixed = (done * np.uint64(0x9E3779B97F4A7C15)) ^ (
         np.uint64(here * 64 + used) * np.uint64(0xC2B2AE3D27D4EB4F)
@@ -228,7 +229,7 @@ def _place_of(done, here, used, table, filled):
 
 @kernel
 def _extend(arrivals, states, latest, table, filled):
-    """All successors that arrive by ``latest``, into a table; whether all found room there."""
+    """All successors that arrive by ``latest``, written to a table; returns whether all fit."""
     whole, found = True, 0
     every = (ONE << np.uint64(arrivals.near.size)) - ONE
     for state in range(states.here.size):
@@ -264,7 +265,7 @@ def _extend(arrivals, states, latest, table, filled):
 
 
 def _survivors(level: States, exceptions: int, width: int) -> tuple[States, bool]:
-    """States that no other one is as good as, the earliest of them; whether these are all."""
+    """Undominated states, the earliest of them; returns whether these are all."""
     order = np.lexsort((level.used, level.here, level.done))
     level = chosen(level, order)
     kept = np.ones(level.here.size, dtype=bool)
@@ -281,7 +282,7 @@ def _survivors(level: States, exceptions: int, width: int) -> tuple[States, bool
 def earliest_tour(
     arrivals: Arrivals, latest: float, *, width: int = 1_000_000, begin: float = 0.0
 ) -> Found:
-    """The tour of all places that ends earliest, from any of them.
+    """The tour of all places with the earliest end, from any of them.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""Which arrivals matter to tours that end by a time.
+"""Arrivals that matter to tours that end by a time.
 
 A state of :mod:`.earliest` is alive if from it, as early as it is, a tour can be ended in time.
-From the last level back, one knows for each state when one must be ready there at the latest, and
-so for each way between which times somebody alive may be ready for it. Arrivals that are known only
+From the last level back, one knows for each state the latest ready time there, and
+so for each way between which times a live state may be ready for it. Arrivals that are known only
 roughly need be known better there, and nowhere else.
 """
 
@@ -20,7 +20,7 @@ from .earliest import ONE, Arrivals, Found, _arrival, _place_of, room_for
 
 @inlined
 def _latest_ready(arrivals, kind, i, j, by):
-    """The last time at which one may be ready who arrives by a time, rounded up to a step."""
+    """Latest ready time for an arrival by a time, rounded up to a step."""
     line = arrivals.arrival[arrivals.row[kind, i, j]]
     low, high = 0, line.size
     while low < high:
@@ -34,7 +34,7 @@ def _latest_ready(arrivals, kind, i, j, by):
 
 @kernel
 def _back(arrivals, states, table, filled, due_then, place_of, due, wanted):
-    """When states of a level are due, by those of the next one; until when ways matter."""
+    """Latest times of a level's states, from those of the next level; last useful time of ways."""
     every = (ONE << np.uint64(arrivals.near.size)) - ONE
     for state in range(states.here.size):
         due[state] = -math.inf
@@ -64,7 +64,7 @@ def _back(arrivals, states, table, filled, due_then, place_of, due, wanted):
 
 
 def wanted_by(arrivals: Arrivals, found: Found, latest: float) -> npt.NDArray[np.float64]:
-    """Until when arrivals matter to somebody alive who may be ready for a way, or leave by it.
+    """Last time at which arrivals matter to useful states, by ready time and by departure.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def wanted_by(arrivals: Arrivals, found: Found, latest: float) -> npt.NDArray[np
     -------
     (rows, times) float64
         As :attr:`.Arrivals.arrival`: arrivals that are later than this do not matter, however much
-        later. Minus infinite where nobody alive is.
+        later. Minus infinite without live states.
     """
     wanted = np.full(arrivals.arrival.shape, -np.inf)
     due = np.full(found.levels[-1].here.size, latest)
@@ -95,7 +95,7 @@ def wanted_by(arrivals: Arrivals, found: Found, latest: float) -> npt.NDArray[np
 
 @kernel
 def _store(states, table, filled, place_of):
-    """States into a table of hashes, and which one stands where."""
+    """Store states in a hash table, with the index of each."""
     for state in range(states.here.size):
         done, here, used = states.done[state], states.here[state], states.used[state]
         place = _place_of(done, here, used, table, filled)

@@ -1,4 +1,4 @@
-"""Where one more target costs a tour least."""
+"""Cheapest insertions of a target into a tour."""
 
 from typing import NamedTuple
 
@@ -22,17 +22,17 @@ from .sweeps import (
 )
 
 BETWEEN, LAST, FIRST, ALONE = 0, 1, 2, 3
-"""How a target is put in: between two of a mission, at an end of one, as a mission of its own."""
+"""Kinds of insertion: between targets, at either end of a mission, or as a mission of its own."""
 
 HOPE = 2
-"""A place is looked at if legs about then may cost so many times what the best one costs."""
+"""A position is examined if legs near that time may cost up to this multiple of the best."""
 
 SETTLED = 16
-"""So many places before and after a new target get their windows anew."""
+"""Number of positions before and after a new target whose windows are updated."""
 
 
 class CostRows(NamedTuple):
-    """Costs of a tour by time.
+    """Costs of a tour over time.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class CostRows(NamedTuple):
 
 
 class PuttingRules(NamedTuple):
-    """How targets are put in.
+    """Parameters of insertion.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class PuttingRules(NamedTuple):
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so much off.
+        Largest random error of the costs of places.
     """
 
     grid: TimeGrid
@@ -77,7 +77,7 @@ class PuttingRules(NamedTuple):
 
 @inlined
 def least_sum(one, other, low, high):
-    """Least sum of two rows in a window."""
+    """Least sum of two rows within a window."""
     least = FAR
     for t in range(low, high):
         if one[t] + other[t] < least:
@@ -87,7 +87,7 @@ def least_sum(one, other, low, high):
 
 @kernel
 def at_place(cost, tour, size, rows, target, k, rules):
-    """Cost of a tour with one more target before place k, and how that is put in.
+    """Cost of a tour with another target before position k, and the kind of insertion.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def at_place(cost, tour, size, rows, target, k, rules):
 
 @inlined
 def least_legs(least, order, begins, slope, at, size, target, k):
-    """What the legs to and from a target at a place would cost at least, near the usual times."""
+    """Lower bound on the legs to and from a target at a position, near the usual times."""
     last_block = least.shape[2] - 1
     found = np.float32(0.0)
     if k > 0:
@@ -173,7 +173,7 @@ def least_legs(least, order, begins, slope, at, size, target, k):
 
 @kernel
 def put_in(tour, size, target, k, how, rules):
-    """Put a target into a tour before place k."""
+    """Insert a target into a tour before position k."""
     order, begins, at, slope, kit = borrowed(tour)
     for place in range(size, k, -1):
         order[place], begins[place] = order[place - 1], begins[place - 1]
@@ -200,7 +200,7 @@ def put_in(tour, size, target, k, how, rules):
 
 @kernel
 def put_back(costs, tour, size, bag, count, rows, rules):
-    """Put targets into a tour one by one, each where it costs least.
+    """Insert targets into a tour one by one, each where it costs least.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tours from nothing: chains of annealing side by side.
+"""Tours from scratch: concurrent chains of annealing.
 
 Where a chain ends depends on what it began with far more than on how slowly it was cooled. So each
 chain begins several times, from missions drawn by lot, and spends the rest of its time on warming
@@ -46,7 +46,7 @@ class Tour:
 
 @dataclass(frozen=True)
 class Annealing:
-    """How a chain is cooled.
+    """Parameters of a chain.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Annealing:
     blinks : float
         Share of places that are overlooked.
     noise : float
-        Costs of places are up to so many temperatures off.
+        Largest random error of the costs of places, in temperatures.
     starts : int
         How often a chain begins.
     starting : float
@@ -71,7 +71,7 @@ class Annealing:
     chunk : int
         Iterations at one temperature; a multiple of them is made.
     missions : int
-        So many are drawn at the beginning.
+        Number of missions drawn at the beginning.
     iterations : int, optional
         Of a chain; the same number gives the same tour.
     time_limit_s : float
@@ -96,14 +96,14 @@ class Annealing:
 
     @property
     def ruin(self) -> RuinRules:
-        """What :func:`~.annealing.anneal` takes of it."""
+        """The chain's part for :func:`~.annealing.anneal`."""
         return RuinRules(self.most, self.wide, self.near, self.blinks, self.noise)
 
 
 def first_tour(
     costs: TourCosts, grid: TimeGrid, expense: TourExpense, seed: int, missions: int
 ) -> Tour:
-    """Missions of one target each, spread over time, into which all others are put."""
+    """Missions of one target each, spread over time, into which all others are inserted."""
     count, times = costs.legs.shape[1], costs.legs.shape[3]
     missions = max(1, min(missions, count, times // grid.apart))
     drawn = np.random.default_rng(seed).permutation(count)
@@ -185,7 +185,7 @@ def plan(
     chains: int = 2,
     tell: Callable[[float, Tour], None] | None = None,
 ) -> list[Tour]:
-    """Tours of several chains, each in a thread of its own, the best one first.
+    """Tours of several chains, each in its own thread, best first.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Least costs of a tour up to each target and from it, at every time of a window about it.
+"""Least costs of a tour before and after each target, over a window of times.
 
 A mission's expense is taken as linear: each leg has a slope, what another unit of ΔV there costs.
 Rows of costs lie along time, so that loops over them use all lanes of the processor.
@@ -15,7 +15,7 @@ from .costs import FAR
 
 
 class TourLeg(NamedTuple):
-    """A leg of a tour: its two targets, what a unit costs (float32), and the first gap."""
+    """A leg of a tour: its two targets, cost per unit (float32), and the first gap."""
 
     one: int
     other: int
@@ -24,7 +24,7 @@ class TourLeg(NamedTuple):
 
 
 class LegWindows(NamedTuple):
-    """Windows of its arrivals: the earlier from ``low`` to ``high``, then ``first`` to ``last``."""
+    """Arrival windows of a leg: first ``low`` to ``high``, then ``first`` to ``last``."""
 
     low: int
     high: int
@@ -34,7 +34,7 @@ class LegWindows(NamedTuple):
 
 @inlined
 def along(source, i, cost, leg, windows, target, o):
-    """Lower the costs of arrivals to what legs from earlier arrivals give.
+    """Lower costs of arrivals where legs from earlier arrivals are cheaper.
 
     Numbers of places are unsigned: for others each look asks whether it counts from the end, and
     loops do not use all lanes of the processor.
@@ -65,7 +65,7 @@ def along(source, i, cost, leg, windows, target, o):
 
 @inlined
 def against(source, i, cost, leg, windows, target, o):
-    """Lower the costs from arrivals on to what legs to later arrivals give.
+    """Lower costs after arrivals where legs to later arrivals are cheaper.
 
     As :func:`along`, with row ``i`` of the source the costs from the later arrival on, and row
     ``o`` of the target those from the earlier one on.
@@ -85,7 +85,7 @@ def against(source, i, cost, leg, windows, target, o):
 
 @inlined
 def launched(source, apart, low, high, first, last, target):
-    """Costs of launches, from those of the last arrivals of the mission before."""
+    """Costs of launches, from the last arrivals of the previous mission."""
     least, s = FAR, low
     for t in range(first, last):
         while s < high and s <= t - apart:
@@ -97,7 +97,7 @@ def launched(source, apart, low, high, first, last, target):
 
 @inlined
 def ended(source, apart, low, high, first, last, target):
-    """Costs from the last arrivals of a mission on, from those of the next launch on."""
+    """Costs after the last arrivals of a mission, from those after the next launch."""
     least, s = FAR, last - 1
     for t in range(high - 1, low - 1, -1):
         while s >= first and s >= t + apart:
@@ -109,7 +109,7 @@ def ended(source, apart, low, high, first, last, target):
 
 @inlined
 def wiped(row):
-    """No way anywhere."""
+    """Mark a row as impossible everywhere."""
     for t in range(row.size):
         row[t] = FAR
 
@@ -152,7 +152,7 @@ def forwards(cost, tour, grid, wide, start, size, ahead):
 
 @kernel
 def backwards(cost, tour, grid, wide, start, size, behind):
-    """Costs from the targets of a tour on, from ``start`` back to the first (:func:`forwards`)."""
+    """Costs after the targets of a tour, from ``start`` back to the first (:func:`forwards`)."""
     order, begins, at, slope, _ = borrowed(tour)
     times = cost.shape[3]
     for k in range(start, -1, -1):
@@ -175,7 +175,7 @@ def backwards(cost, tour, grid, wide, start, size, behind):
 
 @kernel
 def settle(ahead, behind, order, at, wide, first, last):
-    """Move windows of some targets to their best times."""
+    """Move the windows of some targets to their best times."""
     times = ahead.shape[1]
     for k in range(first, last):
         best, place = FAR, at[k]

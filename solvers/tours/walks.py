@@ -1,4 +1,4 @@
-"""The cheapest walk through cells of time, with a price for every target: a bound on all tours.
+"""The cheapest walk over time cells, with a price for every target: a bound on all tours.
 
 Missions one after another are a walk through time. That every target is done exactly once is
 replaced by prices π for doing it, and by ng-neighbourhoods (R. Baldacci, A. Mingozzi and
@@ -9,7 +9,7 @@ targets that are neighbours of all that followed, and does none of them again. W
 
 is at most the cost of any tour, because each tour is a walk of no greater cost.
 
-What a mission costs grows by so much for each kilogram at launch, kits that are carried along
+The cost of a mission grows by a fixed rate per kilogram at launch, kits that are carried along
 included. If a mass s is to be left behind a target, s + kit arrived there, and (s + kit) e^u left
 the target before, u the ΔV of the leg over the exhaust speed. So the cost of a walk so far is
 linear in s, and the least of many, F(s), concave: chords between a few masses, the *levels*, lie
@@ -30,7 +30,7 @@ Real = np.floating[Any] | float
 
 
 class MassCosts(NamedTuple):
-    """What missions cost by their mass.
+    """Costs of missions by mass.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class MassCosts(NamedTuple):
 
 
 class Memories(NamedTuple):
-    """What walks remember.
+    """Memory of walks.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class Memories(NamedTuple):
 
 
 class LeastWalks(NamedTuple):
-    """The least costs of walks.
+    """Least costs of walks.
 
     Attributes
     ----------
     walks : (targets, memories, levels, times)
-        Of those that arrive in a cell, if so much mass goes on from the target.
+        Of those that arrive in a cell, by the mass that goes on from the target.
     ended : (times + 1,)
         Of those whose last arrival is no later; after the last cell the least of all.
     """
@@ -83,7 +83,7 @@ class LeastWalks(NamedTuple):
 
 @inlined
 def is_hidden(masks, values, count, mask, value):
-    """Whether a label is no better than one of some others, at any level.
+    """Whether a label is dominated by one of several others at every level.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def is_hidden(masks, values, count, mask, value):
 
 @inlined
 def labels_at(walks, t, i, masks, values):
-    """Labels of a target in a cell that no other one hides, in order of value at the first level.
+    """Undominated labels of a target in a cell, in order of value at the first level.
 
     Parameters
     ----------
@@ -145,14 +145,14 @@ def labels_at(walks, t, i, masks, values):
 
 @inlined
 def slope_of(value, level, b, per_kg):
-    """What a kilogram adds from a level on.
+    """Cost of a kilogram from a level on.
 
     Parameters
     ----------
     value, level : (levels,)
     b : int
     per_kg : float
-        At least so much does it beyond the last one.
+        The least increase beyond the last one.
     """
     if b + 1 < level.size:
         return (value[b + 1] - value[b]) / (level[b + 1] - level[b])
@@ -161,7 +161,7 @@ def slope_of(value, level, b, per_kg):
 
 @kernel
 def sweep(cost, masses, price, grid, memory_of, least):
-    """The least cost of a walk, less the prices of what it does.
+    """Least cost of a walk, less the prices of its targets.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def sweep(cost, masses, price, grid, memory_of, least):
 
 @inlined
 def at_mass(walks, i, memory, t, level, mass, per_kg):
-    """The cost of walks if such a mass goes on from a target, and the level below that mass."""
+    """Cost of walks that continue from a target with a mass, and the level below it."""
     b = 0
     while b + 1 < level.size and level[b + 1] <= mass:
         b += 1
@@ -269,7 +269,7 @@ def at_mass(walks, i, memory, t, level, mass, per_kg):
 
 @kernel
 def trace(cost, masses, price, grid, memory_of, least_walks, draws, done):
-    """How often a walk of the cheapest mixture does each target.
+    """Number of visits of each target by a random walk of the cheapest mixture.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Training of policies (extra ``[rl]``): the configurations as ``train`` calls them.
+"""Training of policies (extra ``[rl]``): the configurations called by ``train``.
 
-For those who train with Stable-Baselines3 themselves there are :class:`SetPolicy` and
+For training with Stable-Baselines3 itself there are :class:`SetPolicy` and
 :func:`write_policy`. PyTorch is imported only when one of all these is used.
 """
 
@@ -22,7 +22,7 @@ PACKAGES = ("torch", "gymnasium", "sb3_contrib", "tensorboard", "safetensors", "
 
 
 def _need(who: str) -> None:
-    """Raise :class:`MissingExtra` if a package of training is not installed."""
+    """Raise :class:`MissingExtra` if a package for training is not installed."""
     from importlib.util import find_spec
 
     for package in PACKAGES:
@@ -31,7 +31,7 @@ def _need(who: str) -> None:
 
 
 def _training_of(name: str) -> Callable[..., None]:
-    """The training of a configuration of :mod:`.configs`."""
+    """The training function of a configuration in :mod:`.configs`."""
 
     def train(folder: Path, **options: Any) -> None:
         _need("train")

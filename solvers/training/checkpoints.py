@@ -1,6 +1,6 @@
-"""Checkpoints of a training: weights, optimiser and random numbers, as numbers and nothing else.
+"""Checkpoints of a training run: weights, optimiser and random states, as plain numbers.
 
-One safetensors file, replaced as a whole. Reading it runs no code, whoever wrote it.
+One safetensors file, replaced as a whole. Reading it runs no code, whatever its source.
 """
 
 from __future__ import annotations
@@ -21,17 +21,16 @@ from adr_opt.common.errors import InputError
 from adr_opt.common.files import write_bytes
 
 OPTIMIZER = "optimizer."
-"""Begin of the names of what Adam remembers: number of the parameter and name of the moment."""
+"""Prefix of Adam's entries: number of the parameter and name of the moment."""
 
 NUMPY, TORCH = "random.numpy", "random.torch"
 """Global generators: NumPy's, which shuffles batches, and PyTorch's, which samples moves.
 
-That of a GPU begins anew with the seed.
-"""
+That of a GPU begins anew with the seed."""
 
 
 def write_checkpoint(model: BaseAlgorithm, path: Path, seconds: float, best: float) -> None:
-    """Write a checkpoint, whole or not at all.
+    """Write a checkpoint, completely or not at all.
 
     Parameters
     ----------
@@ -52,7 +51,7 @@ def write_checkpoint(model: BaseAlgorithm, path: Path, seconds: float, best: flo
 
 
 def read_state(path: Path) -> dict[str, Any]:
-    """The numbers beside the tensors: steps, updates, seconds and best.
+    """Scalars stored beside the tensors: steps, updates, seconds and best.
 
     Raises
     ------
@@ -73,7 +72,7 @@ def read_state(path: Path) -> dict[str, Any]:
 
 
 def read_checkpoint(model: BaseAlgorithm, path: Path) -> None:
-    """Put a new model into the state that a checkpoint holds; its environment begins anew.
+    """Restore a new model from a checkpoint; its environment restarts.
 
     Raises
     ------
@@ -118,7 +117,7 @@ def read_checkpoint(model: BaseAlgorithm, path: Path) -> None:
 
 
 def _tensors(model: BaseAlgorithm) -> dict[str, Tensor]:
-    """All that is kept, by the names in the file."""
+    """All stored tensors, by name in the file."""
     tensors = {f"policy.{name}": tensor for name, tensor in model.policy.state_dict().items()}
     tensors |= _named(model.policy.optimizer.state_dict()["state"])
     shuffling = np.random.get_state(legacy=False)["state"]  # noqa: NPY002
@@ -128,7 +127,7 @@ def _tensors(model: BaseAlgorithm) -> dict[str, Tensor]:
 
 
 def _named(moments: dict[int, dict[str, Tensor]]) -> dict[str, Tensor]:
-    """What the optimiser remembers, by the names in the file."""
+    """State of the optimiser, by name in the file."""
     return {
         f"{OPTIMIZER}{number}.{name}": tensor
         for number, of_one in moments.items()

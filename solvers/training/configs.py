@@ -11,7 +11,7 @@ from adr_opt.learning.environment.fields import PUBLISHED, VARIED, Fields
 
 @dataclass(frozen=True)
 class Config:
-    """Everything that a training is, apart from its seed and its number of steps.
+    """A training configuration, without seed and number of steps.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ CONFIGS = {config.name: config for config in (SET_CONFIG, SET_TRANSFER_CONFIG, P
 
 
 def config(name: str) -> Config:
-    """The configuration of a name.
+    """The configuration with a name.
 
     Raises
     ------

@@ -43,7 +43,7 @@ def write_onnx(
     targets: int | None,
     facts: dict[str, Any],
 ) -> None:
-    """Write a policy, whole or not at all.
+    """Write a policy, completely or not at all.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def write_onnx(
     }.items():
         entry = model.metadata_props.add()
         entry.key, entry.value = key, value
-    # The exporter writes where each node stands in the source; that is nobody's business.
+    # The exporter writes where each node stands in the source, which does not belong in the file.
     for node in model.graph.node:
         node.doc_string = ""
         del node.metadata_props[:]

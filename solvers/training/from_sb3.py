@@ -1,4 +1,4 @@
-"""From a model of Stable-Baselines3 that somebody trained to a file for ``--policy``."""
+"""Conversion of a trained Stable-Baselines3 model to a file for ``--policy``."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def write_policy(
 
 
 def _seen(space: Any) -> tuple[str, int | None]:
-    """Which observation a space is of, and for how many targets a network of it is made.
+    """Observation and number of targets of a space.
 
     Raises
     ------

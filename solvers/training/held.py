@@ -1,4 +1,4 @@
-"""Evaluation on held fields: what a training is judged by while it runs."""
+"""Evaluation on held-out fields during a training run."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from adr_opt.mission.mission import Mission
 from adr_opt.sources.generator import family, generate
 
 HELD_SEED, HELD_FIELDS = 900_000, 24
-"""Seeds and number of the held fields: no instance of the library, and never trained on."""
+"""First seed and number of the held-out fields: not in the library, and never trained on."""
 
 FAMILIES = ("nominal", "reduced-time", "reduced-fuel")
 
 
 class HeldFields:
-    """The held fields with their timetables, one pool for the three benchmark families.
+    """Held-out fields with timetables, one pool for the three benchmark families.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class HeldFields:
             self.pool.install(slot, mission)
 
     def evaluate(self, policy: Any, device: torch.device | str = "cpu") -> dict[str, float]:
-        """Mean visits on each family, the best move taken again and again.
+        """Mean visits in each family, with the best move at every step.
 
         Parameters
         ----------

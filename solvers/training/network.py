@@ -1,4 +1,4 @@
-"""The ``set`` network: scores of all moves of a state, whatever their number (PyTorch).
+"""The ``set`` network: scores of all moves of a state, for any number of them (PyTorch).
 
 Every move goes through the same encoder, sees the whole by what the open moves have in common
 (mean and maximum), and is scored by the same head. So the network does not know how many targets

@@ -19,13 +19,13 @@ from .network import SetNetwork
 
 
 class _AsItIs(FlattenExtractor):
-    """Leaves the observation to the network."""
+    """Passes the observation on to the network unchanged."""
 
     def __init__(self, observation_space: spaces.Space[Any]) -> None:
         super().__init__(observation_space)
 
     def forward(self, observations: Tensor) -> Tensor:
-        """Give back what it gets."""
+        """Return the observation."""
         return observations
 
 

@@ -1,4 +1,4 @@
-"""The folder of a training: what it holds, and how it is kept whole."""
+"""The folder of a training run, and its consistency."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ PACKAGES = ("adr-opt", "numpy", "numba", "torch", "stable-baselines3", "sb3-cont
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Make a folder, and keep other trainings out of it until this one ends or is killed.
+    """Create a folder, and lock it against other training runs until this one ends or is killed.
 
     Raises
     ------
@@ -127,7 +127,7 @@ class Run:
         return self.folder / "last.onnx"
 
     def last_evaluation(self) -> dict[str, float]:
-        """The last row of the curve; empty if there is none."""
+        """Last row of the curve; empty if there is none."""
         try:
             with (self.folder / "evaluations.csv").open(newline="", encoding="utf-8") as file:
                 row = list(csv.DictReader(file))[-1]
@@ -136,7 +136,7 @@ class Run:
             return {}
 
     def add_to_curve(self, steps: int, seconds: float, means: Mapping[str, float]) -> None:
-        """One row more in ``evaluations.csv``; rows after a resumed checkpoint are dropped."""
+        """Append a row to ``evaluations.csv``; rows after a resumed checkpoint are dropped."""
         path = self.folder / "evaluations.csv"
         rows: list[list[str]] = []
         if path.exists():

@@ -1,4 +1,4 @@
-"""Train a policy: resumable, evaluated on held fields while it runs."""
+"""Training of a policy: resumable, with evaluations on held-out fields."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> Mask
 
 
 class Keeper(BaseCallback):
-    """Evaluates, checkpoints, keeps the best weights and the last, and ends when asked to.
+    """Evaluates, checkpoints, keeps the best and the last weights, and ends on request.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ class Keeper(BaseCallback):
 
 @contextmanager
 def _full_disks_said(folder: Path) -> Iterator[None]:
-    """One sentence for what TensorBoard cannot write.
+    """Report a failure of TensorBoard to write, in one sentence.
 
     Its thread keeps the error for this one, which gets it with the next record, and would print a
     traceback besides.

@@ -1,4 +1,4 @@
-"""The relaxation behind all bounds: each target at most once, by multipliers.
+"""Relaxation behind all bounds: walks in which multipliers limit visits of each target to one.
 
 See docs/model.md section 8.
 

@@ -1,4 +1,4 @@
-"""How late a chaser may be somewhere and still collect so much: what guides a search.
+"""Latest times at which a chaser can still collect a worth, as guidance for a search.
 
 The best walks of a sweep, read the other way round. A state that is there long before it has to be
 has time to spare, and one that is late cannot reach the goal by any plan. So partial plans can be
@@ -16,15 +16,15 @@ from .latest_times import Latest
 from .walks import WalkBound
 
 STEPS = 64
-"""Worths are told apart in so many steps, unless all prizes are multiples of fewer."""
+"""Number of steps that distinguish worths, unless prizes are multiples of fewer."""
 
 NO_TIME_S = 0.0
-"""When one has to be where one can no longer collect enough: the beginning of time [s]."""
+"""Latest time where a worth is out of reach: the beginning of time [s]."""
 
 
 @kernel
 def _fill(buckets, best, bits, width, unit, step, last, time):
-    """Fill the times: buckets from the last to the first, as values only grow on the way."""
+    """Fill the times: buckets from the last to the first, as values only grow along the way."""
     bodies, slots, steps = time.shape
     for i in range(bodies):
         for c in range(slots):
@@ -37,7 +37,7 @@ def _fill(buckets, best, bits, width, unit, step, last, time):
 
 
 def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value: float) -> Latest:
-    """The latest times of the sweep that a bound has just made.
+    """Latest times from the sweep that a bound has just made.
 
     Parameters
     ----------
@@ -68,5 +68,5 @@ def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value
 
 
 def no_latest() -> Latest:
-    """Times that are never looked at, for kernels that take some."""
+    """Unused latest times, for kernels with such an argument."""
     return Latest(np.zeros((1, 2, 1)), 1.0, 1.0, np.zeros(1), 0.0)

@@ -1,4 +1,4 @@
-"""A bound of any size at once: every service takes its least time and its least ΔV.
+"""A quick bound at any size: every service takes its least time and its least ΔV.
 
 A plan's legs follow one another, and so do their services. Hence with t_j the least time from a
 departure to the end of the service of j, and c_j the least ΔV to come to j, from wherever it may
@@ -39,20 +39,20 @@ from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
 
 PRICES = 200
-"""So many prices of ΔV are tried."""
+"""Number of prices of ΔV tried."""
 
 SLOT_M_S = 20.0
-"""In which certificates have ΔV that nothing is counted in."""
+"""Slot of ΔV stated in certificates that do not use it [m/s]."""
 
 GUARD = 1e-9
-"""What floors are lowered by against rounding, as a share of them."""
+"""Relative reduction of floors for rounding."""
 
 ROUNDING = 1e-12
-"""What the cosine of a turn is raised by against rounding: near 1 the guard does not cover it."""
+"""Increase of a turn's cosine for rounding: near 1 the guard does not cover it."""
 
 
 class Priced(NamedTuple):
-    """A bound, and the prices of time [worth per s] and of ΔV [worth per m/s] that prove it."""
+    """A bound, with the prices of time [worth per s] and ΔV [worth per m/s] that prove it."""
 
     most: float
     per_s: float
@@ -60,7 +60,7 @@ class Priced(NamedTuple):
 
 
 class Sack(NamedTuple):
-    """What there is of time and ΔV, and what each target is worth and takes of them at least.
+    """Knapsack of time and ΔV: capacities, and worth and least use of each target.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Sack(NamedTuple):
 
 
 def floor_bound(problem: Problem) -> float:
-    """No plan of a mission, or of a campaign, is worth more than this.
+    """Upper bound on plans of a mission or a campaign.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def floor_bound(problem: Problem) -> float:
 
 
 def floor_evidence(mission: Mission) -> tuple[float, Evidence]:
-    """The same of a mission, and what it rests on."""
+    """Upper bound of a mission, with its evidence."""
     most, per_s, per_m_s = _priced((mission,))
     bodies = len(mission.names)
     return most, Evidence(np.zeros(bodies), (), SLOT_M_S, Floors(per_s, per_m_s, most))
@@ -119,14 +119,14 @@ def _priced(missions: Sequence[Mission]) -> Priced:
 
 
 def sack_of(mission: Mission) -> Sack:
-    """That of one chaser."""
+    """Knapsack of one chaser."""
     rules = mission.rules
     least_s, least_m_s = floors(mission)
     possible = (rules.opens + rules.service <= rules.closes) & np.isfinite(least_s)
     possible &= least_m_s <= rules.budget
     possible[: rules.first_target] = False
     took, cost = (np.where(possible, least, math.inf) for least in (least_s, least_m_s))
-    # Who is ready takes departures a slack before, once a leg.
+    # A ready chaser takes departures a slack before, once a leg.
     time_s, budget = max(0.0, rules.duration - rules.ready), rules.budget
     if rules.start in mission.instance.launches:
         # A launch takes no time and no ΔV.
@@ -138,7 +138,7 @@ def sack_of(mission: Mission) -> Sack:
 
 
 def knapsack(sack: Sack) -> Priced:
-    """The least bound of the prices tried."""
+    """Least bound over the prices tried."""
     some = sack.prize > 0.0
     prize, took, cost = sack.prize[some], sack.took[some], sack.cost[some]
     if not prize.size:
@@ -190,7 +190,7 @@ def floors(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
 def _of_given(
     instance: Instance, opens: np.ndarray, service: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Over all connections that are given."""
+    """Minima over all given connections."""
     given = instance.given
     assert given is not None
     least_s, least_m_s = np.full((2, len(instance.names)), math.inf)
@@ -212,7 +212,7 @@ def _of_given(
 
 
 def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
-    """Flights at the least radius from the lowest body, and turns from the nearest plane.
+    """Minima of flights at the least radius from the lowest body, and turns from the nearest plane.
 
     A flight takes the longer the higher it begins and ends and the larger the phasing radius, and
     where the origin's latitude runs faster it takes less time (:func:`transfer.flight_time`). No
@@ -242,7 +242,7 @@ def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _normals(bodies: np.ndarray) -> np.ndarray:
-    """Unit vectors across the planes of bodies, shape (bodies, 3)."""
+    """Unit normals of the planes of bodies, shape (bodies, 3)."""
     inclination, node = elements.inclinations(bodies, EPOCH_S), elements.nodes(bodies, EPOCH_S)
     return np.stack(
         [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
@@ -266,7 +266,7 @@ def _flights(radius_i, widening_i, arriving, strength, fraction, least):
 
 @kernel
 def _turns(leaving, arriving, slowest):
-    """What the turn into each body's plane costs at least, from any other one [m/s].
+    """Least cost of the turn into each body's plane, from any other one [m/s].
 
     Parameters
     ----------

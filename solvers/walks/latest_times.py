@@ -1,4 +1,4 @@
-"""Latest times at which a chaser can still collect what it has to, for kernels."""
+"""Latest times at which a chaser can still collect a required worth, for kernels."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Latest(NamedTuple):
     Attributes
     ----------
     time : (bodies, slots + 1, steps + 1) float64
-        Latest time at which the best walk from a body with so many slots of ΔV left still collects
-        so many steps [s].
+        Latest time at which the best walk from a body, by slots of ΔV left, still collects
+        a number of steps [s].
     slot : float
         [m/s].
     step : float
@@ -36,7 +36,7 @@ class Latest(NamedTuple):
 
 @inlined
 def latest_time(latest, body, left, rest):
-    """Latest time at which a chaser at a body can still collect a rest, between slots linearly.
+    """Latest time at which a chaser at a body can still collect a rest, interpolated between slots.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def latest_time(latest, body, left, rest):
         What is still to be collected, less the multipliers of the targets not visited.
     """
     steps = latest.time.shape[2] - 1
-    # Rounded down: who can collect the rest can collect that, so no time is too early.
+    # Rounded down: if the rest can be collected, so can this, so no time is too early.
     n = min(max(int(np.floor(rest / latest.step + 1e-6)), 0), steps)
     slots = max(left, 0.0) / latest.slot
     c = min(int(slots), latest.time.shape[1] - 2)

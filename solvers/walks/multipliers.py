@@ -1,4 +1,4 @@
-"""Good multipliers for a Lagrangian bound: a proximal level bundle.
+"""Multipliers of a Lagrangian bound, by a proximal level bundle method.
 
 The bound L(π) is convex in π, and every evaluation gives a plane below it,
 L(π) ≥ L_k + g_k (π − π_k) with g_k = 1 − (visits of each target by the best walk). The next
@@ -19,12 +19,12 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import write
 
 PASSES = 500
-"""Rounds of the projection. Giving up early only costs progress: every bound is valid."""
+"""Maximum number of projection rounds. Stopping early only slows progress: every bound is valid."""
 
 MOST_PLANES = 150
 ROUND_AND_ROUND = 1.5
-"""Where the best walk collects so many times all prizes, multipliers as large as they are a better
-start than none."""
+"""Ratio of the best walk to all prizes above which multipliers as large as these are a better start
+than none."""
 
 FIRST_AMBITION = 0.02
 LEAST_AMBITION = 2e-5
@@ -32,7 +32,7 @@ LEAST_AMBITION = 2e-5
 
 @kernel
 def nearest_below(slopes, offsets, weights, centre, tolerance, radius, point):
-    """Nearest point to the centre with slopes·x ≤ offsets and x ≥ 0, by Hildreth's method.
+    """Point nearest to the centre with slopes·x ≤ offsets and x ≥ 0, by Hildreth's method.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def nearest_below(slopes, offsets, weights, centre, tolerance, radius, point):
 
 
 class Convex(Protocol):
-    """A bound that is convex in its multipliers; its parts are those of :class:`WalkBound`."""
+    """A bound that is convex in its multipliers, with the interface of :class:`WalkBound`."""
 
     prize: np.ndarray
 
@@ -108,24 +108,24 @@ class Convex(Protocol):
 
     @property
     def radius(self) -> float:
-        """How far from the best multipliers the next ones are looked for."""
+        """Search radius around the best multipliers."""
         ...
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with."""
+        """Initial multipliers."""
         ...
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         ...
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there."""
+        """Bound near a point, with its exact multipliers and its subgradient."""
         ...
 
 
 class Descent:
-    """Brings the bound of a mission down, one evaluation at a time.
+    """Lowers the bound of a mission, one evaluation at a time.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What bounds by walks over a stream of legs have in common: multipliers, rounding and threads.
+"""Common parts of bounds by walks over packed legs: multipliers, rounding and threads.
 
 How a walk pays for ΔV, and what its values depend on, is for each of them to say
 (:mod:`.priced_walks`, :mod:`.tank_walks`).
@@ -23,7 +23,7 @@ from ..networks.packed_legs import Stream, units_of
 from .walks import bonuses
 
 USUAL_SLOT_M_S = 20.0
-"""What certificates have for a slot where ΔV is not looked at."""
+"""Slot stated in certificates if ΔV is not tracked [m/s]."""
 
 
 class BestWalks(NamedTuple):
@@ -42,7 +42,7 @@ class BestWalks(NamedTuple):
 
 
 class StreamBound:
-    """Best walks of a mission for given multipliers, again and again.
+    """Repeated evaluation of a mission's best walks for given multipliers.
 
     Parameters
     ----------
@@ -99,17 +99,17 @@ class StreamBound:
 
     @property
     def radius(self) -> float:
-        """How far from the best multipliers the next ones are looked for."""
+        """Search radius around the best multipliers."""
         return 10.0 * self._greatest
 
     def _within(self, multipliers: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         within: np.ndarray = np.clip(multipliers, 0.0, self.worth + self._greatest)
         within[~self._is_target] = 0.0
         return within
 
     def _rounded(self, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What services are worth beside multipliers in whole units, and the multipliers for it.
+        """Reduced worths of services in integer units, and the corresponding multipliers.
 
         Multipliers are rounded down so that it is a whole number; where none is left that number is
         rounded up.
@@ -121,13 +121,13 @@ class StreamBound:
         return gain, rounded
 
     def _missing(self) -> np.ndarray:
-        """One less how often the walk services each target: the slope by multipliers."""
+        """Subgradient: one minus the walk's number of services of each target."""
         slope = 1.0 - np.bincount(self.walk, minlength=self.worth.size).astype(float)
         slope[~self._is_target] = 0.0
         return slope
 
     def _sweep(self, part: Callable[[int, int, int, int], None]) -> None:
-        """All steps backwards, by parts of bodies: first body, stride, behind and first step.
+        """Sweep all steps backwards, by parts of bodies: first body, stride, target and first step.
 
         Raises
         ------
@@ -151,11 +151,11 @@ class StreamBound:
             high = low
 
     def per_m_s(self, multipliers: np.ndarray) -> float | None:
-        """Price of ΔV at a point where the bound was evaluated; None for none [worth per m/s]."""
+        """Price of ΔV at an evaluated point; None if there is none [worth per m/s]."""
         return None
 
     def evidence(self, value: float, multipliers: np.ndarray) -> Evidence:
-        """What a bound rests on, at a point where it was evaluated."""
+        """Evidence of a bound at an evaluated point."""
         of_bodies = multipliers[: self.worth.size]
         most = value - math.fsum(of_bodies) + self._guard
         slot = self._stream.unit if math.isfinite(self._stream.unit) else USUAL_SLOT_M_S

@@ -31,20 +31,20 @@ from ..networks.packed_legs import AHEAD, DEPARTURE, DESTINATION, FIELD, Stream,
 from .packed_bound import BestWalks, StreamBound
 
 NEVER = -(2**60)
-"""Value of what is not possible; far enough from −2⁶³ that adding to it cannot wrap around."""
+"""Value of infeasible states, far enough from −2⁶³ that additions cannot wrap around."""
 
 LARGEST = 2.0**58
-"""No sum of values exceeds it in size, the next body included."""
+"""Upper limit of sums of values, next body included."""
 
 TANK = 0.5
-"""The last multiplier is what so many tanks of ΔV are worth: so it moves as far as the others."""
+"""Tanks of ΔV that scale the last multiplier, so that it moves as far as the others."""
 
 MOST_WORTH = 100.0
-"""That is worth so many of the largest prizes at most."""
+"""Upper limit of its worth, in largest prizes."""
 
 
 class Worths(NamedTuple):
-    """What walks get and pay, in whole numbers, values and next bodies packed in one.
+    """Gains and costs of walks as integers, with values and next bodies packed in one.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ def _sweep(stream, worths, values, pointer, begin, stride, high, low):
 
 @kernel
 def _trace(stream, worths, values, step, body, walk, costs):
-    """Follow the best walk from a step and a body: bodies and units of ΔV; returns its length."""
+    """Follow the best walk from a step and a body: bodies and ΔV units; returns its length."""
     best, second = values
     mask = (np.int64(1) << worths.bits) - 1
     came_from, length = mask, 0
@@ -132,7 +132,7 @@ def _trace(stream, worths, values, step, body, walk, costs):
 
 
 class PooledBound(StreamBound):
-    """Best walks of a mission for given multipliers and a price of ΔV, again and again.
+    """Repeated evaluation of a mission's best walks, for given multipliers and a price of ΔV.
 
     Parameters
     ----------
@@ -166,16 +166,16 @@ class PooledBound(StreamBound):
         return int(self.prize.size)
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with: bonuses, as walks have them, and no price."""
+        """Initial multipliers: bonuses, as walks have them, and no price."""
         return np.append(self._bonuses, 0.0)
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         price = min(max(float(point[-1]), 0.0), MOST_WORTH * self._greatest)
         return np.append(self._within(point[:-1]), price)
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there.
+        """Bound near a point, with its exact multipliers and its subgradient.
 
         −inf if there is no plan at all.
         """
@@ -191,7 +191,7 @@ class PooledBound(StreamBound):
         return value + float(multipliers.sum()), rounded, slope
 
     def per_m_s(self, multipliers: np.ndarray) -> float:
-        """Price of ΔV at a point where the bound was evaluated [worth per m/s]."""
+        """Price of ΔV at an evaluated point [worth per m/s]."""
         if not self._units:
             return 0.0
         return float(multipliers[-1]) / (TANK * self._units) / self._stream.unit

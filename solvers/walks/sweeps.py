@@ -1,4 +1,4 @@
-"""The values of walks, worked out backwards in time: the kernels of :mod:`.walks`.
+"""Values of walks, computed backwards in time: the kernels of :mod:`.walks`.
 
 What is left is whole slots here, and all of them are gone through at once: what
 :func:`adr_opt.kernels.rules.resources.extend` does to one amount becomes a shift of all, a look at
@@ -18,11 +18,11 @@ from ..networks import simd
 from ..networks.layers import after_service, top_of
 
 NEVER = -(2**30)
-"""Value of what is not possible; far enough from −2³¹ that adding to it cannot wrap around."""
+"""Value of infeasible states, far enough from −2³¹ that additions cannot wrap around."""
 
 
 class Values(NamedTuple):
-    """Values of all states, by the number of kits aboard: one layer where loads do not count.
+    """Values of all states by number of kits aboard, in one layer if loads do not matter.
 
     A value is packed with the next body of the walk, ``value << bits | next``, so that comparing
     compares values and the better next body comes along. A walk that stops has itself as next.
@@ -35,7 +35,7 @@ class Values(NamedTuple):
     second : the same shape
         Best walk with another next body: what a chaser that just left the best's next may take.
     landed_best, landed_second : the same shape
-        The same for who has just landed, before the service; the same arrays where a service
+        The same just after landing, before the service; the same arrays where a service
         leaves ΔV and kits as they are.
     """
 
@@ -46,7 +46,7 @@ class Values(NamedTuple):
 
 
 class WalkTerms(NamedTuple):
-    """What walks gain and pay, and how their values are packed and laid out.
+    """Gains and costs of walks, with the packing and layout of their values.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class WalkTerms(NamedTuple):
 
 
 class WalkState(NamedTuple):
-    """A state that a walk goes on from: bucket, its body, kits aboard, slots of ΔV left."""
+    """A state of a walk: bucket, its body, kits aboard, slots of ΔV left."""
 
     bucket: int
     body: int
@@ -146,7 +146,7 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
 
 @kernel
 def _land(values, layers, width, i, first, last):
-    """Values of who lands in the buckets ``first`` to ``last`` − 1 of body i."""
+    """Values on landing in the buckets ``first`` to ``last`` − 1 of body i."""
     best, second, landed_best, landed_second = values
     for kits in range(best.shape[0]):
         rest = kits - layers.takes[i]
@@ -162,7 +162,7 @@ def _land(values, layers, width, i, first, last):
 
 @kernel
 def begin(buckets, values, layers, terms, begun):
-    """In closing buckets a walk can only stop, where it may; what lies before all is NEVER."""
+    """Initialise closing buckets, where a walk may only stop; all earlier values are NEVER."""
     stop, width = terms.stop, terms.width
     for array in values:
         array[:, :width] = NEVER
@@ -180,7 +180,7 @@ def begin(buckets, values, layers, terms, begun):
 
 @kernel
 def sweep_until(buckets, values, layers, terms, begun, begin, step, time):
-    """Values of all buckets that open at a time or after, of every step-th body from ``begin``."""
+    """Values of all buckets from a time on, of every step-th body from ``begin``."""
     toll, width = terms.toll, terms.width
     earliest = earliest_taken(time)
     best, second, landed_best, landed_second = values

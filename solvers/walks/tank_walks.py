@@ -1,14 +1,14 @@
-"""Longest walks over a stream of legs that know how much is left of a tank.
+"""Longest walks over packed legs that track the tank.
 
 See docs/model.md section 8.
 
 Where ΔV has a price (:mod:`.priced_walks`), what one tank has left another one may spend. Here a
-walk has so many whole units left, the slots of :mod:`.walks`, and a station fills them up. Values
+walk has whole units left, the slots of :mod:`.walks`, and a station fills them up. Values
 depend on body, step and units: some hundred bytes for each body and step, and as much to read for
 each leg, so that one set of multipliers takes about as many times longer as there are units. The
 bound it leads to is far lower where missions refuel often.
 
-As in all walks here nobody goes straight back to the target that he came from, by best and
+As in all walks here, none goes straight back to the target that it came from, by best and
 second-best values; and everything is rounded so that more is allowed, see
 :mod:`solvers.networks.packed_legs`.
 """
@@ -32,16 +32,16 @@ from .sweeps import NEVER
 from .walks import LARGEST
 
 BYTES = 8
-"""Memory of each unit of ΔV at each body and step."""
+"""Memory per unit of ΔV at each body and step [bytes]."""
 
 
 def width_of(budget: float, unit: float) -> int:
-    """Numbers that a body takes at a step: one for each number of units left, in whole vectors."""
+    """Size of a body's entry at a step: one number per units left, padded to whole vectors."""
     return (units_of(budget, unit) // simd.LANES + 1) * simd.LANES
 
 
 class TankTerms(NamedTuple):
-    """What walks gain, and how their values are packed and laid out.
+    """Gains of walks, with the packing and layout of their values.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ def _trace(stream, terms, values, step, body, walk):
 
 
 class TankBound(StreamBound):
-    """Best walks of a mission for given multipliers, again and again.
+    """Repeated evaluation of a mission's best walks for given multipliers.
 
     Parameters
     ----------
@@ -204,15 +204,15 @@ class TankBound(StreamBound):
         return int(self.prize.size)
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with."""
+        """Initial multipliers."""
         return self._first_point.copy()
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         return self._within(point)
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there.
+        """Bound near a point, with its exact multipliers and its subgradient.
 
         −inf if there is no plan at all.
         """

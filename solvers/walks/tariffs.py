@@ -1,4 +1,4 @@
-"""What walks pay for ΔV, so that they never pay more than the expense of a chaser is.
+"""Tariffs of walks for ΔV, which never exceed a chaser's expense.
 
 The expense of a chaser is f(c) = fixed + p c + q c² of what it carries,
 
@@ -40,23 +40,23 @@ from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import TankByMass
 
 PARTS = 4
-"""Of the range of what a chaser may carry."""
+"""Number of parts into which the range of carried mass is divided."""
 
 TANK_OFF = 1e-9
-"""Tanks of parts are greater by this share, for rounding."""
+"""Relative enlargement of partial tanks for rounding."""
 
 
 class Tariff(NamedTuple):
-    """What walks pay.
+    """Prices that walks pay.
 
     Attributes
     ----------
     price : (kits + 1,) float64
-        For a m/s with so many kits aboard.
+        For a m/s, by number of kits aboard.
     constant : (kits + 1,) float64
-        Before they start, with so many kits.
+        Before they start, by number of kits.
     tank : (kits + 1,) float64
-        What they start with, with so many kits [m/s]; less than 0 where they cannot.
+        What they start with, by number of kits [m/s]; less than 0 where they cannot.
     fee : bool
         Whether refuelling costs as much as any target may be worth.
     """
@@ -68,7 +68,7 @@ class Tariff(NamedTuple):
 
 
 def tariffs_of(mission: Mission) -> tuple[Tariff, ...]:
-    """The tariffs of a chaser: no route is worth more, less its cost, than walks are in the best.
+    """Tariffs of a chaser: worth less cost of any route is at most the best walk's over all.
 
     Where the cost is ΔV there is one, with a price of one; and with less than nothing to pay before
     the start where the first leg takes out of the tank what was spent by then.
@@ -96,7 +96,7 @@ def tariffs_of(mission: Mission) -> tuple[Tariff, ...]:
 
 
 def _tangent(mission: Mission, carried_kg: float, most_kg: float, full: np.ndarray) -> Tariff:
-    """The tariff that touches the expense near a load, for loads of up to another one.
+    """Tariff tangent to the expense at a load, for loads up to another one.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def _tangent(mission: Mission, carried_kg: float, most_kg: float, full: np.ndarr
 
 
 def most_expense(mission: Mission) -> float:
-    """No route takes more than this, nor as much where nothing is carried."""
+    """Strict upper bound on the cost of any route."""
     loads, chaser, tank = mission.rules.loads, mission.chaser, mission.chaser.tank
     carried = 0.0
     if isinstance(tank, TankByMass):

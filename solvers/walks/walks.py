@@ -1,4 +1,4 @@
-"""Longest walks backwards in time, for given multipliers (docs/model.md section 8).
+"""Longest walks, computed backwards in time for given multipliers (docs/model.md section 8).
 
 The relaxation. A *walk* may service a target again and again, but never two legs after leaving it
 (i → j → i is forbidden, also when j is a station); each service of target j is worth its prize
@@ -11,8 +11,8 @@ widens what is allowed. So for every plan, and for every completion of a partial
 
 What is exact and what is relaxed:
 
-- Walks move on the network of :mod:`solvers.networks.buckets`: who arrives within a bucket of time
-  arrives at its beginning, and one arc leads from each bucket of a body to the next one, to wait.
+- Walks move on the network of :mod:`solvers.networks.buckets`: arrivals within a bucket of time
+    count as at its beginning, and one arc leads from each bucket of a body to the next, to wait.
   That is one comparison a leg and a slot. Services that would end too late are left out exactly.
   With buckets of no length time is exact.
 - ΔV is counted in slots. The slots of a leg are rounded down and so is the budget: if the legs fit
@@ -43,27 +43,27 @@ from ..networks.network import build
 from .sweeps import Values, WalkState, WalkTerms, begin, sweep_until, trace
 
 LARGEST = 2**29
-"""No sum of values exceeds it in size, code included."""
+"""Upper limit of sums of values, code included."""
 
 
 BUCKET_SHARE = 1.0 / 60.0
-"""Usual length of a bucket of time, as a share of the shortest leg."""
+"""Usual length of a time bucket, as a share of the shortest leg."""
 
 MOST_SLOTS = 8_000
-"""More slots of ΔV would make one evaluation, and what comes before the first, take too long: a
-tank worth hundreds of km/s is as good as any, and needs none."""
+"""Maximum number of ΔV slots, so that evaluations do not take too long: a tank of hundreds of
+km/s is as good as any, and needs none."""
 
 ROOM_BYTES = 0.6e9
-"""Memory that the values of all states may take."""
+"""Memory for the values of all states [bytes]."""
 
 
 def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> float:
-    """The slot asked for, widened until slots are few enough and all values fit into memory [m/s].
+    """The requested slot, widened until slots are few enough and all values fit in memory [m/s].
 
     Parameters
     ----------
     arrays : int
-        So many integers for each bucket and slot.
+        Number of integers for each bucket and slot.
     """
     while slot < budget and (
         budget > MOST_SLOTS * slot
@@ -74,14 +74,14 @@ def affordable(buckets: int, budget: float, slot: float, arrays: int = 2) -> flo
 
 
 def spendable(network: Network, duration: float) -> float:
-    """No walk spends more: each leg the most that any costs, one after the other [m/s]."""
+    """Upper bound on the ΔV of a walk: each leg at the largest cost of any [m/s]."""
     legs = duration / network.shortest + 1.0 if network.shortest > 0.0 else math.inf
     # One more, and a launch that takes no time.
     return float((legs + 2.0) * network.delta_v.max(initial=0.0))
 
 
 def _stages(buckets: Buckets) -> list[float]:
-    """When stages begin, the last one first, as few as can be [s].
+    """Starts of stages, the last one first, as few as possible [s].
 
     Each is as long as what opens in it may be apart and still not land in it. Between stages there
     may be nothing, so that they are few also where the shortest leg is far shorter than others.
@@ -97,12 +97,12 @@ def _stages(buckets: Buckets) -> list[float]:
 
 
 def bonuses(mission: Mission) -> np.ndarray:
-    """What required targets are worth besides their prizes, shape (bodies,)."""
+    """Worths of required targets beyond their prizes, shape (bodies,)."""
     return np.where(mission.is_required, np.minimum(mission.bonus, mission.rules.prize), 0.0)
 
 
 class Paid(NamedTuple):
-    """What walks pay for, as far as the legs that they move on depend on it.
+    """Costs of walks, as far as their choice of legs depends on them.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ NOTHING_PAID = Paid()
 
 
 class WalkBound:
-    """Best walks of a mission for given multipliers, again and again.
+    """Repeated evaluation of a mission's best walks for given multipliers.
 
     Parameters
     ----------
@@ -156,9 +156,9 @@ class WalkBound:
     unit : float
         Prize that one unit of value is worth.
     price : (kits + 1 or 1,) float64
-        What a m/s takes off the value of a walk with so many kits aboard, or with any number.
+        What a m/s takes off the value of a walk, by number of kits aboard, or for any.
     tank : (kits + 1,) float64
-        What a walk starts with, with so many kits [m/s]; less than 0 where it cannot.
+        What a walk starts with, by number of kits [m/s]; less than 0 where it cannot.
     constant : (kits + 1,) float64
         What it pays for starting.
     worths : (bodies,) float64
@@ -175,8 +175,8 @@ class WalkBound:
     since : (missions,) float64
         When each of the missions begins [s].
     is_paid : (bodies,) bool
-        Which multipliers walks pay at each visit: of targets, unless somebody says otherwise who
-        counts how often a station may be gone to.
+        Which multipliers walks pay at each visit: by default those of targets; a limit on visits
+        of stations adds theirs.
     walk : (legs,) int64
         Best walk of the last evaluation: bodies in order.
     """
@@ -252,33 +252,33 @@ class WalkBound:
 
     @property
     def total(self) -> float:
-        """The sum of all prizes: the bound of multipliers as large as they are."""
+        """The sum of all prizes: the bound if multipliers are equal to prizes."""
         return float(self.prize[self.is_target].sum())
 
     @property
     def radius(self) -> float:
-        """How far from the best multipliers the next ones are looked for."""
+        """Search radius around the best multipliers."""
         return self.greatest_prize
 
     def first_point(self) -> np.ndarray:
-        """Multipliers to begin with: bonuses, which a walk would go round and round for."""
+        """Initial multipliers: bonuses, which would otherwise let walks cycle."""
         return self._bonuses.copy()
 
     def allowed(self, point: np.ndarray) -> np.ndarray:
-        """The nearest multipliers at which the bound can be evaluated."""
+        """Nearest multipliers at which the bound can be evaluated."""
         point = np.clip(point, 0.0, self.prize + self.greatest_prize)
         point[~self.is_target] = 0.0
         return point
 
     def at(self, point: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """The bound near a point, the multipliers for which it holds, and its slope there."""
+        """Bound near a point, with its exact multipliers and its subgradient."""
         value, rounded = self.evaluate(point)
         slope = 1.0 - np.bincount(self.walk, minlength=self.prize.size)
         slope[~self.is_target] = 0.0
         return value, rounded, slope
 
     def _sweep(self, sweep_until: Callable[..., None], *common: object) -> None:
-        """Go backwards in time stage by stage, the bodies shared among the threads."""
+        """Sweep backwards in time, stage by stage, with bodies shared among threads."""
         for time in self._stages:
             if self._over():
                 raise TimeIsOver
@@ -298,7 +298,7 @@ class WalkBound:
             self._pool.shutdown()
 
     def evaluate(self, multipliers: np.ndarray, *, keep: bool = False) -> tuple[float, np.ndarray]:
-        """The bound of given multipliers.
+        """The bound for given multipliers.
 
         Parameters
         ----------
@@ -340,22 +340,22 @@ class WalkBound:
         return value + math.fsum(rounded), rounded
 
     def _sweep_all(self, code: np.ndarray) -> None:
-        """The values of all states; ``code`` holds what each service is worth, packed."""
+        """Values of all states; ``code`` holds the packed worth of each service."""
         terms = WalkTerms(code, self.toll, self.stop, self.bits, self.width, self.top)
         self._common = self.buckets, self.values, self.layers, terms
         begin(*self._common, self._begun)
         self._sweep(sweep_until, *self._common, self._begun)
 
     def holds(self, multipliers: np.ndarray) -> bool:
-        """Whether the last evaluation was that of these multipliers, as they are."""
+        """Whether the last evaluation used exactly these multipliers."""
         return self._kept is not None and np.array_equal(self._kept, multipliers)
 
     def ahead(self, number: int) -> float:
-        """What a mission, by its number, does not pay for: the time before it begins."""
+        """Unpaid part of a mission, by number: the time before it begins."""
         return self.time_price * float(self.since[number] - self.since[0])
 
     def best_from(self, number: int) -> tuple[float, np.ndarray]:
-        """Value and bodies of the best walk of a mission, by its number, in the last evaluation.
+        """Value and bodies of the best walk of a mission, by number, in the last evaluation.
 
         −inf if there is no walk: the mission cannot end where it must.
         """

@@ -166,7 +166,7 @@ def test_what_is_wrong_is_one_sentence() -> None:
     assert "which was visited before" in refused(instance, [first, second, first])
     assert "no target was visited since" in refused(instance, [("station", 0.0)])
     assert "'debris-999' is not a body of" in refused(instance, [("debris-999", 0.0)])
-    assert "'nobody' is no chaser of 'tiny-000'" in refused(instance, {"nobody": [first]})
+    assert "'nobody' is not a chaser of 'tiny-000'" in refused(instance, {"nobody": [first]})
 
 
 @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ def test_rules_of_the_whole_plan_are_said_too() -> None:
     instance = adr_opt.generate("tiny", 0)
     *others, last = instance.targets
     lacking = instance.replace(targets=(*others, last.replace(required=True)))
-    assert f"the best one lacks '{last.name}'" in refused(lacking, ["debris-003"])
+    assert f"the best attempt misses '{last.name}'" in refused(lacking, ["debris-003"])
     pair = adr_opt.generate("tiny", 0, chasers=2)
     twice = [["debris-003"], ["debris-003"]]
     assert "'debris-003' is visited twice" in refused(pair, twice)

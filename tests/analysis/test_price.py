@@ -375,7 +375,7 @@ def test_where_either_would_do_both_reasons_are_told() -> None:
         if broken.holds or len(broken.legs) != 1:
             continue
         if "to end in time, but only" in broken.reason:
-            assert "what can be paid ends on day" in broken.reason
+            assert "an affordable leg ends on day" in broken.reason
             assert "its window closes" in broken.reason
             found += 1
     assert found > 0

@@ -508,7 +508,7 @@ def test_the_verb_takes_all_that_went_otherwise(cli: Cli) -> None:
         (("--service-took", "south=soon"), "--service-took 'soon': give days"),
         (("--service-took", "south=-1"), "service-took 'south': -86400 s"),
         (("--service-took", "south=1e306"), "service-took 'south': "),
-        (("--service-took", "south=1", "--service-took", "south=2"), "tell one"),
+        (("--service-took", "south=1", "--service-took", "south=2"), "give one"),
         (("--cost", "1=12"), "cost of leg 1: leg 1 is planned anew"),
         (("--cost", "9=12"), "the plan has the legs 1 to 4"),
         (("--cost", "1=-3"), "cost of leg 1: -3 m/s"),

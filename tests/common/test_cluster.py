@@ -54,7 +54,7 @@ def test_a_cluster_refines_as_threads_do(address: str) -> None:
 def test_a_cluster_that_is_not_there_is_one_sentence(
     cli: Cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """No address, nobody who answers, or processes as well: exit code 2 before any work."""
+    """No address, no answer there, or processes as well: exit code 2 before any work."""
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
     assert cli("generate", "tiny", "--out", "tiny.json").status == 0
     call = ["tradeoff", "tiny.json", "--vary", "delta-v=300:900:300", "--cluster"]

@@ -1,4 +1,4 @@
-"""The pages about tasks: who follows them gets what they show."""
+"""The pages about tasks: their commands produce what they show."""
 
 from __future__ import annotations
 

@@ -18,10 +18,10 @@ OWNERS = [
     ROOT / "adr_opt/kernels/tables" / name
     for name in ("timetable.py", "timetable_making.py", "stacked_timetables.py")
 ]
-"""Who knows how a timetable is kept."""
+"""Modules that know how a timetable is stored."""
 
 HOLDERS = ("table", "tables", "column", "columns", "home")
-"""What tables and columns are called, whoever holds them."""
+"""Usual names of tables and columns."""
 
 OWN = {*Table._fields, *PackedColumn._fields}
 

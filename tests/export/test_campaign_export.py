@@ -44,7 +44,7 @@ def test_a_chaser_is_asked_for(files: Cli) -> None:
         refused(files(*call), NAMED)
         refused(files(*call, "--chaser", "ghost"), "'ghost'", "'tender', 'kicker'")
         refused(
-            files(*call, "--chaser", HOME, "--leg", 5), "it is one of 'kicker', not of 'tender'"
+            files(*call, "--chaser", HOME, "--leg", 5), "it belongs to 'kicker', not to 'tender'"
         )
         assert not Path(out).exists()
     refused(files("export", "my.json", "r.json", "--out", "a.czml"), ".oem, .opm or .script")
@@ -160,5 +160,5 @@ def test_one_chaser_is_exported_as_before(tmp_path: Path) -> None:
             for path in (plain, named)
         ]
         assert lines[0] == lines[1]
-    with pytest.raises(adr_opt.InputError, match="the instance has none of that name"):
+    with pytest.raises(adr_opt.InputError, match="not a chaser of the instance"):
         write_plan(instance, plan, tmp_path / "c.oem", chaser="ghost")

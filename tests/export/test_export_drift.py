@@ -54,9 +54,9 @@ def test_every_format_says_what_its_states_are(
     text = written(tmp_path, format, eccentricity)
     said = " ".join(re.sub(r"^(COMMENT|%) ", "", line) for line in text.splitlines()[:30])
     assert "Mean motion under J2 = 1.08262668e-03" in said
-    assert "no osculating states" in said
+    assert "not osculating states" in said
     assert "wo-body motion" not in said
-    assert ("how much has not been worked out" in said) == (eccentricity > 0.0)
+    assert ("an amount that has not been computed" in said) == (eccentricity > 0.0)
 
 
 def test_oem_leads_through_weeks(tmp_path: Path) -> None:

@@ -350,7 +350,7 @@ def test_without_a_frame_the_flag_is_a_name(tmp_path: Path) -> None:
         assert (len(said) > 1) == (frame == "TEME")
         found.append(states)
         text = (tmp_path / "a.oem").read_text(encoding="ascii").replace("\nCOMMENT ", " ")
-        assert "is named by whoever exports" in text
+        assert "was named on export" in text
         assert "nothing was transformed" in text
     assert all(np.array_equal(found[0], states) for states in found)
     assert axes_of(instance).matrix is None

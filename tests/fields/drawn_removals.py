@@ -22,7 +22,7 @@ SHORT = ("tiny", "nominal", "cloud")
 """Families whose missions last days, in two-body motion and under J2."""
 
 KINDS = (("tow",), ("tow", "visit"), ("tow", "kit", "visit"), ("tow",), ("kit",))
-"""What is done with the targets of a mission, by turns."""
+"""Kinds of service of a mission's targets, by turns."""
 
 
 def drawn_removal(seed: int) -> Instance:

@@ -74,7 +74,7 @@ def pairs(
 
 
 class Met(NamedTuple):
-    """How a flight ended: misses [m] and angle to the plane of the target [rad].
+    """End of a flight: misses [m] and angle to the plane of the target [rad].
 
     Attributes
     ----------

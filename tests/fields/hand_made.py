@@ -1,4 +1,4 @@
-"""The hand-made instance: its optimum worked out on paper, and variants with one feature each.
+"""The hand-made instance, with its optimum derived on paper, and variants with one feature each.
 
 All bodies fly the same circle, 700 km up, and cross the ascending node together; only their
 inclinations differ:

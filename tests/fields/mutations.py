@@ -15,31 +15,31 @@ NUMBERS = (
     "nan", "NaN", "inf", "-inf", "Infinity", "-Infinity", "1e308", "-1e308", "1e999", "-0", "-0.0",
     "0", "1e-320", "-1", "1e12", "0.1", "9" * 400, "1_000", "0x10", "٣", "", "null", "true", '""',
 )  # fmt: skip
-"""What may stand in the place of a number in a text."""
+"""Replacements of a number in a text."""
 
 VALUES = (
     None, True, False, 0, -0.0, -1, 1e308, -1e308, 1e-320, 10**400, float("nan"), float("inf"), "",
     "nan", "1", "a\0b", "\x1b[2J", "\u202e", [], [[]], {}, {"a": 1}, [None], "x" * 3000, 2**63,
 )  # fmt: skip
-"""What may stand in the place of a value in JSON."""
+"""Replacements of a value in JSON."""
 
 PIECES = (
     b"", b"\n", b"\r", b"\0", b",", b'"', b'""', b"[", b"]", b"{", b"}", b":", b"nan", b"1e308",
     b"-0", b"\xff", b"\xc3", b"\xe2\x80\xa8", b"\x1b[2J", b"\\u0000", b"\\ud800", b"null",
     b"9" * 400, b"PAR1", b"OHDR",
 )  # fmt: skip
-"""What may stand in the place of some bytes."""
+"""Replacements of some bytes."""
 
 NUMBER = re.compile(rb"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 
 
 def drawn(kind: str, number: int) -> random.Random:
-    """What a case is drawn from."""
+    """Source of a case's random numbers."""
     return random.Random(f"{kind} {number}")
 
 
 def several(rng: random.Random) -> range:
-    """How many things are spoilt at once: mostly one."""
+    """Number of simultaneous mutations: mostly one."""
     return range(rng.choice([1, 1, 1, 2, 3, 8]))
 
 

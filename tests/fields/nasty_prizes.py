@@ -12,7 +12,7 @@ Draw = Callable[[np.random.Generator, int], list[float]]
 
 
 def _whole(largest: float) -> Draw:
-    """Whole numbers up to a largest one, and a few small ones beside them."""
+    """Integers up to a largest one, and a few small ones."""
 
     def draw(rng: np.random.Generator, number: int) -> list[float]:
         prizes = rng.integers(1, int(largest), number, endpoint=True).astype(float)

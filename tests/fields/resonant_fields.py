@@ -15,7 +15,7 @@ from adr_opt.problem.settings import KeepOutZone, MissionSettings, TransferSetti
 from adr_opt.sources.generator import EPOCH
 
 RARE = (63, 842, 883, 1005)
-"""Where a chaser is ready at 0 just after the first event, and where the costs of sequences tie."""
+"""Seeds where a chaser is ready at 0 just after the first event, and where costs tie."""
 
 
 PERIOD_S = 2.0 * math.pi * math.sqrt((EARTH_RADIUS_M + 700e3) ** 3 / MU_M3_S2)

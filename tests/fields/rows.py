@@ -47,7 +47,7 @@ def changed(
     latitude: float = 0.0,
     oblateness: float = 0.0,
 ) -> FloatArray:
-    """A body beside another one, by so much; the inclination stays between 0 and π."""
+    """A body near another one; the inclination stays between 0 and π."""
     return row(
         orbit[columns.RADIUS] + radius,
         min(math.pi, max(0.0, orbit[columns.INCLINATION] + inclination)),

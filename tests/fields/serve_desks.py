@@ -1,4 +1,4 @@
-"""What tests of ``serve`` do at the desk: edit, wait, and look at the files."""
+"""Actions in tests of ``serve``: edit, wait, and read the files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fields for environments in tests, worked out in milliseconds."""
+"""Fields for environments in tests, computed in milliseconds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SMALL = Fields(
     duration_s=(15 * HOUR_S, 40 * HOUR_S), limits=(Limits(2000.0, 50 * HOUR_S),),
     share_of_limits=0.2,
 )  # fmt: skip
-"""Fields whose timetables are worked out in milliseconds, of many sizes, budgets and durations."""
+"""Fields whose timetables are computed in milliseconds, of many sizes, budgets and durations."""
 
 
 def tiny(seed: int = 0, **limits: float) -> Instance:

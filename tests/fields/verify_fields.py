@@ -93,13 +93,13 @@ def legs_for(instance: Instance) -> Legs:
 
 
 def worths_of(instance: Instance, bonus: Fraction) -> list[Fraction]:
-    """What bodies are worth, required ones more."""
+    """Worths of bodies, with a bonus for required ones."""
     worths = [Fraction(each.prize) + bonus * each.required for each in instance.targets]
     return [Fraction(0)] * instance.first_target + worths
 
 
 def proven(instance: Instance, method: str = "exact") -> tuple[adr_opt.Result, Certificate | None]:
-    """What is proven, and its certificate, which survives being written, where there is evidence.
+    """The proof, and its certificate after a round trip through text, if there is evidence.
 
     There is none where all sets of a few targets were gone through.
     """
@@ -129,7 +129,7 @@ class Spoilt(ConnectionFinder):
         self._missing, self._cheaper = missing, cheaper_m_s
 
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
-        """What is left of a pair."""
+        """The remaining connections of a pair."""
         found = super().of_pair(i, j, resolution_m_s)
         kept = np.random.default_rng([i, j]).random(found.departure.size) >= self._missing
         return replace(found.at(kept), delta_v=found.delta_v[kept] - self._cheaper)

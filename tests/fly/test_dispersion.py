@@ -284,7 +284,7 @@ def test_errors_go_with_samples_of_refined_plans(cli: Cli) -> None:
     Path("my.json").write_text(instance.to_json(), encoding="utf-8")
     solved(instance).save("plan.json")
     refined.save("refined.json")
-    refused(cli("fly", "my.json", "refined.json", "--seed", "1"), "--seed goes with --samples")
+    refused(cli("fly", "my.json", "refined.json", "--seed", "1"), "--seed needs --samples")
     refused(cli("fly", "my.json", "plan.json", "--samples", "9"), "plan.json: flights with errors")
     refused(cli("fly", "my.json", "refined.json", "--samples", "0"), "flights = 0")
     refused(

@@ -214,7 +214,7 @@ def test_the_plan_carries_the_size_of_the_approximation(cli, tmp_path) -> None:
         assert flown.replace(notes=plan.notes) == plan
         assert len(flown.notes) == len(plan.notes) + 1
     flight = fly(instance, plan)
-    assert f"{flight.true_delta_v_m_s:.1f} m/s by burns aimed anew" in flown.notes[-1]
+    assert f"{flight.true_delta_v_m_s:.1f} m/s by retargeted burns" in flown.notes[-1]
     assert f"{flight.worst_true_miss_m:.4g} m" in flown.notes[-1]
     assert f"{flight.correction_delta_v_m_s:.2f} m/s" in flown.notes[-1]
     assert cli("check", "my.json", "flown.json").status == 0

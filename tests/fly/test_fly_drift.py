@@ -92,7 +92,7 @@ def test_fly_says_in_what_it_flew(cli: Cli) -> None:
     flight = fly(instance, plan)
     assert flight.true_delta_v_m_s is not None
     true = f"2 legs planned with {plan.delta_v_m_s:.1f} m/s, and flown with "
-    assert f"{true}{flight.true_delta_v_m_s:.1f} m/s by burns aimed anew" in text
+    assert f"{true}{flight.true_delta_v_m_s:.1f} m/s by retargeted burns" in text
     assert cli("fly", "my.json", "flown.json", "--out", "again.json").status == 0
     notes = [note for note in adr_opt.load_plan("again.json").notes if "flown in" in note]
     (note,) = notes

@@ -287,7 +287,7 @@ def test_it_asks_for_no_optional_package(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_it_can_be_stopped_between_legs() -> None:
-    """Who has enough gets no flight, rather than half of one."""
+    """A flight that is interrupted gives no result, rather than half of one."""
     instance, plan = uneven("drifting")
     asked: list[bool] = []
 
@@ -301,7 +301,7 @@ def test_it_can_be_stopped_between_legs() -> None:
 
 @pytest.mark.parametrize("elements", ELEMENTS)
 def test_derivatives_are_good_for_years(elements: tuple[float, ...]) -> None:
-    """Who begins a moment later ends a moment later: in the derivative of a coast of years, too.
+    """A later beginning means a later end: in the derivative of a coast of years, too.
 
     Of what a change of place and one of velocity do to the phase by then, all but a hundred
     thousandth cancels.

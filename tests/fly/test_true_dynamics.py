@@ -87,7 +87,7 @@ def test_the_judge_flies_as_scipy_does(gravity: str, inclination: float) -> None
 
 @pytest.mark.parametrize("inclination", [71.0, 98.0])
 def test_two_integrators_agree_after_two_years(inclination: float) -> None:
-    """So that a metre, which legs may miss by, is not what integrators part by themselves."""
+    """Integrators differ by far less than the metre that legs may miss by."""
     of = [EARTH_RADIUS_M + 840e3, 0.003, 0.001, 0.0, 0.0, 1.0]
     state = np.asarray(equinoctial.state_of(np.array(of), planes(math.radians(inclination), 2.0)))
     there = moved(state, 730.0 * DAY_S, "j2")

@@ -25,7 +25,7 @@ from adr_opt.problem.instance import Instance
 
 Draft = dict[str, Any]
 FORGED = 200
-"""So many forged certificates are tried."""
+"""Number of forged certificates."""
 
 
 class Case:
@@ -156,7 +156,7 @@ def better_plan(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator)
 
 
 def unknown_key(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator) -> None:
-    """There is a key that nobody knows."""
+    """There is an unknown key."""
     place = draft if rng.random() < 0.5 else draft["walks"][0]
     place["trust_me"] = True
 
@@ -265,13 +265,13 @@ def test_absurd_numbers_are_no_trouble(cases, number):
 
 
 def test_a_packed_file_that_is_cut_short_is_one_sentence(cases, tmp_path):
-    """So is one that was never packed."""
+    """A file that is cut short, or was never packed, is one sentence."""
     path = tmp_path / "c.json.gz"
     cases[0].certificate.save(path)
     whole = path.read_bytes()
     for content in (whole[:-20], b"{}", gzip.compress(b"\xff\xfe")):
         path.write_bytes(content)
-        with pytest.raises(InputError, match="not a whole file packed by gzip"):
+        with pytest.raises(InputError, match="not a complete gzip file"):
             adr_opt.load_certificate(path)
     with pytest.raises(InputError, match="no such file"):
         adr_opt.load_certificate(tmp_path / "none.json.gz")

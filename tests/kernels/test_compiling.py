@@ -347,7 +347,7 @@ def test_kernels_take_each_other_s_numbers_without_being_compiled_for_each(folde
 
 @pytest.mark.parametrize("python_first", [True, False])
 def test_kernel_answers_python_and_another_kernel(folder: Path, python_first: bool) -> None:
-    """Whoever calls a kernel first, both get the answer; what Python calls serves a kernel too."""
+    """Whichever calls a kernel first, both get the answer; Python's own serves a kernel too."""
     inner = doubling()
 
     @kernel

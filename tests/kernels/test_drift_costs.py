@@ -180,7 +180,7 @@ def grid_of(pair: drift_pair.DriftPair, step: float, longest: float, duration: f
 
 
 def dominators(listed: FloatArray, row: FloatArray, by: float) -> np.ndarray:
-    """Which of a list depart no earlier, arrive no later and cost so much more at most."""
+    """Those of a list that depart no earlier, arrive no later and cost no more than an excess."""
     departure, arrival, cost = listed.T
     found: np.ndarray = (departure >= row[0]) & (arrival <= row[1]) & (cost <= row[2] + by)
     return found

@@ -274,7 +274,7 @@ def test_oblateness_that_fades_leads_to_two_body_motion():
 
 
 def test_departures_between_planes_that_nearly_coincide_are_found_again() -> None:
-    """However near planes are, who takes a listed transfer finds out when to leave."""
+    """However near planes are, the departure of a listed transfer is found again."""
     rng = np.random.default_rng(5)
     field = adr_opt.generate("rocket-bodies", 0)
     first, second = field.targets[:2]

@@ -25,7 +25,7 @@ VARIED_SMALL = Fields(
 
 
 DRIFTING = Fields("tiny", targets=(3, 7), dynamics="j2")
-"""With one budget: where planes drift, who has more knows connections that others do not."""
+"""With one budget: where planes drift, a larger one has connections that others lack."""
 
 
 def vector(**options: Any) -> MissionVecEnv:

@@ -1,4 +1,4 @@
-"""Connections: all transfers of a pair that a chaser who may wait could want, and no others."""
+"""Connections: all transfers of a pair that may be worth waiting for, and no others."""
 
 from __future__ import annotations
 

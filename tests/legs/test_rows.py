@@ -140,7 +140,7 @@ def test_plans_without_a_table(monkeypatch, method, dynamics):
     assert adr_opt.check(instance, result.plan) == ()
     best = adr_opt.solve(instance, "greedy-guarded").objective
     assert 0.4 * best <= result.objective <= result.upper_bound
-    assert any("connections that are worked out when they are asked for, to the nearest 11 of 30"
+    assert any("connections computed on demand to the nearest 11 of 30"
                in note for note in result.notes)  # fmt: skip
     left_out = {each.target for each in result.plan.unvisited if each.reason == "not-considered"}
     assert left_out

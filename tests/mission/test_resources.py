@@ -73,7 +73,7 @@ def test_each_resource_counts(loads: Loads | None, better: dict, worse: dict) ->
 
 
 def test_kits_will_do_unless_they_weigh() -> None:
-    """Who has more kits may do all that others may, but where kits are heavy."""
+    """With more kits everything is possible that is with fewer, except where kits are heavy."""
     usual = Resources(1.0, 100.0, 1, 1, 1)
     for loads, expected in ((CARRIED[1], True), (CARRIED[2], False)):
         assert dominates(usual._replace(kits=2), usual, loads) == expected

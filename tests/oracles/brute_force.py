@@ -151,7 +151,7 @@ def _enumerate(  # noqa: PLR0913
 
 
 def revolution_s(orbit: Orbit | None, dynamics: str) -> float:
-    """How long a body takes from node to node: mean elements, secular rates.
+    """Nodal period of a body: mean elements, secular rates.
 
     See docs/model.md section 1.
 
@@ -187,7 +187,7 @@ def tow_of(target: Target, instance: Instance) -> tuple[float, float, float]:
 
 
 def price_of_time(instance: Instance) -> float:
-    """What a second of a chaser costs besides its ΔV: as stated, or one resolution a mission."""
+    """Price of a second of a chaser beyond its ΔV: as stated, or one resolution per mission."""
     if instance.objective.cost != "delta-v":
         return 0.0
     if instance.objective.time_m_s_per_day is not None:
@@ -198,7 +198,7 @@ def price_of_time(instance: Instance) -> float:
 
 
 def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
-    """Those of :func:`labels_and_uses`, for who does not ask about stations."""
+    """The labels of :func:`labels_and_uses`, without the use of stations."""
     return labels_and_uses(mission)[:2]
 
 
@@ -308,7 +308,7 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 def _at_start(chaser: Chaser, full: list[float]) -> list[float]:
-    """What is in the tank at the start: all of it, or what the chaser says."""
+    """Content of the tank at the start: all of it, or as stated by the chaser."""
     tank = chaser.tank
     if isinstance(tank, TankByMass):
         if tank.initial_propellant_kg is None:
@@ -325,7 +325,7 @@ def _at_start(chaser: Chaser, full: list[float]) -> list[float]:
 
 
 def _as_given(mission: Mission) -> list[Connections]:
-    """The connections of all pairs as they are given, those included that nobody needs."""
+    """All given connections of all pairs, including useless ones."""
     instance, given = mission.instance, mission.instance.given
     assert given is not None
     known = {name: number for number, name in enumerate(instance.names)}

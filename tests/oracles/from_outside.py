@@ -54,7 +54,7 @@ def pull(_, state):
 
 
 def arrived(one, other, departure, arrival, times_s, impulses_m_s):
-    """How far off a debris SciPy ends that flies a leg from another one [m], [m/s]."""
+    """Miss of a debris object by a leg flown with SciPy from another one [m], [m/s]."""
     state, now = one.state(departure * DAY_S), 0.0
     ends = [*times_s, (arrival - departure) * DAY_S]
     for time, impulse in zip(ends, [*impulses_m_s, np.zeros(3)], strict=True):

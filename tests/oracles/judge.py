@@ -25,10 +25,10 @@ from adr_opt.plan.plan import Burn, InstanceReference, Leg, Plan, Route, Unvisit
 from adr_opt.problem.instance import Instance
 
 NEAR_S, NEAR_M_S = 2e-3, 1e-3
-"""What a rule is met, or missed, by less than this is for `check` to say."""
+"""Margins by which a rule is met or missed that are left to ``check``."""
 
 FAVOUR_S, FAVOUR_M_S = 0.9e-3, 0.9e-4
-"""Times and ΔV may be stated better by this much than they are, within what `check` tolerates."""
+"""Improvements of stated times and ΔV that ``check`` tolerates."""
 
 Way = tuple[tuple[int, int, Flown], ...]
 
@@ -119,7 +119,7 @@ def _legs(instance: Instance, i: int, j: int) -> list[Flown]:
 
 
 def _service_s(instance: Instance, j: int) -> float:
-    """How long a chaser stays at a body."""
+    """Length of a chaser's stay at a body."""
     revolutions = instance.mission.service_revolutions if j else instance.mission.refuel_revolutions
     return float((revolutions or 0.0) * ephemeris.period(instance.orbits()[j, columns.RADIUS]))
 

@@ -59,7 +59,7 @@ def best_on_layer(mission: Mission, time_value_m_s_per_h: float | None = None) -
 
 
 def replayed(mission: Mission, sequence: list[int]) -> tuple[int, float]:
-    """How many moves of a sequence can be made on the layer of a mission, and when they end."""
+    """Number of moves of a sequence possible on the layer of a mission, and their end."""
     rules = mission.rules
     visited = np.zeros(len(mission.names), dtype=np.bool_)
     ends, lefts = np.empty((2, len(sequence)))

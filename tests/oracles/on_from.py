@@ -1,4 +1,4 @@
-"""What is flown and a new rest of it as one mission, and the best rest by enumeration."""
+"""Flown legs and a new rest as one mission, and the best rest by enumeration."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Rows = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def violations(instance: Instance, made: Replanned, zones=()) -> tuple[Violation, ...]:
-    """What `check` says of what is flown and planned together, on the instance with new zones.
+    """Violations of flown and replanned legs together, on the instance with new zones.
 
     Of what is proven nothing is stated, and nothing asked.
     """

@@ -54,7 +54,7 @@ def test_orders_of_several_chasers_are_given_by_names_or_numbers() -> None:
         (lambda i: price(i, ["nowhere"]), "'nowhere' is not a body"),
         (lambda i: price(i, [99]), "99 is not a body"),
         (lambda i: price(i, [["south"], ["north"]]), "for each of 1 chaser"),
-        (lambda i: price(i, {"nobody": ["south"]}), "'nobody' is no chaser"),
+        (lambda i: price(i, {"nobody": ["south"]}), "'nobody' is not a chaser"),
         (lambda i: i.part(["nowhere"]), "'nowhere' is not a body"),
         (lambda i: adr_opt.Mission(i).closed(["nowhere"]), "'nowhere' is not a body"),
         (lambda i: adr_opt.check(i, OPTIMAL), "check judges a plan"),

@@ -350,10 +350,10 @@ def test_what_makes_no_sense_is_refused(change, words):
 
 
 def test_given_connections_know_no_tows():
-    """Where connections are given nobody knows where a tow leads, and it is refused."""
+    """A tow is refused with given connections, which do not say where it leads."""
     instance = field()
     costs = np.ones((1, len(instance.names), len(instance.names)))
-    with pytest.raises(InputError, match="connections are given"):
+    with pytest.raises(InputError, match="given connections hold no costs"):
         adr_opt.Timetable.from_matrices(instance, [0.0], costs, costs)
 
 
@@ -370,7 +370,7 @@ def test_files_without_tows_do_not_speak_of_them():
 def test_who_knows_no_tows_says_so():
     """Methods and verbs that do not know tows refuse them in a sentence."""
     instance = field()
-    with pytest.raises(InputError, match="knows no tows, and those of"):
+    with pytest.raises(InputError, match="does not support tows, and those of"):
         adr_opt.solve(instance, "ortools")
     with pytest.raises(InputError, match="has tows that count"):
         check_playable(Mission(instance))
@@ -390,5 +390,5 @@ def test_what_is_exported_has_the_burns_of_tows(tmp_path):
     write_plan(instance, plan, tmp_path / "leg.oem", leg=number)
     with pytest.raises(InputError, match="leaves a disposal orbit"):
         write_plan(instance, plan, tmp_path / "leg.script", leg=number)
-    with pytest.raises(InputError, match="knows no tows"):
+    with pytest.raises(InputError, match="does not support tows"):
         write_matrix(Mission(instance), tmp_path / "a.vrp", [0.0])

@@ -136,7 +136,7 @@ def test_nothing_drifts_in_two_body_motion(instance: Instance, longest_s: float)
     if instance.dynamics == "j2":
         assert instance.replace(transfer=longer).transfer.max_drift_s == longest_s
         return
-    with pytest.raises(adr_opt.InputError, match="nothing drifts in two-body motion"):
+    with pytest.raises(adr_opt.InputError, match="no plane drifts in two-body motion"):
         instance.replace(transfer=longer)
     assert instance.replace(transfer=longer, dynamics="j2").transfer.max_drift_s == longest_s
 
@@ -251,7 +251,7 @@ def test_what_is_said_of_the_cost_must_hold(
 
 
 def test_routes_are_those_of_the_chasers(planned: tuple[Instance, Plan]) -> None:
-    """A route of nobody, and two of the same chaser, are reported."""
+    """A route without a chaser, and two of the same chaser, are reported."""
     instance, plan = planned
     (route,) = plan.routes
     assert rules(instance, plan.replace(routes=(route.replace(chaser="tug"),))) == {"chaser"}
@@ -281,7 +281,7 @@ def test_what_is_not_stated_of_money_and_limits_is_not_written() -> None:
 def test_what_is_carried_is_priced_with_tanks_by_mass_alone(price: str) -> None:
     """Prices of kilograms need a tank that knows them, and so does what a station gives out."""
     instance = adr_opt.generate("tiny", 0)
-    with pytest.raises(InputError, match="expense counts what is carried"):
+    with pytest.raises(InputError, match="expense depends on the carried mass"):
         instance.chaser.replace(expense={price: 1.0})
     instance.chaser.replace(expense={"fixed": 1.0})
     with pytest.raises(InputError, match=r"stations\[0\].max_propellant_kg = 5.0: the tank of"):

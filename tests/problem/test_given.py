@@ -132,14 +132,14 @@ def test_a_function_may_offer_choices() -> None:
     ("change", "said"),
     [
         (lambda rows: rows.pop("arrival_s"), "column arrival_s is missing"),
-        (lambda rows: rows["origin"].pop(), "column destination has not one value"),
+        (lambda rows: rows["origin"].pop(), "column destination must have one value"),
         (lambda rows: rows["origin"].__setitem__(3, "moon"), "'moon' is not a body"),
         (lambda rows: rows["departure_s"].__setitem__(2, np.nan), "departure_s = nan"),
         (lambda rows: rows["departure_s"].__setitem__(2, -5.0), "departure_s = -5.0"),
         (lambda rows: rows["delta_v_m_s"].__setitem__(2, -5.0), "delta_v_m_s = -5.0"),
         (lambda rows: rows["delta_v_m_s"].__setitem__(2, np.inf), "delta_v_m_s = inf"),
         (lambda rows: rows["arrival_s"].__setitem__(0, 0.0), "takes 0.0 s"),
-        (lambda rows: rows["destination"].__setitem__(0, "depot"), "to where it begins"),
+        (lambda rows: rows["destination"].__setitem__(0, "depot"), "ends where it begins"),
         (lambda rows: rows["delta_v_m_s"].__setitem__(0, "dear"), "must be numbers"),
     ],
 )
@@ -155,7 +155,7 @@ def test_rows_that_cannot_be_planned_on_are_refused(
 
 
 def test_numbers_of_bodies_are_checked() -> None:
-    """A body by a number that nobody has is refused."""
+    """A body number out of range is refused."""
     rows = {name: [0.0] for name in COLUMNS} | {"origin": [0], "destination": [4]}
     with pytest.raises(adr_opt.InputError, match="destination = 4 is not the number of a body"):
         adr_opt.Timetable.from_connections(roads(), rows)
@@ -211,7 +211,7 @@ def test_functions_that_answer_otherwise_are_refused() -> None:
                     KeepOutZone(min_altitude_m=0.0, max_altitude_m=1.0, start_s=0.0, end_s=1.0)
                 ]
             },
-            "keep_out_zones: connections are given",
+            "keep_out_zones: the paths of given connections",
         ),
     ],
 )
@@ -244,7 +244,9 @@ def test_bodies_of_given_connections_do_not_go_unseen() -> None:
         ({"targets": instance.targets[:-1]}, "farm"),
         ({"targets": (), "stations": instance.stations}, "farm"),
     ):
-        with pytest.raises(adr_opt.InputError, match=rf"^given connections: '{name}' is a body"):
+        with pytest.raises(
+            adr_opt.InputError, match=rf"^given connections: '{name}' is one of their bodies"
+        ):
             instance.replace(**changes)
     others = instance.with_given(among(instance.given, NAMES[:-1]))
     assert others.replace(targets=instance.targets[:-1]).names == NAMES[:-1]
@@ -254,5 +256,5 @@ def test_bodies_of_given_connections_do_not_go_unseen() -> None:
     own = roads(chasers=[instance.chaser.replace(start=start)])
     row = {name: values[:1] for name, values in as_rows().items()} | {"origin": ["van"]}
     there = adr_opt.Timetable.from_connections(own, row).instance
-    with pytest.raises(adr_opt.InputError, match=r"'van' is a body of theirs, and would be gone"):
+    with pytest.raises(adr_opt.InputError, match=r"'van' is one of their bodies, and would go"):
         there.replace(chasers=(own.chaser.replace(name="lorry"),))

@@ -129,10 +129,10 @@ def test_units_of_matrices_are_converted() -> None:
 @pytest.mark.parametrize(
     ("units", "said"),
     [
-        ({"delta_v": "kWh"}, "delta_v: its unit 'kWh' is no speed"),
-        ({"delta_v": "S"}, "delta_v: its unit 'S' is no speed"),
-        ({"duration": "fortnights"}, "duration: its unit 'fortnights' is no unit of time"),
-        ({"duration": "1"}, "duration: its unit '1' is no unit of time"),
+        ({"delta_v": "kWh"}, "delta_v: its unit 'kWh' is not a known unit of speed"),
+        ({"delta_v": "S"}, "delta_v: its unit 'S' is not a known unit of speed"),
+        ({"duration": "fortnights"}, "duration: its unit 'fortnights' is not a known unit of time"),
+        ({"duration": "1"}, "duration: its unit '1' is not a known unit of time"),
         ({"departure": "days since 2026-05-04"}, "departure: its unit .* counts from a date"),
     ],
 )
@@ -189,8 +189,8 @@ def test_a_duration_is_no_cost() -> None:
 
 @pytest.mark.parametrize("name", ["origin", "arrival_s"])
 def test_columns_that_are_there_twice_are_refused(name: str) -> None:
-    """Of two columns of one name nobody knows which is meant."""
-    with pytest.raises(InputError, match=f"column {name} is there twice"):
+    """Two columns of one name are ambiguous and refused."""
+    with pytest.raises(InputError, match=f"column {name} occurs twice"):
         from_parquet({}, ((name, as_rows()[name]),))
 
 
@@ -217,9 +217,9 @@ def test_a_file_that_needs_more_memory_than_there_is_is_refused(
     """Before anything is read of a file, its size is held against the memory."""
     monkeypatch.setattr("adr_opt.problem.given_files.available_bytes", lambda: 1000.0)
     path = write_netcdf()
-    with pytest.raises(InputError, match=r"t\.nc: holds .* numbers, for which memory is short"):
+    with pytest.raises(InputError, match=r"t\.nc: holds .* numbers, too many for the memory"):
         read_given(path, NAMES)
-    with pytest.raises(InputError, match=r"t\.parquet: holds .* numbers, for which"):
+    with pytest.raises(InputError, match=r"t\.parquet: holds .* numbers, too many"):
         from_parquet({})
 
 

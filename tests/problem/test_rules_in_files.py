@@ -99,7 +99,7 @@ def test_a_window_closes(cli: Cli) -> None:
 
 
 def test_a_window_opens(cli: Cli) -> None:
-    """Service at a target waits for its window; who arrives earlier stays there."""
+    """Service at a target waits for its window; a chaser that arrives earlier stays there."""
     _, plan = solved(cli, lambda content: target(content, SOUTH, window_s=[12.9 * PERIOD_S, None]))
     assert plan.objective == 2.0
     _, plan = solved(
@@ -211,7 +211,7 @@ def two_services(content: Content) -> None:
         (two_services, "service_s"),
         (lambda c: c["stations"].append(c["stations"][0]), "'station'"),
         (lambda c: c.update(stations=[]), "'station'"),
-        (lambda c: c.update(objective={"cost": "expense"}), "no chaser says what it takes"),
+        (lambda c: c.update(objective={"cost": "expense"}), "no chaser has one"),
     ],
 )
 def test_what_makes_no_sense_is_refused(cli: Cli, change: Change, named: str) -> None:

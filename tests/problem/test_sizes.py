@@ -185,11 +185,11 @@ def test_without_refuelling_there_is_no_station(cli: Cli, catalogue: str) -> Non
         (["--dynamics", "j3"], "'j3' is not one of"),
         (
             ["--dynamics", "two-body", "--max-drift-days", "9"],
-            "--max-drift-days = 9: nothing drifts in two-body motion; leave it out",
+            "--max-drift-days = 9: no plane drifts in two-body motion; leave it out",
         ),
         (
             ["--dynamics", "two-body", "--drift-step-days", "9"],
-            "--drift-step-days = 9: nothing drifts in two-body motion",
+            "--drift-step-days = 9: no plane drifts in two-body motion",
         ),
         (["--duration-days", "1e6"], "--duration-days = 1e+06: must be at most 36525"),
     ],

@@ -46,7 +46,7 @@ def in_small_steps(impatient: None, monkeypatch: pytest.MonkeyPatch) -> None:
 def broken_off(
     instance: Instance, share: float, group: str = PLANNERS, method: str = "beam", **arguments
 ) -> Result:
-    """Plan (or bound) with somebody who interrupts when a share of the timetable is built."""
+    """Plan (or bound) with an interruption when a share of the timetable is built."""
     stop = Interrupted()
 
     def building(built: float) -> None:
@@ -146,7 +146,7 @@ def test_a_plan_on_some_pairs_is_a_plan_of_the_whole():
 
 
 def test_a_target_that_no_pair_leads_to_was_not_considered():
-    """It is not said that there is no transfer to it where nobody has looked for one."""
+    """A target without a search for transfers is not said to have none."""
     instance = adr_opt.generate("nominal", 0, targets=20)
     mission = Mission(instance)
     mission.build(nearest_pairs(instance, (), 3))
@@ -253,7 +253,7 @@ def test_a_bound_of_a_part_is_no_bound():
 
 
 def test_who_interrupts_a_quick_build_still_gets_a_plan():
-    """What is done in a moment is waited for: somebody who is early is not left with nothing."""
+    """A build that is nearly done is waited for: an early interrupt still gives a plan."""
     result = broken_off(adr_opt.generate("nominal", 0, targets=20), 0.0)
     assert result.objective > 5.0
 
@@ -326,7 +326,7 @@ def test_memory_limits_the_pairs(monkeypatch):
 
 
 def test_memory_is_a_setting():
-    """A plan within so many GiB is made on a table that takes no more; nonsense is refused."""
+    """A plan within a memory limit is made on a table that takes no more; nonsense is refused."""
     instance = adr_opt.generate("nominal", 0, targets=20)
     held = connection_finder.estimate(instance).bytes
     mission = Mission(instance)

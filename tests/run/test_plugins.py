@@ -237,9 +237,9 @@ def _fickle(mission, *, seed, stop, progress):
         (_boasting, "usual field", "it reported the incumbent 3.0 and returned a plan that"),
         (_lying, "usual field", "its plan breaks the rules: plan: objective"),
         (_mistaken, "usual field", "its bound 1.0 is below"),
-        (_restless, "time over at once", "it goes on after stop(incumbent, bound) said"),
+        (_restless, "time over at once", "it goes on after stop(incumbent, bound) returned"),
         (_planless, "no targets", "returned no plan"),
-        (_fickle, "same seed, same plan", "gives another plan when it is called again"),
+        (_fickle, "same seed, same plan", "gives another plan when called again"),
     ],
 )
 def test_what_a_planner_does_wrong_is_said_by_the_name_of_the_case(

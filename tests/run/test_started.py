@@ -162,7 +162,7 @@ def test_the_first_tank_is_worth_what_it_holds() -> None:
 
 
 def test_connections_are_told_as_they_are() -> None:
-    """What was spent before is no part of what a transfer costs, whoever asks."""
+    """ΔV spent before the start is no part of the cost of a transfer, in any query."""
     plain = of_two_bodies(4)
     chaser = plain.chaser
     less = Tank(delta_v_m_s=chaser.tank.delta_v_m_s, initial_delta_v_m_s=10.0)
@@ -187,7 +187,7 @@ def test_connections_are_told_as_they_are() -> None:
     [
         ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 301.0}}, "a full tank holds 300"),
         ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": -1.0}}, "initial_delta_v_m_s"),
-        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 5.0}}, "at a station it is filled"),
+        ({"tank": {"delta_v_m_s": 300.0, "initial_delta_v_m_s": 5.0}}, "but a station fills it"),
     ],
 )
 def test_what_makes_no_sense_is_refused(cli: Cli, changes, named: str) -> None:

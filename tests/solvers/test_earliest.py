@@ -90,7 +90,7 @@ def test_narrow_searches_say_what_they_left_out():
 
 
 def test_linear_arrivals_lie_between_those_of_the_table():
-    """Who is ready half-way between two times arrives half-way, but after a jump at the later."""
+    """Ready times half-way between two others arrive half-way, except after a jump at the later."""
     line = np.array([1.0, 1.5, 2.0, 9.0, 9.0])
     usual = np.full((2, 2, 5), np.inf)
     usual[0, 1] = line

@@ -102,7 +102,7 @@ def test_no_refuelling_that_nothing_follows(fields: list[Mission]) -> None:
 
 
 def with_required(seed: int, share: float) -> Mission:
-    """A random mission, so many of whose targets are required."""
+    """A random mission with a share of required targets."""
     instance, rng = random_mission(seed), np.random.default_rng(seed)
     targets = tuple(
         target.replace(required=bool(rng.random() < share)) for target in instance.targets

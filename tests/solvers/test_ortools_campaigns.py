@@ -45,7 +45,7 @@ class Found(NamedTuple):
 
 @pytest.fixture(scope="module")
 def campaign() -> Problem:
-    """Two chasers who have to leave targets out."""
+    """Two chasers that have to leave targets out."""
     drawn = adr_opt.generate("campaign", 2, targets=24, chasers=2, stations=2)
     return Problem(drawn.with_limits(duration_s=4 * 86400.0))
 
@@ -68,7 +68,8 @@ def test_launches_are_planned_and_kits_refused() -> None:
         campaign = Problem(instance)
         if any(mission.rules.loads is not None for mission in campaign.missions):
             said = (
-                r"'ortools' knows no kits.*auto, exact, greedy, greedy-guarded, exact \(bounds\)$"
+                r"'ortools' does not support kits.*"
+                r"auto, exact, greedy, greedy-guarded, exact \(bounds\)$"
             )
             with pytest.raises(InputError, match=said):
                 adr_opt.solve(campaign, "ortools", iterations=1)
@@ -133,7 +134,7 @@ def test_begins_from_a_start_plan(campaign: Problem) -> None:
 
 
 def test_a_fleet_offers_what_others_leave(campaign: Problem) -> None:
-    """A chaser may fly its own targets and nobody's, and those of who is planned anew with it."""
+    """A chaser may fly its own targets, unvisited ones, and those of chasers replanned with it."""
     fleet = fleet_of(campaign)
     own, other = (set(order.moves[order.moves >= 2].tolist()) for order in fleet.orders)
     open_to = {

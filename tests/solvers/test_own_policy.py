@@ -1,4 +1,4 @@
-"""A model that somebody trained with Stable-Baselines3 becomes a file for ``--policy``."""
+"""A model trained elsewhere with Stable-Baselines3 becomes a file for ``--policy``."""
 
 from __future__ import annotations
 

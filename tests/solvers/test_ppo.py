@@ -498,7 +498,7 @@ def test_command_line_says_what_is_wrong_with_a_policy(cli, tiny_file: Path) -> 
     """A file that is no policy ends ``solve`` with exit code 2 and one sentence."""
     outcome = cli("solve", tiny_file, "--method", "ppo", "--policy", tiny_file)
     assert outcome.status == 2
-    assert "not a whole ONNX file" in outcome.err
+    assert "not a complete ONNX file" in outcome.err
     assert "Traceback" not in outcome.err
     assert cli("solve", tiny_file, "--method", "ppo", "--decode", "guess").status == 2
     assert cli("solve", tiny_file, "--method", "greedy", "--decode", "beam").status == 2

@@ -1,4 +1,4 @@
-"""Legs that are of no use to who has waited, against every pair of legs."""
+"""Legs dominated for a chaser that has waited, against every pair of legs."""
 
 import numpy as np
 

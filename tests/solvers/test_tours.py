@@ -47,7 +47,7 @@ def expense_of(legs):
 
 
 def every_tour(cost, missions=None):
-    """Least expense of all orders, cuts and times, by trying them; or of so many missions."""
+    """Least expense of all orders, cuts and times, by trying them; or with a number of missions."""
     targets, _, gaps, times = cost.shape
 
     def rest(left, last, now, legs, launched=1):

@@ -234,7 +234,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
 
 
 def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
-    """While one runs in a folder another is refused, and one that was killed locks nobody out."""
+    """While one runs in a folder another is refused, and a killed one leaves no lock."""
     code = (
         "import sys, time; from pathlib import Path; from solvers.training.runs import locked\n"
         "with locked(Path(sys.argv[1])): print('in', flush=True); time.sleep(600)"

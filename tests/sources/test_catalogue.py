@@ -36,7 +36,7 @@ sgp4_omm = pytest.importorskip("sgp4.omm")
 
 
 def digits(decimals: int, most: float) -> st.SearchStrategy[float]:
-    """Numbers that a column with so many decimals can hold."""
+    """Numbers that a column with this number of decimals can hold."""
     scale = 10**decimals
     return st.integers(0, int(most * scale)).map(
         lambda n: float(f"{n // scale}.{n % scale:0{decimals}d}")

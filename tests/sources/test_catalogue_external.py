@@ -1,4 +1,4 @@
-"""Catalogue files that nobody here wrote."""
+"""Catalogue files from elsewhere."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ external = [
 
 
 class TestExternal:
-    """Files that nobody here wrote."""
+    """Catalogue files from elsewhere."""
 
     pytestmark = external
 

@@ -61,8 +61,8 @@ HEAD = "object,prize\n"
     [
         ("", "p.csv: empty"),
         ("object,prise\n", "line 1: column 'prise' is unknown; use object, prize"),
-        ("prize\n1\n", "line 1: one column has to say which object is meant"),
-        ("object,number\n", "line 1: one column has to say which object is meant"),
+        ("prize\n1\n", "line 1: exactly one column must name the objects"),
+        ("object,number\n", "line 1: exactly one column must name the objects"),
         ("object,prize,prize\n", "line 1: two columns prize; keep one"),
         (f"{HEAD}{NUMBER},1,2\n", "line 2: 3 values under 2 columns"),
         (f"{HEAD}{NUMBER},much\n", "line 2: prize = 'much': must be a number"),
@@ -153,7 +153,7 @@ def test_a_wish_that_cannot_be_met_is_one_sentence(imported, options, said: str)
 
 
 def test_sizes_and_masses_are_read_in_every_spelling_that_has_them() -> None:
-    """The class of the cross-section and the mass reach the records, whoever writes them."""
+    """The class of the cross-section and the mass reach the records, in every format."""
     from adr_opt.sources.catalogue.reading import read_bytes
 
     record = RECORDS[:1]

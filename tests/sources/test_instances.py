@@ -255,7 +255,7 @@ def test_names_lead_to_instances():
         "nominal-0042",
         "nominal-001-z0",
     ):
-        with pytest.raises(adr_opt.InputError, match=r"nominal-042|write it so"):
+        with pytest.raises(adr_opt.InputError, match=r"nominal-042|write it as"):
             by_name(name)
 
 

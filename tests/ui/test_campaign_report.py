@@ -1,4 +1,4 @@
-"""The report and the pictures of a campaign: lanes of chasers, and who is at which station."""
+"""The report and the pictures of a campaign: lanes of chasers, and stays at stations."""
 
 from __future__ import annotations
 

@@ -271,5 +271,5 @@ def test_what_is_for_one_chaser_says_so(cli: Cli, call: tuple[object, ...]) -> N
 def test_the_environment_is_for_one_chaser() -> None:
     """A campaign cannot be played; the sentence says why."""
     env = pytest.importorskip("adr_opt.learning.environment")
-    with pytest.raises(adr_opt.InputError, match="2 chasers, and this works with one"):
+    with pytest.raises(adr_opt.InputError, match="2 chasers, but this works with one"):
         env.MissionEnv(campaign()).reset(seed=0)

@@ -167,7 +167,7 @@ VERBS_OF_PLANS = {
         (put(*TARGET, "required", 1), "field targets[0].required = 1: must be a"),
         (put(*TARGET, "removal", "burn"), "field targets[0].removal = \"burn\": must be 'visit'"),
         (put("dynamics", "sgp4"), "field dynamics = \"sgp4\": must be 'two-body' or 'j2'"),
-        (put("transfer", "max_drift_s", 1e6), "max_drift_s = 1000000.0: nothing drifts in two-bo"),
+        (put("transfer", "max_drift_s", 1e6), "max_drift_s = 1000000.0: no plane drifts in two-b"),
         (put("transfer", "max_drift_s", -1.0), "field transfer.max_drift_s = -1.0: must be great"),
         (
             put("objective", "cost", "fame"),
@@ -187,7 +187,7 @@ def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named:
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        (put(*TARGET, "removal", "tow"), 'targets[0].removal = "tow": what a tow takes goes with'),
+        (put(*TARGET, "removal", "tow"), 'targets[0].removal = "tow": the cost of a tow depends'),
     ],
 )
 def test_what_the_format_names_and_nothing_can_plan(

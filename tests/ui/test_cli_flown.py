@@ -80,10 +80,10 @@ def test_who_asks_for_no_flight_gets_none(cli: Cli) -> None:
     assert said.out.splitlines()[-1].startswith("visits ")
     assert "flown" not in json.loads(Path("plan.json").read_text(encoding="utf-8"))
     text = cli("check", "my.json", "plan.json", "--no-fly").out
-    assert "neither flown nor refined: nobody asked for it" in text
+    assert "neither flown nor refined: not requested" in text
     told = json.loads(cli("check", "my.json", "plan.json", "--no-fly", "--json").out)
     assert told["flown"] is None
-    assert told["not_flown"] == "nobody asked for it"
+    assert told["not_flown"] == "not requested"
 
 
 def test_a_tank_that_breaks_is_said_with_what_helps(cli: Cli) -> None:
@@ -118,7 +118,7 @@ def test_check_flies_by_itself(cli: Cli) -> None:
     assert "1 short leg planned with" in said.out
     assert "1 drift planned with" in said.out
     write(instance, plan.replace(flown=boast.replace(legs_sha256="0" * 64)))
-    assert "what it says of a flight is of other legs" in cli("check", "my.json", "plan.json").out
+    assert "the flight that it records is of other legs" in cli("check", "my.json", "plan.json").out
 
 
 @pytest.mark.usefixtures("drawn")
@@ -130,7 +130,7 @@ def test_a_refined_plan_says_so(cli: Cli) -> None:
     assert plan.own_flight is not None
     assert plan.own_flight.how == "refined"
     text = cli("check", "my.json", "plan.json").out
-    assert "as it says of itself, refined in the field j2" in text
+    assert "according to the plan, refined in the field j2" in text
     assert "not refined" not in text
     # The refined plan names this very plan.
     assert cli("fly", "my.json", "refined.json").status == 0

@@ -146,7 +146,7 @@ BAD_ROWS = {
     ),
     "letters": (
         spoilt(lambda name, one, two: [name, one, sgp4_io.fix_checksum(two[:10] + "x" + two[11:])]),
-        "line 6", "something else than its format",
+        "line 6", "breaks its format",
     ),
     "inclination": (
         spoilt(lambda name, one, two: [name, one, sgp4_io.fix_checksum(f"2 10001 19{two[10:]}")]),

@@ -76,7 +76,7 @@ def test_first_signal_asks_for_the_best_plan(tiny_file: Path, number: int) -> No
     # Its one visit is fewer than those of the plan that every method falls back on.
     assert json.loads(out)["objective"] == 3.0
     assert load_plan(tiny_file.parent / "plan.json").to_json() == out
-    assert "interrupted: this is the best result until then" in err
+    assert "interrupted: this is the best result so far" in err
     assert "Traceback" not in err
 
 
@@ -87,7 +87,7 @@ def test_second_signal_aborts(tiny_file: Path) -> None:
     process = begin(tiny_file, "deaf", "--out", "plan.json")
     process.send_signal(signal.SIGINT)
     assert process.stderr is not None
-    assert "once more to abort" in process.stderr.readline()
+    assert "interrupt again to abort" in process.stderr.readline()
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=30.0)

@@ -28,7 +28,7 @@ CALLS = {
 
 SLOW = ("solve", "bound", "verify", "replan", "tradeoff", "fly", "matrix", "export")
 ON_CORES = ("--jobs",)
-"""So many processes would be begun."""
+"""Options that would start this number of processes."""
 
 
 def options_of(verb: str) -> list[click.Option]:

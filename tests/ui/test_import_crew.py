@@ -155,16 +155,16 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
         (("--expense", "much"), "--expense 'much': give one to three numbers"),
         (("--expense", "1,2,3,4"), "give one to three numbers"),
         (("--expense", "-1"), "--expense '-1': "),
-        (("--expense", "1,2"), "--expense: a tank that is counted in ΔV knows no masses"),
+        (("--expense", "1,2"), "--expense: the tank is given in ΔV, without masses"),
         (("--kits", "-1"), "--kits = -1"),
         (("--kit-mass", "3"), "--kit-mass: there are no kits"),
         (("--tow", "0"), "--tow = 0"),
-        (("--tow", "900"), "--tow: where to is not said"),
-        (("--tow", "900", "--disposal-altitude", "500"), "knows no masses"),
+        (("--tow", "900"), "--tow: no disposal orbit"),
+        (("--tow", "900", "--disposal-altitude", "500"), "without masses"),
         (("--tow", "9", "--disposal-altitude", "500", "--kits", "3"), "takes a kit or is towed"),
         (("--disposal-altitude", "500"), "nothing is towed"),
         ((*MASSES, "--tow", "9", "--disposal-altitude", "900"), "must be below"),
-        (("--kits", "3", "--kit-mass", "3"), "knows no masses"),
+        (("--kits", "3", "--kit-mass", "3"), "without masses"),
         (("--dry-mass", "3"), "give all three"),
         ((*MASSES, "--delta-v", "3"), "--delta-v: the tank is given by its mass"),
         ((*MASSES[:4], "--isp", "1e9"), "isp_s"),
@@ -182,7 +182,7 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(imported, options, named) -> None:
-    """Options that are out of range, alone or of nobody: exit 2, one sentence, nothing written."""
+    """Options that are out of range, alone or unused: exit 2, one sentence, nothing written."""
     outcome = imported(*options)
     assert (outcome.status, outcome.out) == (2, ""), outcome
     assert outcome.err.count("\n") == 1, outcome.err

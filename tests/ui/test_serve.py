@@ -1,4 +1,4 @@
-"""``serve``: the desk behind the page, and who is let in."""
+"""``serve``: the desk behind the page, and access to it."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def desk(world: Path) -> Iterator[EditingSession]:
 
 
 def let_in(desk: EditingSession, **more: Any) -> Any:
-    """Somebody who has the token."""
+    """A client that has the token."""
     app = application(desk, TOKEN, PORT, threading.Event())
     client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
     client.cookies.set(f"adr-opt-{PORT}", TOKEN)
@@ -372,7 +372,7 @@ def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world
 def test_a_plan_begins_from_the_one_before(
     desk: EditingSession, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What is left of the last plan is where the next one begins, unless somebody says not to."""
+    """The rest of the last plan is the start of the next one, unless refused."""
     starts: list[Any] = []
     run = front.run
 
@@ -412,7 +412,7 @@ def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
 
 
 def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> None:
-    """A folder with work in it is taken by those who go on with it; links are not followed."""
+    """A folder with work in it is used only to continue it; links are not followed."""
     plan = adr_opt.solve(hand_made(), "exact").plan
     assert plan is not None
     EditingSession(hand_made(), plan, Folder(world / "work", world / "my.json"))

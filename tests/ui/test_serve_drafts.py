@@ -51,7 +51,7 @@ def test_edits_make_the_instance_that_is_planned() -> None:
 
 
 def test_the_last_word_counts_on_required_and_excluded() -> None:
-    """Who requires a target includes it, and who excludes one does not require it any more."""
+    """Requiring a target includes it, and excluding one ends its requirement."""
     made = edited(Draft(hand_made()), **of("north", excluded=True))
     made = edited(made, **of("north", required=True))
     assert made.excluded == frozenset()

@@ -61,7 +61,7 @@ def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
 
 
 def put(tab: browser.Browser, label: str, value: object) -> None:
-    """Change a field as somebody does who types and goes on."""
+    """Change a field as by typing, and leave it."""
     found = f"document.querySelector('[aria-label={json.dumps(label)}], {label}')"
     if not label.startswith("#"):
         found = f"document.querySelector('[aria-label={json.dumps(label)}]')"

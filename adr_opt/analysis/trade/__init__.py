@@ -1,4 +1,4 @@
-"""What budgets and durations buy: plans and bounds of many variants of one instance."""
+"""Trade-offs of budget and duration: plans and bounds of many variants of one instance."""
 
 from .axes import Axis, parse_axis
 from .frontier import Ending, frontier

@@ -1,4 +1,4 @@
-"""What is varied: limits of an instance, and the values that each takes."""
+"""Axes of a trade-off: limits of an instance, and the values of each."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 
 MOST_POINTS = 10_000
-"""More points than this are a typing error."""
+"""Maximum number of points; more are taken for a typing error."""
 
 Limits = tuple[float, float]
 """ΔV of a full tank [m/s], duration [s]."""
@@ -51,7 +51,7 @@ KINDS = {
 
 @dataclass(frozen=True)
 class Tanks:
-    """Which limit of tanks is varied, and its values.
+    """The varied limit of tanks, with its values.
 
     Attributes
     ----------
@@ -66,13 +66,13 @@ class Tanks:
     values: tuple[tuple[float, float], ...] = ()
 
     def changes(self, delta_v_m_s: float) -> dict[str, float]:
-        """What ``with_limits`` is to change of tanks, at a point."""
+        """Keyword arguments of ``with_limits`` for the tanks at a point."""
         return {self.limit: dict(self.values).get(delta_v_m_s, delta_v_m_s)} if self.limit else {}
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A limit and the values that it takes, ascending, in SI.
+    """A limit with its values, ascending, in SI units.
 
     Attributes
     ----------
@@ -127,7 +127,7 @@ def _range(text: str, low: float, high: float, step: float) -> list[float]:
 
 
 def grid(instance: Instance, axes: Sequence[Axis]) -> list[Limits]:
-    """All points: every value of each axis with every one of the others, ascending.
+    """All combinations of the axes' values, ascending.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[Limits]:
 
 
 def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
-    """What is varied of tanks.
+    """The varied limit of tanks.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
 
 
 def counts_masses(instance: Instance) -> bool:
-    """Whether what a chaser weighs makes a difference beyond the ΔV of its empty tank."""
+    """Whether a chaser's mass matters beyond the ΔV of its tank without cargo."""
     return any(target.service.is_flown for target in instance.targets) or any(
         chaser.kit_mass_kg > 0.0 or chaser.priced.counts_mass for chaser in instance.chasers
     )

@@ -1,4 +1,4 @@
-"""The frontier of ΔV against the last day: what it takes to be done sooner, at the same prize.
+"""The frontier of ΔV against the last day, at equal prize.
 
 At each duration of a trade-off whose plans collect the most, the least cost is asked for; and every
 order of bodies that is known by then is timed anew over all connections of the longest mission. So
@@ -31,7 +31,7 @@ from .points import Point, Routes, Tradeoff
 from .shared import Shared, variant
 
 CHEAPEST = "exact"
-"""The planner that is asked for the least cost."""
+"""Planner that minimises cost."""
 
 COLUMNS = ("tank_m_s", "prize", "last_day", "delta_v_m_s", "cost", "routes")
 
@@ -66,12 +66,12 @@ class Ending:
     routes: Routes
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The plan as JSON data."""
         return {**asdict(self), "routes": [list(route) for route in self.routes]}
 
 
 def check_frontier(instance: Instance) -> None:
-    """Refuse an instance that has no frontier of ΔV against the last day.
+    """Refuse instances without a frontier of ΔV against the last day.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def frontier(
     stop: Stop | None = None,
     told: Callable[[str], None] = lambda text: None,
 ) -> tuple[Ending, ...]:
-    """What it takes to be done sooner, of the plans of a trade-off that collect the most.
+    """ΔV needed to finish earlier, from the plans of a trade-off with the largest prize.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def frontier(
 def _cheapest(
     problem: Problem, point: Point, time_limit: float, seed: int, stop: Stop | None
 ) -> Routes | None:
-    """The cheapest plan found that collects as much as a point; None if it collects less."""
+    """The cheapest plan found with at least the prize of a point; None if there is none."""
     start = point.routes if len(problem.missions) > 1 else point.routes[0]
     result = solve(
         problem, CHEAPEST, time_limit=time_limit, seed=seed, stop=stop, start=start, repair=True,
@@ -165,7 +165,7 @@ def _cheapest(
 
 
 def _endings(problem: Problem, tank_m_s: float, prize: float, routes: Routes) -> Iterator[Ending]:
-    """All last days of routes that pay, each with the least ΔV of every chaser until then."""
+    """All useful last days of routes, each with the least ΔV of every chaser until then."""
     timed: list[tuple[FloatArray, FloatArray, float]] = []
     for mission, route in zip(problem.missions, routes, strict=True):
         if route:
@@ -188,7 +188,7 @@ def _endings(problem: Problem, tank_m_s: float, prize: float, routes: Routes) ->
 
 
 def _kept(ends: list[Ending], resolution_m_s: float) -> list[Ending]:
-    """Those that take less than all before them, by the resolution; and the least ΔV and cost."""
+    """Undominated endings within the resolution, with the least ΔV and cost."""
     falling: list[Ending] = []
     for ending in ends:
         if not falling or ending.delta_v_m_s < falling[-1].delta_v_m_s:
@@ -203,7 +203,7 @@ def _kept(ends: list[Ending], resolution_m_s: float) -> list[Ending]:
 
 
 def write_frontier(path: str | os.PathLike[str], endings: Iterable[Ending]) -> None:
-    """Write the CSV file, whole or not at all; the last day is one of the mission, from 0."""
+    """Write the CSV file completely or not at all; the last day counts from 0 in the mission."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)

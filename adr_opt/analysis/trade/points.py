@@ -1,6 +1,6 @@
-"""Points of a trade-off: plans and bounds, and what each of them says about the others.
+"""Points of a trade-off: plans and bounds, and their implications for other points.
 
-Whoever has a larger tank or more time can fly every plan of who has less. So the best plan of a
+With a larger tank or more time, every plan of a smaller point can be flown. So the best plan of a
 point counts for all larger ones, and a bound of a point for all smaller ones.
 """
 
@@ -22,7 +22,7 @@ Routes = tuple[tuple[str, ...], ...]
 
 @dataclass(frozen=True, repr=False)
 class Point(Shown):
-    """What is known of one variant of an instance.
+    """Results for one variant of an instance.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Point(Shown):
     propellant_kg: float | None = None
 
     def value(self, kind: str) -> float:
-        """Its limit of a kind, in SI."""
+        """Its limit of a kind, in SI units."""
         if kind == "propellant":
             assert self.propellant_kg is not None
             return self.propellant_kg
@@ -67,29 +67,29 @@ class Point(Shown):
 
     @property
     def limits(self) -> Limits:
-        """Its place in the grid."""
+        """Its position in the grid."""
         return self.delta_v_m_s, self.duration_s
 
     @property
     def proven(self) -> bool:
-        """Whether no plan collects more than the best one known."""
+        """Whether its best known plan is proven to collect the most."""
         return meets(self.prize, self.upper_bound)
 
     @property
     def status(self) -> str:
-        """As that of plans."""
+        """Its status, as in plans."""
         if self.prize == -math.inf:
             return "infeasible" if self.upper_bound == -math.inf else "unknown"
         return "optimal" if self.proven else "feasible"
 
     def beats(self, other: Point) -> bool:
-        """Whether its plan collects more than that of another one, or as much at less cost."""
+        """Whether its plan collects more than another's, or as much at less cost."""
         if self.prize != other.prize:
             return self.prize > other.prize
         return self.cost < other.cost
 
     def joined(self, other: Point) -> Point:
-        """What two runs for one point come to."""
+        """Merged results of two runs for one point."""
         best = other if other.beats(self) else self
         return replace(
             best,
@@ -100,7 +100,7 @@ class Point(Shown):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON; propellant only where it is varied."""
+        """The point as JSON data, with propellant only if varied."""
         fields = asdict(self)
         if self.propellant_kg is None:
             del fields["propellant_kg"]
@@ -113,7 +113,7 @@ class Point(Shown):
 
 
 class Impossible(RuntimeError):
-    """A plan collects more than a bound that claims to be proven: a method is broken."""
+    """A plan exceeds a bound that claims to be proven: a method is wrong."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -138,11 +138,11 @@ class Tradeoff(Shown):
 
     @property
     def proven(self) -> int:
-        """How many points are proven."""
+        """Number of proven points."""
         return sum(point.proven for point in self.points)
 
     def along(self, kind: str) -> dict[float, tuple[Point, ...]]:
-        """The points by the value of the other limit, each row ascending in this one."""
+        """Rows of points by the value of the other limit, each ascending in this one."""
         rows: dict[float, list[Point]] = {}
         for point in self.points:
             key = point.delta_v_m_s if kind == "duration" else point.duration_s
@@ -150,7 +150,7 @@ class Tradeoff(Shown):
         return {key: tuple(row) for key, row in rows.items()}
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The trade-off as JSON data."""
         return {
             "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
             "varied": {axis.kind: list(axis.values) for axis in self.axes},
@@ -162,13 +162,13 @@ class Tradeoff(Shown):
 
 
 class KnownPoints:
-    """What is known of all points, kept so that no point contradicts another.
+    """Results of all points, kept consistent with each other.
 
     Parameters
     ----------
     limits : iterable of Limits
     slack_m_s : float
-        A bound counts for a smaller tank only if that is smaller by so much: what a plan may cost
+        A bound counts for a smaller tank only if that is smaller by this: what a plan may cost
         more on the connections of the larger one (:func:`.shared.slack_m_s`).
     """
 
@@ -177,7 +177,7 @@ class KnownPoints:
         self.points: dict[Limits, Point] = {each: Point(*each) for each in limits}
 
     def add(self, found: Point) -> None:
-        """Take in what a run has found, and tell it to the other points.
+        """Add the results of a run, and apply them to the other points.
 
         Raises
         ------
@@ -203,13 +203,13 @@ class KnownPoints:
                 )
 
     def counts(self, smaller: Limits, larger: Limits) -> bool:
-        """Whether every plan of the smaller point is one of the larger one."""
+        """Whether every plan of the smaller point is also one of the larger."""
         if smaller[0] == larger[0]:
             return smaller[1] <= larger[1]
         return smaller[0] + self._slack_m_s <= larger[0] and smaller[1] <= larger[1]
 
     def open(self, ran: Container[Limits]) -> Iterator[Limits]:
-        """Points that are worth a run, the most telling first.
+        """Points worth a run, most informative first.
 
         On a plateau, where points have equally good plans, the largest comes first: if nothing
         better is found there, it is proven for all of them.

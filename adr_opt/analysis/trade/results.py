@@ -1,4 +1,4 @@
-"""The results of a trade-off in a file: CSV, a row for each run, so that it can go on later.
+"""Results file of a trade-off: CSV with a row for each run, so that it can be resumed.
 
 A row is written at once and whole, on a line of its own; of one that was cut off by the end of the
 machine nothing is read, wherever it stands. The first columns say what it belongs to: a file of
@@ -25,11 +25,11 @@ COLUMNS = (
 )  # fmt: skip
 
 LONGEST_SHOWN = 100
-"""Longer values of a file are cut in error messages."""
+"""Length beyond which values from a file are cut in error messages."""
 
 
 class ResultsFile:
-    """Rows of runs that go into a file as they come.
+    """Rows of runs, written to a file as they complete.
 
     ``found`` has what was there, each point with the place of its row for errors.
 
@@ -53,11 +53,11 @@ class ResultsFile:
         self.found = self._read()
 
     def append(self, point: Point, method: str) -> None:
-        """Write what a run has found, at once."""
+        """Write the results of a run immediately."""
         self._write(_line(_row(point, method, self._sha256, self._settings)))
 
     def finish(self, tradeoff: Tradeoff) -> None:
-        """Write the file anew with a row for each point, in order."""
+        """Rewrite the file with a row for each point, in order."""
         rows = [COLUMNS] + [
             _row(point, "+".join(point.methods), self._sha256, self._settings)
             for point in tradeoff.points
@@ -114,7 +114,7 @@ class ResultsFile:
         return tuple(found)
 
     def _empty(self) -> None:
-        """Begin anew where not even the first line was written to its end."""
+        """Restart a file whose first line is incomplete."""
         try:
             os.truncate(self._path, 0)
         except OSError as error:
@@ -123,7 +123,7 @@ class ResultsFile:
             ) from None
 
     def _whole(self, line: bytes, where: str) -> dict[str, str] | None:
-        """The row of a line; None where it was not written to its end, or is blank.
+        """The row on a line; None if it is incomplete or blank.
 
         A row that follows upon such a one in the same line is taken from there: each begins with
         the digest of the instance.
@@ -163,18 +163,18 @@ class ResultsFile:
             ("cpu_s", point.cpu_s, 0.0 <= point.cpu_s < math.inf),
         ):
             if not holds:
-                raise InputError(f"{where}: {name} = {value!r} is no result; name another file")
+                raise InputError(f"{where}: {name} = {value!r} is not a result; name another file")
         return point
 
 
 def _write_all(handle: int, content: bytes) -> None:
-    """Write all of it: a disk that fills up takes a part, and says so at the next call only."""
+    """Write all content: a full disk accepts a part, and reports it only on the next call."""
     while content:
         content = content[os.write(handle, content) :]
 
 
 def _cells(line: bytes) -> list[str] | None:
-    """The cells of a line; None where it is none of CSV."""
+    """Cells of a line; None if it is not valid CSV."""
     longest = csv.field_size_limit(max(csv.field_size_limit(), len(line)))
     try:
         rows = list(csv.reader([line.decode()], strict=True))
@@ -186,7 +186,7 @@ def _cells(line: bytes) -> list[str] | None:
 
 
 def _is_cut_off(text: str) -> bool:
-    """Whether a list ends before its brackets do, as the last cell of a torn row may."""
+    """Whether a list ends before its brackets do, as in the last cell of a torn row."""
     try:
         json.loads(text)
     except json.JSONDecodeError:
@@ -197,7 +197,7 @@ def _is_cut_off(text: str) -> bool:
 
 
 def _routes(text: str) -> Routes:
-    """Names of bodies for each chaser; raises :class:`ValueError` for anything else."""
+    """Names of bodies for each chaser; raises :class:`ValueError` for other texts."""
     routes = json.loads(text)
     for route in routes:
         if not isinstance(route, list) or not all(isinstance(name, str) for name in route):
@@ -206,7 +206,7 @@ def _routes(text: str) -> Routes:
 
 
 def _shown(text: str) -> str:
-    """What a file says, as far as it can be printed."""
+    """Text from a file, as far as it is printable."""
     cut = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
     return cut if cut.isprintable() else repr(cut)
 

@@ -1,4 +1,4 @@
-"""What a file of results says, held against the instance before anything is built on it.
+"""Resumption of a trade-off: rows of a results file, validated against the instance.
 
 Plans are flown anew: their routes say what they collect and cost, whatever else a row states.
 Bounds are taken at the word of the file, as far as no plan contradicts them.
@@ -22,7 +22,7 @@ from .axes import Limits
 from .points import Impossible, KnownPoints, Point
 
 METHOD = "from-file"
-"""What plans say here that nobody else sees."""
+"""Method of plans made here, which are internal."""
 
 
 def take_in(
@@ -31,7 +31,7 @@ def take_in(
     problem: Callable[[Limits], Problem],
     methods: Collection[str],
 ) -> dict[Limits, set[str]]:
-    """Put what a file says on a board.
+    """Add the rows of a file to the known points.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def take_in(
             continue
         strange = [method for method in point.methods if method not in methods]
         if strange:
-            raise InputError(f"{where}: {strange[0]!r} is no method of this trade-off; {OTHER}")
+            raise InputError(f"{where}: {strange[0]!r} is not a method of this trade-off; {OTHER}")
         try:
             board.add(flown(point, problem(point.limits)))
         except Impossible:
@@ -78,7 +78,7 @@ OTHER = "name another file"
 
 
 def flown(point: Point, problem: Problem) -> Point:
-    """The point with what its routes collect and cost.
+    """The point with prize and cost of its routes.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def flown(point: Point, problem: Problem) -> Point:
 
 
 def _plan(point: Point, problem: Problem) -> Plan:
-    """The plan of its routes at their best schedules, judged as any other one."""
+    """The plan of its routes at their best schedules, judged like any other."""
     instance = problem.instance
     priced = []
     for mission, route in zip(problem.missions, point.routes, strict=True):

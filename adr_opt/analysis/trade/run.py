@@ -1,4 +1,4 @@
-"""Run the points of a trade-off, each from what is known of the others, on one core or several."""
+"""Runs over the points of a trade-off, each from known results, on one core or several."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from .resumed import take_in
 from .shared import Shared, slack_m_s, variant
 
 QUICK = "beam"
-"""Planner of the first pass over all points, where it plans for the instance."""
+"""Planner of the first pass over all points, where it supports the instance."""
 
 Told = Callable[[Point, "KnownPoints"], None]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What a run takes besides the instance and the point.
+    """Settings of a run, without instance and point.
 
     Attributes
     ----------
@@ -55,18 +55,18 @@ class Settings:
 
 
 class _Reached:
-    """Enough once a plan is as good as a bound that is known from elsewhere."""
+    """Stops once a plan meets a bound known from elsewhere."""
 
     def __init__(self, upper_bound: float, stop: Stop | None) -> None:
         self._upper_bound, self._stop = upper_bound, stop
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         stopped = self._stop is not None and self._stop(incumbent, bound)
         return stopped or meets(incumbent, min(bound, self._upper_bound))
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return math.inf if self._stop is None else self._stop.remaining_s()
 
 
@@ -101,7 +101,7 @@ def tradeoff(  # noqa: PLR0913
         Wall time of each run [s].
     seed : int
     jobs : int
-        Processes, each with one run at a time; 0 for as many as there are cores. With one all
+        Processes, each with one run at a time; 0 for one per core. With one all
         happens in this process.
     cluster : str, optional
         Address of a Dask scheduler whose workers make the runs instead, as
@@ -143,7 +143,7 @@ def tradeoff(  # noqa: PLR0913
     if cluster is not None:
         runner = _Beside(work, Workers(cluster))
     elif jobs > 1:
-        # A fork of a process that has threads may wait for a lock that nobody opens.
+        # A fork of a process with threads may wait for a lock that is never released.
         processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
         runner = _Beside(work, LocalPool(processes, jobs))
     with runner:
@@ -171,7 +171,7 @@ def tradeoff(  # noqa: PLR0913
 
 
 def _quick(problem: Problem, method: str) -> str | None:
-    """The planner of the first pass; None where there is no other one than ``method``."""
+    """Planner of the first pass; None if it is just ``method``."""
     try:
         quick = spec_of(QUICK)
     except InputError:
@@ -187,7 +187,7 @@ def _is_over(stop: Stop | None) -> bool:
 def _next(
     board: KnownPoints, ran: dict[Limits, set[str]], method: str, quick: bool
 ) -> Limits | None:
-    """The point that is to be run next; None where none is left."""
+    """The next point to run; None if none is left."""
     done = {limits for limits, methods in ran.items() if method in methods}
     if not quick:
         return next(board.open(done), None)
@@ -253,7 +253,7 @@ def run_point(
 
 
 class _Here:
-    """Runs in this process, one after the other."""
+    """Runs in this process, one after another."""
 
     elsewhere_s = 0.0
 
@@ -269,7 +269,7 @@ class _Here:
     def run(
         self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
     ) -> Iterator[tuple[Point, str]]:
-        """The runs of a pass, each chosen once the one before is on the board."""
+        """Runs of a pass, each chosen after the previous one is recorded."""
         method = self._settings.quick if quick else self._settings.method
         while method is not None and not _is_over(stop):
             limits = _next(board, ran, method, quick)
@@ -284,7 +284,7 @@ class _Here:
 
 
 class _Work(NamedTuple):
-    """What others need to know to run points."""
+    """Data that worker processes need to run points."""
 
     instance: Instance
     longest_s: float
@@ -293,12 +293,12 @@ class _Work(NamedTuple):
 
     @property
     def key(self) -> tuple[str, float, Tanks, Settings]:
-        """What it is told apart by; instances with given connections are not to be compared."""
+        """Identity of the work; instances with given connections cannot be compared."""
         return self.instance.sha256, self.longest_s, self.tanks, self.settings
 
 
 _mine: tuple[Any, Shared] | None = None
-"""The key of what this process worked on last, and what its points have in common."""
+"""Key of this process's latest work, and the data shared by its points."""
 
 
 def _run_there(work: _Work, known: Point, quick: bool) -> Point:
@@ -310,7 +310,7 @@ def _run_there(work: _Work, known: Point, quick: bool) -> Point:
 
 
 class _Beside:
-    """Runs by others, side by side; each of them keeps what points have in common."""
+    """Concurrent runs in workers, which keep the data shared by points."""
 
     def __init__(self, work: _Work, calls: Calls) -> None:
         self._work, self._calls = work, calls
@@ -325,7 +325,7 @@ class _Beside:
     def run(
         self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
     ) -> Iterator[tuple[Point, str]]:
-        """The runs of a pass; the next one begins as soon as one has ended."""
+        """Runs of a pass, the next one starting as soon as one has ended."""
         settings = self._work.settings
         method = settings.quick if quick else settings.method
         running: set[Future[Point]] = set()

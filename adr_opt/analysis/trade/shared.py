@@ -1,4 +1,4 @@
-"""One timetable for the points of a trade-off, as far as it is the same one.
+"""A timetable shared by the points of a trade-off, as far as possible.
 
 Tanks have no part in the timetable of two-body motion: missions that differ in them share it as it
 is, whatever an hour is worth. Connections of a shorter mission are those of a longer one that
@@ -20,7 +20,7 @@ from .axes import Limits, Tanks, counts_masses
 
 
 def variant(instance: Instance, limits: Limits, *, tanks: Tanks) -> Instance:
-    """The instance of a point; its tanks stay as they are where they are not varied.
+    """The instance of a point; tanks that are not varied stay unchanged.
 
     ``tanks`` says what of them is.
     """
@@ -29,7 +29,7 @@ def variant(instance: Instance, limits: Limits, *, tanks: Tanks) -> Instance:
 
 
 def slack_m_s(instance: Instance) -> float:
-    """What a plan may cost more on the connections of a larger tank, at most [m/s].
+    """Largest excess cost of a plan on the connections of a larger tank [m/s].
 
     Each leg as much as the resolution, where connections that save less are left out. There is no
     such limit where masses count: what is aboard, or towed, takes part in each leg.
@@ -58,12 +58,12 @@ class Shared:
         self._of_tank: dict[float, Problem] = {}
 
     def problem(self, limits: Limits) -> Problem:
-        """What is planned at a point, with all that is known of its timetable."""
+        """The problem of a point, reusing what is known of its timetable."""
         delta_v_m_s, duration_s = limits
         return self._longest(limits).with_limits(duration_s, **self._tanks.changes(delta_v_m_s))
 
     def _longest(self, limits: Limits) -> Problem:
-        """The longest mission with such a tank, or with any where that makes no difference."""
+        """Longest mission with the same tank, or with any if tanks make no difference."""
         instance = variant(self._instance, (limits[0], self.longest_s), tanks=self._tanks)
         key = limits[0] if ConnectionFinder(instance).depends_on_tank else 0.0
         if key not in self._of_tank:

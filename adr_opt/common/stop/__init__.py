@@ -1,4 +1,4 @@
-"""Stopping criteria: small objects that a planner asks "enough?" with its incumbent and bound."""
+"""Stopping criteria: small objects that tell a planner, from its incumbent and bound, to stop."""
 
 from .any_of import AnyOf
 from .clock import Clock

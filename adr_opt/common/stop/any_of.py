@@ -8,15 +8,15 @@ from .criterion import Stop
 
 
 class AnyOf:
-    """Enough as soon as one of its criteria says so. Every criterion is asked every time."""
+    """Stops as soon as one of its criteria does; every criterion is asked every time."""
 
     def __init__(self, *criteria: Stop) -> None:
         self._criteria = criteria
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return any([criterion(incumbent, bound) for criterion in self._criteria])
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return min((criterion.remaining_s() for criterion in self._criteria), default=math.inf)

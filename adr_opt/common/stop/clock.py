@@ -1,4 +1,4 @@
-"""Stop when another criterion has no time left."""
+"""Stop when another criterion runs out of time."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from .criterion import Stop
 
 
 class Clock:
-    """The time of another criterion, which is not asked: for a part that is no iteration."""
+    """The time limit of another criterion, which is not asked: for phases without iterations."""
 
     def __init__(self, stop: Stop) -> None:
         self._stop = stop
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._stop.remaining_s()

@@ -1,4 +1,4 @@
-"""What a stopping criterion is."""
+"""The interface of stopping criteria."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from typing import Protocol
 
 
 class Stop(Protocol):
-    """Asked once per iteration of a planner; the planner says what an iteration is."""
+    """A criterion asked once per iteration; the planner defines its iterations."""
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough.
+        """Whether to stop.
 
         Parameters
         ----------
@@ -21,5 +21,5 @@ class Stop(Protocol):
         ...
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used, +inf without a limit: for parts that cannot ask."""
+        """Remaining time [s], +inf without a limit: for phases that cannot ask."""
         ...

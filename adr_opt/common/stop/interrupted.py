@@ -1,4 +1,4 @@
-"""Stop when someone outside says so."""
+"""Stop on request."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 class Interrupted:
-    """Enough once :meth:`interrupt` was called: by a signal handler, or by another thread."""
+    """Stops once :meth:`interrupt` has been called, by a signal handler or another thread."""
 
     def __init__(self) -> None:
         self.is_set = False
@@ -16,9 +16,9 @@ class Interrupted:
         self.is_set = True
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self.is_set
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return 0.0 if self.is_set else math.inf

@@ -1,4 +1,4 @@
-"""Stop after some work, the reproducible kind of limit."""
+"""Stop after a given amount of work, which is reproducible."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..errors import InputError
 
 
 class MaxIterations:
-    """Enough once it has been asked more than ``limit`` times."""
+    """Stops once it has been asked more than ``limit`` times."""
 
     def __init__(self, limit: int) -> None:
         if limit <= 0:
@@ -16,10 +16,10 @@ class MaxIterations:
         self._left = limit
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         self._left -= 1
         return self._left < 0
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return math.inf

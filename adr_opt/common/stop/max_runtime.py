@@ -1,4 +1,4 @@
-"""Stop after some time."""
+"""Stop after a given time."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..errors import InputError
 
 
 class MaxRuntime:
-    """Enough after a number of seconds, counted from the making of this object.
+    """Stops after a number of seconds, counted from its construction.
 
     Raises
     ------
@@ -23,9 +23,9 @@ class MaxRuntime:
         self._end = now_s() + limit_s
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return self.remaining_s() <= 0.0
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return self._end - now_s()

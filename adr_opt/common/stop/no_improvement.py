@@ -1,4 +1,4 @@
-"""Stop when nothing better comes."""
+"""Stop when the incumbent no longer improves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..errors import InputError
 
 
 class NoImprovement:
-    """Enough once it has been asked ``limit`` times in a row without a better incumbent."""
+    """Stops once it has been asked ``limit`` times in a row without a better incumbent."""
 
     def __init__(self, limit: int) -> None:
         if limit <= 0:
@@ -18,7 +18,7 @@ class NoImprovement:
         self._stale = 0
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         if incumbent > self._best:
             self._best = incumbent
             self._stale = 0
@@ -27,5 +27,5 @@ class NoImprovement:
         return self._stale >= self._limit
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return math.inf

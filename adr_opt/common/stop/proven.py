@@ -8,12 +8,12 @@ from ..tolerance import meets
 
 
 class Proven:
-    """Enough once the incumbent meets the bound."""
+    """Stops once the incumbent meets the bound."""
 
     def __call__(self, incumbent: float, bound: float) -> bool:
-        """Whether it is enough."""
+        """Whether to stop."""
         return meets(incumbent, bound)
 
     def remaining_s(self) -> float:
-        """Seconds that may still be used."""
+        """Remaining time [s]."""
         return math.inf

@@ -1,5 +1,5 @@
-"""The end of a computation that was told to stop."""
+"""Raised to end a computation that was told to stop."""
 
 
 class TimeIsOver(Exception):
-    """An evaluation was broken off."""
+    """An evaluation was interrupted."""

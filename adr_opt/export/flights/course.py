@@ -1,4 +1,4 @@
-"""A flight as its burns: what a message of one state, or a script, is written of."""
+"""A flight as its burns: the basis of state messages and scripts."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from ...problem.instance import Instance
 
 
 class Impulse(Protocol):
-    """A burn, of a plan or of a refined one."""
+    """A burn of a plan or of a refined one."""
 
     @property
     def time_s(self) -> float:
-        """When it is [s]."""
+        """Time of the burn [s]."""
         ...
 
     @property
     def delta_v_m_s(self) -> Sequence[float]:
-        """As a vector, in the frame of the elements [m/s]."""
+        """ΔV as a vector, in the frame of the elements [m/s]."""
         ...
 
     @property
@@ -35,7 +35,7 @@ class Impulse(Protocol):
 
     @property
     def phase(self) -> str:
-        """The phase that it begins."""
+        """The phase begun by the burn."""
         ...
 
 
@@ -64,24 +64,24 @@ class CourseLeg:
 
     @classmethod
     def of(cls, number: int, leg: Leg | RefinedLeg) -> CourseLeg:
-        """A leg of a plan, or one of a refined plan."""
+        """A leg of a plan or of a refined plan."""
         ends = leg.origin, leg.destination, leg.arrival_s, leg.end_s
         return cls(number, *ends, leg.burns, leg.removal_burns)
 
     @property
     def all_burns(self) -> tuple[Impulse, ...]:
-        """Those of the transfer, and of the removal after it."""
+        """Burns of the transfer and of the removal after it."""
         return (*self.burns, *self.removal)
 
     @property
     def title(self) -> str:
-        """Number and bodies, in words."""
+        """Number and bodies of the leg, in words."""
         return f"leg {self.number}, {self.origin} to {self.destination}"
 
 
 @dataclass(frozen=True)
 class Burnt:
-    """Mass that a burn begins with, what is towed included, and what it takes of it [kg]."""
+    """Mass before a burn, a towed object included, and its propellant [kg]."""
 
     before_kg: float
     lost_kg: float
@@ -114,7 +114,7 @@ class FlightCourse:
 def burnt_of(
     instance: Instance, chaser: Chaser, route: Iterable[CourseLeg]
 ) -> dict[int, tuple[Burnt, ...]]:
-    """What the burns of all legs of a chaser take of its mass; nothing without a tank by mass.
+    """Propellant use of a chaser's burns over all legs; empty without a tank by mass.
 
     The tank is filled at stations, kits stay with targets, and what is towed counts while it is.
     """
@@ -140,6 +140,6 @@ def burnt_of(
 
 
 def _burn(burns: list[Burnt], mass_kg: float, burn: Impulse, exhaust_m_s: float) -> float:
-    """Add what a burn takes, and return what is left [kg]."""
+    """Append the propellant of a burn; returns the remaining mass [kg]."""
     burns.append(Burnt(mass_kg, mass_kg * -math.expm1(-burn.size_m_s / exhaust_m_s)))
     return mass_kg - burns[-1].lost_kg

@@ -1,4 +1,4 @@
-"""``.czml``: the mission for Cesium: station, targets, and the chaser's path, coloured by phase."""
+"""``.czml``: the mission for Cesium, with station, targets, and the chaser's path by phase."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ CESIUM = "ICRF"
 """The frame that Cesium calls INERTIAL."""
 
 BODY_STEP_S = 300.0
-"""Between samples of the station and the targets; a twentieth of a low orbit."""
+"""Interval between samples of bodies: a twentieth of a low orbit."""
 
 MOST_BODY_STATES = 400_000
-"""Of all bodies over the whole mission: twenty megabytes of file. Where there would be more, a body
-is shown only during the legs that begin or end at it, and one that no leg meets not at all."""
+"""Maximum number of states of all bodies: twenty megabytes of file. Beyond it, a body is shown only
+during legs that begin or end at it, and not at all without such legs."""
 
 BODY_DEGREE = 7
-"""Of Lagrange's interpolation between them: a few decimetres of error in the middle of a track."""
+"""Degree of Lagrange interpolation between samples, with errors of decimetres amid a track."""
 
 ARC_DEGREE = 7
 
 LONG_ARC_S = DAY_S
-"""Of a longer arc a revolution is drawn at a time, and only while it is flown: weeks of them would
-be a shell around the Earth."""
+"""Duration of arcs beyond which only the current revolution is drawn: weeks of them would form a
+shell around the Earth."""
 
 SPEED_UP = 300.0
-"""Times real time when the file is opened: twenty seconds for a revolution."""
+"""Initial speed relative to real time: twenty seconds per revolution."""
 
 
 def to_czml(trajectory: Trajectory) -> str:
@@ -88,7 +88,7 @@ def _turned(trajectory: Trajectory, axes: Axes) -> Trajectory:
 
 
 def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
-    """The bodies that the file holds, each with the times from and to which it does [s]."""
+    """Bodies in the file, each with its start and end times [s]."""
     names = trajectory.instance.names
     start, end = trajectory.start_s, trajectory.end_s
     if len(names) * (end - start) <= MOST_BODY_STATES * BODY_STEP_S:
@@ -165,7 +165,7 @@ def _body(
 
 
 class _Chaser(NamedTuple):
-    """One that flies.
+    """A chaser with legs.
 
     Attributes
     ----------
@@ -183,14 +183,14 @@ class _Chaser(NamedTuple):
     legs: tuple[LegPath, ...]
 
     def arcs(self) -> Iterator[tuple[LegPath, Arc]]:
-        """Its arcs in time order, each with its leg."""
+        """Its arcs with their legs, in time order."""
         for path in self.legs:
             for arc in path.arcs:
                 yield path, arc
 
 
 def _crew(trajectory: Trajectory) -> list[_Chaser]:
-    """The chasers whose legs these are."""
+    """The chasers of the legs."""
     from ...plan.palette import chaser_colours
 
     instance = trajectory.instance
@@ -277,7 +277,7 @@ def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:
 def _position(
     clock: UtcClock, times: Array, positions: Array, degree: int, digits: int
 ) -> dict[str, Any]:
-    """Samples at seconds after the first of them [m], with ``digits`` after the point."""
+    """Samples at seconds after the first [m], with ``digits`` decimals."""
     start = float(times[0])
     samples = np.column_stack([np.round(times - start, 6), np.round(positions, digits)])
     return {

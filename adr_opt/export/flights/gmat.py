@@ -38,7 +38,7 @@ from .planned import course_of
 States = Callable[[str | None], Iterator[tuple[str, str]]]
 
 AXES = {"EME2000": "EarthMJ2000Eq", "GCRF": "EarthICRF", "ICRF": "EarthICRF"}
-"""Coordinate systems of GMAT for the frames that it has."""
+"""GMAT's coordinate systems for frames it supports."""
 
 CHASER = "Chaser"
 COMPONENTS = ("X", "Y", "Z", "VX", "VY", "VZ")
@@ -57,11 +57,11 @@ WARNING = (
     "metres after a short leg and by hundreds of kilometres after weeks of drift; the script then "
     "docks it all the same."
 )
-"""What has to be known of a script under J2."""
+"""Warning in scripts under J2."""
 
 
 def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
-    """The script: bodies of the plan as spacecraft, burns as impulses, coasts by elapsed time.
+    """The script: bodies as spacecraft, burns as impulses, coasts by elapsed time.
 
     The chaser docks as the plan has it: at each arrival it takes over the state of the
     destination. A report file tells, at each arrival and before docking, where both are.
@@ -95,7 +95,7 @@ def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
 
 
 def axes_in_gmat(instance: Instance, frame: str | None) -> Axes:
-    """The axes of a script; raises :class:`InputError` where GMAT has none for a frame."""
+    """Axes of a script; raises :class:`InputError` for frames unknown to GMAT."""
     if frame is None and instance.frame is not None and instance.frame.name not in AXES:
         frame = USUAL
     if frame in FRAMES and frame not in AXES:
@@ -157,7 +157,7 @@ def _earth(system: str) -> Iterator[str]:
 
 
 def _propagator(degree: int) -> Iterator[str]:
-    """How GMAT is to fly: so exactly that nothing of its steps shows."""
+    """Propagator settings, so accurate that its steps have no visible effect."""
     model = "Zonal" if degree else "TwoBody"
     yield from ("", f"Create ForceModel {model};", f"GMAT {model}.CentralBody = Earth;")
     yield from _gravity(degree)
@@ -178,7 +178,7 @@ def _propagator(degree: int) -> Iterator[str]:
 
 
 def _gravity(degree: int) -> tuple[str, ...]:
-    """That of a point, or GMAT's own zonal field up to a degree, with its own constants."""
+    """Point-mass gravity, or GMAT's own zonal field up to a degree, with its own constants."""
     if not degree:
         return ("GMAT TwoBody.PointMasses = {Earth};",)
     return (
@@ -192,7 +192,7 @@ def _gravity(degree: int) -> tuple[str, ...]:
 
 
 def _impulses(leg: CourseLeg, axes: Axes) -> Iterator[str]:
-    """The burns of a leg, to be made by its manoeuvres."""
+    """Burns of a leg as GMAT manoeuvres."""
     for number, burn in enumerate(leg.all_burns, start=1):
         yield ""
         yield f"Create ImpulsiveBurn {_burn(leg, number)};"
@@ -203,7 +203,7 @@ def _impulses(leg: CourseLeg, axes: Axes) -> Iterator[str]:
 
 
 def _views(crew: str, system: str) -> Iterator[str]:
-    """What is to be seen of the mission: a file of arrivals, and a picture."""
+    """Outputs of the mission: a file of arrivals, and a picture."""
     yield from (
         "",
         "Create ReportFile Arrivals;",
@@ -222,7 +222,7 @@ def _views(crew: str, system: str) -> Iterator[str]:
 def _leg(
     leg: CourseLeg, goal: str, crew: str, system: str, now: float
 ) -> Generator[str, None, float]:
-    """Coasts and manoeuvres of a leg from a time on [s], and docking; returns when it is over."""
+    """Coasts, manoeuvres and docking of a leg from a time on [s]; returns its end."""
     yield ""
     yield f"% {plain(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
     phase = "wait"
@@ -247,7 +247,7 @@ def _leg(
 def _coast(
     leg: CourseLeg, phase: str, crew: str, now: float, until: float
 ) -> Generator[str, None, float]:
-    """A coast from one time to another [s], unless it is none; returns when it is over."""
+    """A coast between two times [s], unless empty; returns its end."""
     if until - now < SHORTEST_COAST_S:
         return now
     yield (
@@ -271,7 +271,7 @@ def _spacecraft(
 
 
 def cartesian(axes: Axes, position_m: Array, velocity_m_s: Array) -> Iterator[tuple[str, str]]:
-    """Fields and values of a state that is given in the frame of the elements."""
+    """Fields and values of a state given in the frame of the elements."""
     yield "DisplayStateType", "Cartesian"
     values = (*axes.turned(position_m) / 1e3, *axes.turned(velocity_m_s) / 1e3)
     for axis, value in zip(COMPONENTS, values, strict=True):
@@ -281,7 +281,7 @@ def cartesian(axes: Axes, position_m: Array, velocity_m_s: Array) -> Iterator[tu
 def _planned_state(
     instance: Instance, axes: Axes, body: str, start_s: float
 ) -> Iterator[tuple[str, str]]:
-    """That of a body as it is planned with: on its circle, and under J2 a mean orbit."""
+    """Planned state of a body: on its circle, and under J2 a mean orbit."""
     if instance.dynamics == "j2":
         yield "DisplayStateType", "BrouwerMeanShort"
         values = _mean_elements(instance, axes, body, start_s)
@@ -295,7 +295,7 @@ def _planned_state(
 def _mean_elements(
     instance: Instance, axes: Axes, body: str, time_s: float
 ) -> tuple[float, float, float, float, float, float]:
-    """The circle that is planned with, as mean elements in GMAT's units (km, degrees)."""
+    """The planning circle as mean elements in GMAT's units (km, degrees)."""
     orbit = instance.body_orbits[instance.names.index(body)]
     row = np.array(orbit.row(instance.oblateness_m2))
     angles = (
@@ -310,7 +310,7 @@ def _mean_elements(
 
 
 def _turned(axes: Axes, inclination: float, node: float, latitude: float) -> tuple[float, ...]:
-    """Inclination, node and latitude of a place on a circle in other axes [rad]."""
+    """Inclination, node and latitude of a point on a circle in other axes [rad]."""
     towards, ahead, normal = axes.turned(np.array(ephemeris.frame(inclination, node)))
     node = math.atan2(normal[0], -normal[1])
     ascending = np.array([math.cos(node), math.sin(node), 0.0])
@@ -319,13 +319,13 @@ def _turned(axes: Axes, inclination: float, node: float, latitude: float) -> tup
 
 
 def whole_millisecond(instance: Instance, time_s: float) -> float:
-    """The nearest time at which the calendar shows whole milliseconds: GMAT reads no finer."""
+    """Nearest time with whole milliseconds in the calendar, the resolution of GMAT."""
     beyond_s = instance.epoch.microsecond % 1000 / 1e6
     return round((time_s + beyond_s) * 1e3) / 1e3 - beyond_s
 
 
 def _gregorian(time: datetime) -> str:
-    """A time as GMAT writes it, in English whatever the locale."""
+    """A time in GMAT's format, in English whatever the locale."""
     month = MONTHS[time.month - 1]
     return (
         f"{time.day:02d} {month} {time.year:04d} {time.hour:02d}:{time.minute:02d}:"
@@ -338,7 +338,7 @@ def _burn(leg: CourseLeg, number: int) -> str:
 
 
 def _name(instance: Instance, body: str) -> str:
-    """A name that GMAT takes: letters, digits and underscores, different for every body."""
+    """A valid GMAT name: letters, digits and underscores, unique for every body."""
     slug = re.sub(r"[^A-Za-z0-9]+", "_", body).strip("_")
     number = instance.names.index(body)
     if number < len(instance.stations):

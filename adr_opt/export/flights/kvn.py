@@ -1,4 +1,4 @@
-"""What CCSDS messages in key-value notation have in common (CCSDS 502.0-B-2, section 7)."""
+"""Common parts of CCSDS messages in key-value notation (CCSDS 502.0-B-2, section 7)."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ...problem.instance import Instance
 ORIGINATOR = "ADR-OPT"
 OBJECT_NAME = "CHASER"
 OBJECT_ID = "UNKNOWN"
-"""The chaser is in no catalogue of launched objects."""
+"""Object identifier of a chaser, which is in no catalogue."""
 
 WIDTH = 100
 
 
 def plain(text: str) -> str:
-    """Text as a message may hold it: printable ASCII, one line."""
+    """Text in the form messages allow: printable ASCII on one line."""
     return "".join(sign if " " <= sign <= "~" else "?" for sign in text)
 
 
@@ -32,7 +32,7 @@ def comment(text: str) -> Iterator[str]:
 
 
 def origin(instance: Instance, plan: Plan, axes: Axes) -> list[str]:
-    """Sentences that say what a file was made from and how far it can be trusted."""
+    """Sentences on the source of a file and its accuracy."""
     said = [
         f"Plan by {plan.method} (seed {plan.seed}) for the instance {instance.name}, "
         f"sha256 {plan.instance.sha256}.",
@@ -47,14 +47,14 @@ def origin(instance: Instance, plan: Plan, axes: Axes) -> list[str]:
             + (
                 " by what adr-opt fly reports."
                 if instance.dynamics == "two-body"
-                else ", by how much has not been worked out."
+                else ", by an amount that has not been computed."
             )
         )
     return said
 
 
 def _residual(instance: Instance) -> str:
-    """How large it is; the mean motion of an eccentric orbit is not quite that of its circle."""
+    """Accuracy of planned states; an eccentric orbit's mean motion differs from its circle's."""
     if instance.dynamics == "j2" and instance.is_approximate:
         return "centimetres, or decimetres where orbits are eccentric"
     return "a few centimetres"
@@ -68,24 +68,24 @@ def _motion(instance: Instance) -> str:
     return (
         f"Mean motion under J2 = {J2:.8e} ({gravity}, R = {EARTH_RADIUS_M / 1e3:.3f} km): nodes "
         "and latitudes advance at their secular rates; short-period variations, some kilometres, "
-        "are left out, so that these are no osculating states"
+        "are left out, so these are not osculating states"
     )
 
 
 def who(instance: Instance, chaser: str | None) -> list[str]:
-    """A sentence on whose flight it is, where there are several chasers."""
+    """A sentence naming the chaser, if there are several."""
     if chaser is None:
         return []
     return [f"The chaser is {chaser}, one of {len(instance.chasers)} of the instance."]
 
 
 def object_name(chaser: str | None) -> str:
-    """What the chaser is called."""
+    """Object name of the chaser."""
     return OBJECT_NAME if chaser is None else plain(chaser)
 
 
 def header(keyword: str, said: Iterable[str], version: str = "2.0") -> Iterator[str]:
-    """The header of a message, with the sentences that it says."""
+    """Header of a message, with its comments."""
     yield f"{keyword} = {version}"
     for sentence in said:
         yield from comment(sentence)
@@ -96,7 +96,7 @@ def header(keyword: str, said: Iterable[str], version: str = "2.0") -> Iterator[
 def metadata(
     instance: Instance, axes: Axes, name: str = OBJECT_NAME, object_id: str | None = None
 ) -> Iterator[str]:
-    """What both messages say of the object, the frame and the time system."""
+    """Metadata common to both messages: object, frame and time system."""
     yield f"OBJECT_NAME = {name}"
     yield f"OBJECT_ID = {object_id or OBJECT_ID}"
     yield "CENTER_NAME = EARTH"

@@ -10,7 +10,7 @@ from ...fly.trajectory.sampling import Arc, Trajectory
 from .kvn import comment, header, metadata, object_name, origin, who
 
 DEGREE = 7
-"""Of Hermite's interpolation: four states. At 60 s it is exact to a micrometre, at 300 s to a
+"""Degree of Hermite interpolation: four states. At 60 s it is exact to a micrometre, at 300 s to a
 centimetre."""
 
 
@@ -48,7 +48,7 @@ def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterato
 def segment(
     clock: UtcClock, said: str, arc: Arc, axes: Axes, about: Iterable[str]
 ) -> Iterator[str]:
-    """One arc, with a comment and what the metadata say of object, frame and times."""
+    """One arc, with a comment and metadata of object, frame and times."""
     labels = clock.labels(arc.times_s)
     yield "META_START"
     yield from about

@@ -1,4 +1,4 @@
-"""``.opm``: where the chaser starts and what it burns, as a CCSDS Orbit Parameter Message.
+"""``.opm``: initial state and burns of the chaser, as a CCSDS Orbit Parameter Message.
 
 502.0-B, section 3. One state and any number of manoeuvres are all that the format can say. Where
 masses are known the message is of version 2.0; else of 3.0, the first one that allows a manoeuvre
@@ -20,16 +20,16 @@ from .kvn import comment, header, metadata, object_name
 from .planned import course_of
 
 MASS_KG = 1000.0
-"""The format wants a mass where there are manoeuvres, and a tank in m/s knows none."""
+"""Placeholder mass: the format requires one with manoeuvres, but a tank in m/s has none."""
 
 LEAST_KG = 5e-10
-"""Changes of mass that show."""
+"""Least change of mass that is visible in the file."""
 
 
 def to_opm(trajectory: Trajectory, frame: str | None = None, object_id: str | None = None) -> str:
-    """The first state and all burns in key-value notation.
+    """Initial state and all burns in key-value notation.
 
-    Whoever propagates it flies on what the burns leave: the few centimetres and tenths of a
+    When propagated, it drifts by what the burns leave: the few centimetres and tenths of a
     millimetre per second that an approach leaves are carried through service, where the plan has
     the chaser docked, and add up to decimetres over a week. A message of one leg has none of
     that.

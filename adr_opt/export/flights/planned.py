@@ -10,7 +10,7 @@ from .kvn import origin, who
 
 
 def course_of(trajectory: Trajectory, axes: Axes) -> FlightCourse:
-    """The legs of a trajectory as their burns, with the masses that its plan leads to."""
+    """Legs of a trajectory as their burns, with masses from its plan."""
     instance, plan = trajectory.instance, trajectory.plan
     numbers = [path.number for path in trajectory.legs]
     burnt: dict[int, tuple[Burnt, ...]] = {}

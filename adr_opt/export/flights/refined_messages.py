@@ -1,4 +1,4 @@
-"""A refined plan as a message of one state and all burns, or as a script: osculating states."""
+"""Refined plans as messages of a state and burns, or as scripts, with osculating states."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from .course import Burnt, CourseLeg, FlightCourse, burnt_of
 from .gmat import cartesian, script, whole_millisecond
 
 DEGREES = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
-"""Of the zonal field, by the gravity that a plan is refined in."""
+"""Degree of the zonal field, by the gravity of a refined plan."""
 
 GMATS_OWN = (
     "GMAT flies in its own zonal field, about its own pole and with the constants of its JGM2.cof, "
     "which differ from these in their last digits. At each arrival the script docks the chaser."
 )
-"""What has to be known of a script."""
+"""Warning in scripts."""
 
 
 def to_opm(
@@ -35,9 +35,9 @@ def to_opm(
     axes: Axes,
     object_id: str | None,
 ) -> str:
-    """The first state of the legs of a course and all their burns.
+    """Initial state of the legs of a course, and all their burns.
 
-    Whoever propagates it in the field that it names follows the plan on what burns leave, to
+    When propagated in the field that it names, it follows the plan to what burns leave,
     millimetres after a leg: through service, too, where the plan has the chaser docked.
     """
     start_s = round(_ready_s(legs[0]) * 1e6) / 1e6
@@ -67,12 +67,12 @@ def to_gmat(
 
 
 def _ready_s(leg: RefinedLeg) -> float:
-    """When a flight begins that begins with a leg [s]."""
+    """Start of a flight that begins with a leg [s]."""
     return leg.states[0].time_s if leg.is_led else leg.ready_s
 
 
 def _chaser_state(refined: RefinedPlan, leg: RefinedLeg, time_s: float) -> Array:
-    """Where the chaser is near the beginning of a leg: docked, or where its tow led."""
+    """State of the chaser near the beginning of a leg: docked, or at the end of its tow."""
     if leg.is_led:
         departure = leg.states[0]
         return moved(state_of(departure), time_s - departure.time_s, refined.gravity)
@@ -87,7 +87,7 @@ def refined_course(
     chaser: str | None,
     said: Sequence[str],
 ) -> FlightCourse:
-    """The course of some legs of a refined plan, with masses where all legs are refined.
+    """Course of some legs of a refined plan, with masses if all legs are refined.
 
     Raises
     ------

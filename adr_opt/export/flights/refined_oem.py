@@ -1,4 +1,4 @@
-"""A refined plan as files of other programs: an ephemeris, a message of burns, a script."""
+"""Refined plans in other programs' formats: an ephemeris, a message of burns, a script."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .refined_messages import refined_course, to_gmat, to_opm
 from .write import BY_SUFFIX, FlightFile, axes_in, check_frame
 
 FORMATS = ("oem", "opm", "script")
-"""Of refined plans."""
+"""Formats of refined plans."""
 
 
 def write_refined(
@@ -37,7 +37,7 @@ def write_refined(
     leg: int | None = None,
     chaser: str | None = None,
 ) -> tuple[EphemerisTrack, ...]:
-    """Write the flight of the chaser, or of a visited body, whole or not at all.
+    """Write the flight of the chaser, or of a visited body, completely or not at all.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def write_refined(
 
 
 def _designator(instance: Instance, body: str | None) -> str | None:
-    """What the instance says that a body is called in catalogues."""
+    """Catalogue designator of a body, as stated by the instance."""
     known = {station.name: station.object_id for station in instance.stations}
     known |= {target.name: target.object_id for target in instance.targets}
     return None if body is None else known.get(body)
@@ -105,7 +105,7 @@ def _designator(instance: Instance, body: str | None) -> str | None:
 def _whose(
     instance: Instance, refined: RefinedPlan, chaser: str | None, leg: int | None, body: str | None
 ) -> str | None:
-    """Whose flight is to be written; None for the only chaser's, or for a body's."""
+    """The chaser whose flight is to be written; None for an only chaser, or a body."""
     if body is not None and chaser is None and leg is None:
         return None
     routes = refined_routes(instance, refined)

@@ -1,4 +1,4 @@
-"""Write a flown plan in the format that the suffix of the file asks for."""
+"""Writing of a flown plan in the format given by the file's suffix."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .oem import to_oem
 from .opm import to_opm
 
 FORMATS = ("oem", "opm", "czml", "script")
-"""Also the suffixes, with a point before them."""
+"""Formats, and with a leading dot the suffixes."""
 
 TOGETHER = ("czml",)
-"""Formats that may hold the flights of several chasers."""
+"""Formats that can hold the flights of several chasers."""
 
 
 @dataclass(frozen=True)
 class FlightFile:
-    """How a flight is written.
+    """How a flight is to be written.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ def write_plan(
     leg: int | None = None,
     chaser: str | None = None,
 ) -> Trajectory:
-    """Fly a plan and write the flight, whole or not at all.
+    """Fly a plan and write the flight, completely or not at all.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def flown(
     *,
     together: bool = False,
 ) -> Trajectory:
-    """The flight of a plan, of a chaser or of one leg, that there is something to write of.
+    """The flight of a plan, of a chaser or of one leg, which must not be empty.
 
     With ``together`` it may be that of several chasers.
     """
@@ -158,20 +158,20 @@ def write_trajectory(
 
 
 def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
-    """The axes of a file of a format, as asked for or by default."""
+    """Axes of a file in a format, as requested or by default."""
     if format == "czml":
         return axes_of(instance, CESIUM)
     return axes_in_gmat(instance, frame) if format == "script" else axes_of(instance, frame)
 
 
 def check_frame(frame: str | None) -> None:
-    """Raise :class:`InputError` for a frame that no format names."""
+    """Raise :class:`InputError` for an unknown frame."""
     if frame is not None and frame not in FRAMES:
         raise InputError(f"frame = {frame!r}: use one of {', '.join(FRAMES)}")
 
 
 def format_of(path: str | os.PathLike[str], format: str | None = None) -> str:
-    """The format that is asked for, by name or else by the suffix of the file."""
+    """The requested format, by name or else by the file's suffix."""
     if format is not None:
         if format not in FORMATS:
             raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")

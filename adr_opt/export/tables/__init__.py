@@ -1,4 +1,4 @@
-"""The matrices of an instance as files that other programs read.
+"""Matrices of an instance as files for other programs.
 
 One module per format. ``npz`` (NumPy) and ``netcdf`` (xarray) hold ΔV and duration at any ready
 times, exactly. ``tsp`` (TSPLIB 95), ``vrp`` (VRPLIB) and ``oplib`` (OPLib) hold one quantity at

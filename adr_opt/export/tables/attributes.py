@@ -1,4 +1,4 @@
-"""What a labelled file states beside its numbers, so that it can be read without the instance."""
+"""Attributes of labelled files, which make them readable without the instance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...problem.instance import Instance
 
 
 def attributes(instance: Instance) -> dict[str, Any]:
-    """Constants of the model and all settings of an instance, flat, with units in the names."""
+    """Constants of the model and settings of an instance, flat, with units in the names."""
     stated = instance.model_dump(mode="json")
     given = stated["transfer"].pop("given", None) or {}
     return {

@@ -1,4 +1,4 @@
-"""Mathematical models of a mission as files, such as ``.lp``, found by being installed.
+"""Mathematical models of a mission as files, such as ``.lp``, from installed packages.
 
 How a mission is stated for a solver is an answer, not the problem, so the statements live with
 the planners; like planners they are found through an entry point. Its name in the group
@@ -29,7 +29,7 @@ def suffixes() -> tuple[str, ...]:
 
 
 def writer(suffix: str) -> WriteModel:
-    """The callable that writes files of an installed suffix.
+    """The writer of files with an installed suffix.
 
     Raises
     ------
@@ -42,6 +42,6 @@ def writer(suffix: str) -> WriteModel:
     except (ImportError, AttributeError) as error:
         raise InputError(
             f"format {suffix!r} is declared, but cannot be imported ({error}); "
-            "install the package that declares it anew"
+            "reinstall the package that declares it"
         ) from error
     return found

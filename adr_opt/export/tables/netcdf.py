@@ -1,4 +1,4 @@
-"""``.nc``: NetCDF 4 by way of xarray, with names, units and constants (extra ``[io]``)."""
+"""``.nc``: NetCDF 4 via xarray, with names, units and constants (extra ``[io]``)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CUBE = ("departure", "origin", "destination")
 
 
 def require() -> None:
-    """Raise :class:`MissingExtra` if xarray or what it writes with is not installed."""
+    """Raise :class:`MissingExtra` if xarray or its backend is not installed."""
     for package in ("xarray", "h5netcdf", "h5py"):
         try:
             import_module(package)

@@ -1,4 +1,4 @@
-"""``.oplib``: an orienteering problem as OPLib writes it (TYPE OP, COST_LIMIT, scores).
+"""``.oplib``: an orienteering problem in OPLib's format (TYPE OP, COST_LIMIT, scores).
 
 OPLib (https://github.com/bcamath-ds/OPLib) extends TSPLIB 95 by COST_LIMIT, the most that a cycle
 through the depot may cost, and NODE_SCORE_SECTION. All its numbers are integers. Its own instances
@@ -29,7 +29,7 @@ FINEST_SCORES = 1000.0
 
 
 def scores(prizes: list[float]) -> tuple[list[int], float]:
-    """Whole scores of prizes, and the score of a prize of one.
+    """Integer scores of prizes, and the score of a unit prize.
 
     Whole prizes are written as they are; others times the largest power of ten up to 1000 that
     fits, rounded.

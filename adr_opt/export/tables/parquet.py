@@ -30,7 +30,7 @@ COLUMNS = {
     "arrival_s": ("end of the approach since the epoch, before service", "s"),
     "phasing_revolutions": ("phasing revolutions k, −1 of a drift, 0 of what is given", "1"),
 }
-"""What each column is, and its unit."""
+"""Meaning and unit of each column."""
 
 
 def require() -> None:

@@ -15,7 +15,7 @@ from .weights import comment, edges, slug, whole_weights
 def write(
     path: Path, instance: Instance, matrices: Matrices, quantity: str, scale: float | None
 ) -> None:
-    """Write one quantity at one departure; COMMENT says the scale and what "no transfer" is."""
+    """Write one quantity at one departure; COMMENT states the scale and the mark of no transfer."""
     weights = whole_weights(matrices, quantity, scale)
     lines = [
         f"NAME : {slug(instance)}",

@@ -25,7 +25,7 @@ from ...mission.mission import Mission
 from .weights import comment, edges, slug, whole_weights
 
 LARGEST_PRIZES = 2**44
-"""Largest sum of prizes, as PyVRP's largest distance: beyond it sums may overflow."""
+"""Largest sum of prizes, as of distances in PyVRP: beyond it sums may overflow."""
 
 
 def write(

@@ -1,4 +1,4 @@
-"""Integer weights: what formats of combinatorial problems hold in place of m/s and seconds."""
+"""Integer weights: the replacement of m/s and seconds in formats of combinatorial problems."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FINEST_SCALE = 1000.0
 
 @dataclass(frozen=True)
 class WeightMatrix:
-    """One quantity at one departure, in integers.
+    """One quantity at one departure, as integers.
 
     Attributes
     ----------
@@ -55,13 +55,13 @@ class WeightMatrix:
 
 
 def check_quantity(quantity: str) -> None:
-    """Raise :class:`InputError` if there is no such quantity."""
+    """Raise :class:`InputError` for an unknown quantity."""
     if quantity not in UNITS:
         raise InputError(f"quantity = {quantity!r}: use one of {', '.join(UNITS)}")
 
 
 def check_scale(scale: float | None) -> None:
-    """Raise :class:`InputError` if a scale is given that is not a positive number."""
+    """Raise :class:`InputError` for a scale that is not positive."""
     if scale is not None and not (math.isfinite(scale) and scale > 0.0):
         raise InputError(f"scale = {scale!r}: must be a positive number")
 
@@ -123,7 +123,7 @@ def whole_weights(
 
 
 def slug(instance: Instance) -> str:
-    """Make a name that the formats can hold from the name of an instance.
+    """A valid name in the formats, from the name of an instance.
 
     Readers look for their keywords, all upper case, anywhere in a line.
     """
@@ -131,7 +131,7 @@ def slug(instance: Instance) -> str:
 
 
 def comment(instance: Instance, weights: WeightMatrix) -> str:
-    """One line that says what the integers are."""
+    """A line that explains the integers."""
     contents = ""
     if weights.quantity == "duration":
         contents = "from ready to arrival, without service; "
@@ -147,7 +147,7 @@ def comment(instance: Instance, weights: WeightMatrix) -> str:
 
 
 def _nodes(instance: Instance) -> str:
-    """Which body is which node."""
+    """Assignment of bodies to nodes."""
     stations, first = len(instance.stations), instance.first_target
     if first == 1:
         before = "the station" if stations else "the start"
@@ -157,7 +157,7 @@ def _nodes(instance: Instance) -> str:
 
 
 def check_one_depot(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` where a mission does not begin at its only station."""
+    """Raise :class:`InputError` if a mission does not begin at its only station."""
     if instance.first_target != 1 or not instance.stations:
         raise InputError(
             f"{path}: a {path.suffix.lower()} file holds one depot, where the chaser starts and "
@@ -166,16 +166,16 @@ def check_one_depot(instance: Instance, path: Path) -> None:
 
 
 def check_no_kits(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` where kits or tows count, which no such file can say."""
+    """Raise :class:`InputError` if kits or tows matter, which the formats cannot express."""
     if loads_of(instance, instance.chaser, 0.0) is not None:
         raise InputError(
-            f"{path}: a {path.suffix.lower()} file knows no {what_counts(instance)}, and those of "
+            f"{path}: a {path.suffix.lower()} file has no {what_counts(instance)}, and those of "
             f"{instance.name!r} count; write transfers alone, as .npz, .nc or .parquet"
         )
 
 
 def edges(weights: WeightMatrix) -> list[str]:
-    """The lines that hold the matrix, in all these formats."""
+    """Lines of the matrix, as in all these formats."""
     return [
         "EDGE_WEIGHT_TYPE : EXPLICIT",
         "EDGE_WEIGHT_FORMAT : FULL_MATRIX",

@@ -1,4 +1,4 @@
-"""Write matrices, or the whole timetable, in the format that the suffix of the file asks for."""
+"""Writing of matrices, or of the whole timetable, in the format given by the file's suffix."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def write_matrix(
     choose: Choice | None = None,
     building: Building = lambda share: None,
 ) -> Matrices:
-    """Sample the timetable at ready times and write it, whole or not at all.
+    """Sample the timetable at ready times and write it, completely or not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Errors of a flight: what tank and time a refined plan needs when burns and navigation err.
+"""Dispersion of a flight: the tank and time a refined plan needs with burn and navigation errors.
 
 A Monte Carlo analysis of dispersions. Each flight draws errors of every burn and of where the
 chaser is when a leg begins (:mod:`.errors`); what a burn has left wrong is corrected at the burns

@@ -1,4 +1,4 @@
-"""How large the errors of a flight are, and how burns err.
+"""Error model of a flight.
 
 Burns follow the proportional part of C. Gates's model (A Simplified Model of Midcourse Maneuver
 Execution Errors, JPL Technical Report 32-504, 1963): an error along the burn and one across it, in
@@ -18,7 +18,7 @@ from ..refine.short_periods import Array
 
 MOST_MAGNITUDE, MOST_POINTING_DEG = 0.2, 10.0
 MOST_POSITION_M, MOST_VELOCITY_M_S = 1e5, 100.0
-"""Larger ones are mistakes of the caller: burns and trajectories are no longer near the planned."""
+"""Largest accepted errors: beyond them, burns and trajectories are far from the planned ones."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ class FlightErrors:
                 raise InputError(f"{name} = {value:g}: must lie between 0 and {most:g}")
 
     def of_departure(self, drawn: Array) -> Array:
-        """Errors of the state when a leg begins, of standard normal numbers, shape (6, n)."""
+        """Errors of the state at departure from standard normal numbers, shape (6, n)."""
         found: Array = drawn.copy()
         found[:3] *= self.navigation_position_m
         found[3:] *= self.navigation_velocity_m_s
         return found
 
     def of_burns(self, burns: Array, drawn: Array) -> Array:
-        """What burns are made of, of standard normal numbers, both of shape (3, n) [m/s].
+        """Executed burns from standard normal numbers, both of shape (3, n) [m/s].
 
         An isotropic vector falls apart into independent parts along a burn and across it, so that
         three numbers a burn are enough.
@@ -78,5 +78,5 @@ class FlightErrors:
         return found
 
     def to_dict(self) -> dict[str, float]:
-        """As plain data."""
+        """The errors as plain data."""
         return asdict(self)

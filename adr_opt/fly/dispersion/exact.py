@@ -1,4 +1,4 @@
-"""A flight with errors without linearisation: what the feedback is judged by.
+"""Flights with errors without linearisation, as a reference for the feedback.
 
 All states are integrated, and before each burn those that are left are targeted anew as they would
 be on board: the least squares of :mod:`.feedback` by Gauss's and Newton's steps, with the miss of
@@ -18,13 +18,13 @@ from .errors import FlightErrors
 from .feedback import LegPart
 
 STEPS = 3
-"""Of targeting anew, before each burn."""
+"""Number of targeting steps before each burn."""
 
 
 def fly_exactly(
     part: LegPart, begun: Array, drawn: Array, errors: FlightErrors
 ) -> tuple[float, Array]:
-    """Fly a part once.
+    """Fly a part of a leg once.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def fly_exactly(
 
 
 def _correction(part: LegPart, state: Array, at: int, angle: float) -> Array:
-    """What a burn is changed by, from a state before it and the angle run through by then."""
+    """Change of a burn, from a state before it and the angle covered so far."""
     gain, effects = part.gains[at], part.effects[at:]
     if gain is None:
         return np.zeros(3)
@@ -76,7 +76,7 @@ def _correction(part: LegPart, state: Array, at: int, angle: float) -> Array:
 
 
 def _miss(part: LegPart, state: Array, at: int, angle: float, changes: Array) -> Array:
-    """The miss in elements that the burns from this one on would lead to, laps counted."""
+    """Predicted miss in elements after this burn and those that follow, laps counted."""
     impulses = part.impulses[at:] + changes
     states, _, rest = coast.fly(
         state, part.times[at:], impulses, part.end_s, FIELDS[part.gravity], False

@@ -1,4 +1,4 @@
-"""A part of a refined leg with errors: corrected at its remaining burns by linear feedback.
+"""A part of a refined leg with errors, corrected at its remaining burns by linear feedback.
 
 What is wrong is measured at the end: the miss that the burns of the refined plan would lead to from
 here on, in equinoctial elements in the frame of the goal, in which it is nearly linear even after
@@ -29,20 +29,21 @@ from ..refine.states import state_of
 from .errors import FlightErrors
 
 WORTH_M_S_PER_M = 0.1
-"""Correction that a metre of miss is worth; the approach closes it for a twentieth of that or so,
-but begins beside the target."""
+"""Correction per metre of miss; the approach closes it for about a twentieth of that, but begins
+beside the target."""
 
 LEAST_WEIGHT = 0.3
-"""Of a small burn, where the largest one that is left has 1. Along a burn half of the corrections
-save what the other half cost, and across it they cost next to nothing; alone they cost in full."""
+"""Weight of a small burn relative to the largest remaining one. Along a burn, half of the
+corrections save what the other half cost, and across it they cost next to nothing;
+alone they cost in full."""
 
 SHORTEST_ARC = 0.1
-"""Arcs that are shorter get no burns for corrections alone, in revolutions."""
+"""Length of an arc below which it gets no pure correction burns [revolutions]."""
 
 
 @dataclass(frozen=True)
 class LegPart:
-    """A leg until its stand-off, or its approach, about which flights are linear.
+    """A leg up to its stand-off, or its approach, around which flights are linearised.
 
     Attributes
     ----------
@@ -83,14 +84,14 @@ class LegPart:
 
 @dataclass(frozen=True)
 class Parted:
-    """Flights of a part: ΔV of each, shape (n,) [m/s], and the state it misses by, (6, n)."""
+    """Flights of a part: ΔV of each, shape (n,) [m/s], and the final state error, (6, n)."""
 
     delta_v_m_s: Array
     miss: Array
 
 
 def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[LegPart, LegPart]:
-    """A refined leg until its stand-off, and its approach.
+    """The two parts of a refined leg: up to the stand-off, and the approach.
 
     Parameters
     ----------
@@ -125,7 +126,7 @@ def part(
     *,
     blind: bool = False,
 ) -> LegPart:
-    """Linearise about the burns of a refined plan.
+    """Linearise around the burns of a refined plan.
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ def fly(part: LegPart, begun: Array, drawn: Array, errors: FlightErrors) -> Part
 def _with_corrections(
     start: Array, start_s: float, burns: tuple[RefinedBurn, ...], end_s: float, corrections: int
 ) -> tuple[Array, Array, int]:
-    """Times and impulses, corrections among them as zeros, and which one is the first burn."""
+    """Times and impulses with corrections inserted as zeros, and the index of the first burn."""
     revolution = math.tau * math.sqrt(float(np.linalg.norm(start[:3])) ** 3 / MU_M3_S2)
     times = [start_s] if burns[0].time_s > start_s else []
     impulses = [(0.0, 0.0, 0.0)] * len(times)
@@ -203,7 +204,7 @@ def _with_corrections(
 
 
 def _gain(effects: Array, impulses: Array, radius: float) -> Array:
-    """Corrections at burns by the miss in elements that these lead to, shape (burns, 3, 6)."""
+    """Gain from predicted misses in elements to corrections at burns, shape (burns, 3, 6)."""
     metres = np.array([1.0, *([radius] * 5)])
     sizes = np.sqrt(np.sum(impulses**2, axis=1))
     weights = np.maximum(sizes / max(float(sizes.max()), 1e-300), LEAST_WEIGHT)

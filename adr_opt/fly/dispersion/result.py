@@ -1,4 +1,4 @@
-"""What came of flying a refined plan many times with errors."""
+"""Results of flying a refined plan many times with errors."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from ..refine.short_periods import Array
 from .errors import FlightErrors
 
 CONFIDENCE_SIGMA = 1.959964
-"""Of the interval about a quantile: 95 % of a normal distribution."""
+"""Half width of the confidence interval of a quantile: 95 % of a normal distribution."""
 
 
 @dataclass(frozen=True)
 class Quantile:
-    """A quantile of the flights and how well that many flights know it.
+    """A quantile of the flights, with its confidence interval.
 
     Attributes
     ----------
     share : float
         Of the flights that need no more than ``value``.
     value : float
-        The smallest one drawn that so many flights do not exceed.
+        The smallest one drawn that this share of flights does not exceed.
     low, high : float or None
         An interval that holds the true quantile with a confidence of 95 %, between two of the
         drawn values, whatever their distribution; None where the flights are too few for one.
@@ -38,7 +38,7 @@ class Quantile:
 
     @classmethod
     def of(cls, values: Array, share: float) -> Quantile:
-        """Of drawn values, shape (n,).
+        """A quantile of random values, shape (n,).
 
         How many of n draws lie below the true quantile is binomial (H. David and H. Nagaraja,
         Order Statistics, 3rd edition, 2003, section 7.1), here by its normal approximation.
@@ -56,13 +56,13 @@ class Quantile:
         )
 
     def to_dict(self) -> dict[str, float | None]:
-        """As plain data."""
+        """The quantile as plain data."""
         return asdict(self)
 
 
 @dataclass(frozen=True)
 class LegDispersion:
-    """One leg, flown many times.
+    """Statistics of one leg flown many times.
 
     Attributes
     ----------
@@ -95,13 +95,13 @@ class LegDispersion:
     waits_share: float
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+        """The statistics as plain data."""
         return asdict(self)
 
 
 @dataclass(frozen=True)
 class TankDispersion:
-    """One tank, emptied many times.
+    """Statistics of one tank over many flights.
 
     Attributes
     ----------
@@ -128,17 +128,17 @@ class TankDispersion:
 
     @property
     def holds(self) -> bool:
-        """Whether it is enough for the share of flights that is asked about."""
+        """Whether the tank suffices for the requested share of flights."""
         return self.delta_v_m_s.value <= self.budget_m_s
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data; with the chaser where there are several."""
+        """The statistics as plain data, with the chaser if there are several."""
         return of_chaser(asdict(self) | {"holds": self.holds})
 
 
 @dataclass(frozen=True)
 class Linearity:
-    """How far flights are from the same ones without linearisation.
+    """Deviation of linearised flights from exact ones.
 
     Attributes
     ----------
@@ -157,7 +157,7 @@ class Linearity:
 
 @dataclass(frozen=True, eq=False)
 class Dispersion:
-    """A refined plan, flown many times with errors.
+    """Statistics of a refined plan flown many times with errors.
 
     Attributes
     ----------
@@ -195,11 +195,11 @@ class Dispersion:
 
     @property
     def broken_tanks(self) -> tuple[TankDispersion, ...]:
-        """The tanks that are not enough for the share of flights that is asked about."""
+        """Tanks that do not suffice for the requested share of flights."""
         return tuple(tank for tank in self.tanks if not tank.holds)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data: what ``fly --samples N --json`` adds."""
+        """The statistics as plain data: the addition of ``fly --samples N --json``."""
         return {
             "flights": self.flights,
             "seed": self.seed,

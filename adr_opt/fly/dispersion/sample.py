@@ -25,19 +25,20 @@ from .feedback import LegPart, fly, parts_of
 from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
 
 SHARE = 0.95
-"""Of the flights that a tank is to be enough for."""
+"""Share of flights for which a tank must suffice."""
 
 WAITING_SHARE = 0.5
-"""Of the stand-off's distance from the target: who misses it by more waits for a revolution."""
+"""Largest miss of the stand-off, as a share of its distance from the target, without a wait of one
+revolution."""
 
 MOST_FLIGHTS, MOST_CORRECTIONS = 100_000, 10
 
 EXACT_FLIGHTS = 10
-"""Flights that are flown again without linearisation."""
+"""Number of flights repeated without linearisation."""
 
 
 class _Flights(NamedTuple):
-    """Those of one leg."""
+    """Flights of one leg."""
 
     delta_v_m_s: Array  # (flights,)
     standoff: Array  # (6, flights), misses in position and velocity
@@ -59,7 +60,7 @@ def sample_flights(  # noqa: PLR0913
     jobs: int | None = None,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> Dispersion:
-    """Fly a refined plan many times with errors, corrected on the way.
+    """Fly a refined plan many times with errors and corrections.
 
     Every leg begins docked, near the state that it was planned with; its first burn is made as
     planned, and after it, and after every burn, the state is known. Burns that are left, and some
@@ -160,7 +161,7 @@ def _fly_leg(
 def _exactly(
     parts: tuple[LegPart, LegPart], begun: Array, drawn: list[Array], errors: FlightErrors
 ) -> Iterator[tuple[float, Array]]:
-    """ΔV of the first flights, and the place at the stand-off that they miss it by."""
+    """ΔV of the first flights, and their position errors at the stand-off."""
     for at in range(min(EXACT_FLIGHTS, begun.shape[1])):
         first, standoff = fly_exactly(parts[0], begun[:, at], drawn[0][:, :, at], errors)
         second, _ = fly_exactly(parts[1], standoff, drawn[1][:, :, at], errors)
@@ -224,7 +225,7 @@ def _told(
 
 
 def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:
-    """When, after each leg and its tow, its chaser leaves again, or the mission ends [s]."""
+    """Time after each leg and its tow when its chaser leaves again, or the mission ends [s]."""
     found: dict[int, float] = {}
     for _, legs in refined_routes(instance, refined):
         departures = [*(leg.states[0].time_s for leg in legs), instance.mission.duration_s]

@@ -1,4 +1,4 @@
-"""Fly a plan: propagate its burns in the dynamics of its instance and measure where they lead.
+"""Flight of a plan: its burns propagated in the dynamics of its instance.
 
 The second opinion on the physics. No state here comes from :mod:`adr_opt.kernels`: elements are
 read from the instance, and boinor (extra ``[astro]``) turns them into states, propagates them and

@@ -1,4 +1,4 @@
-"""A leg on the true orbits of its bodies in mean motion, with the plan's burns aimed anew.
+"""A leg on the true orbits of its bodies in mean motion, with the plan's burns retargeted.
 
 A plan's burns lead from circle to circle. Where an orbit is eccentric they arrive elsewhere: by a
 few kilometres after some hours, and after weeks anywhere round the orbit, because a burn that is
@@ -34,13 +34,13 @@ from ..refine.own_burns import cheapest_near
 Array = npt.NDArray[np.float64]
 
 GROWN, LEAST_GROWTH = 4, 1.0 / 64.0
-"""Where the plan's burns cannot be closed at once, eccentricities grow by a share of one in so
-many, or where that is too much by less, down to the least."""
+"""Where the plan's burns cannot be closed at once, eccentricities grow in steps: the reciprocal of
+the largest share, and the smallest share."""
 
 
 @dataclass(frozen=True)
 class MeanCourse(LegEnds):
-    """Where a leg begins and is to end, in mean motion.
+    """Start and goal of a leg in mean motion.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class MeanCourse(LegEnds):
     oblateness_m2: float = 0.0
 
     def move(self, times: Array, impulses: Array) -> tuple[Array, Array, float]:
-        """Fly impulses from the start, as the kernel of mean motion does."""
+        """Fly impulses from the start by the kernel of mean motion."""
         found: tuple[Array, Array, float] = mean_motion.fly(
             self.start, times, impulses, self.end_s, self.oblateness_m2
         )
@@ -76,13 +76,13 @@ def true_state(orbit: Orbit, oblateness_m2: float, time_s: float) -> Array:
 
 
 def following(orbit: Orbit, oblateness_m2: float, time_s: float, length_m: float) -> Array:
-    """State of the point that follows a body on its orbit: where it was a moment ago, (6,)."""
+    """State of the point that follows a body on its orbit, slightly delayed, (6,)."""
     speed = math.hypot(*true_state(orbit, oblateness_m2, time_s)[3:])
     return true_state(orbit, oblateness_m2, time_s - length_m / speed)
 
 
 class Aim:
-    """A leg that is aimed anew.
+    """A leg to be retargeted.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ class Aim:
         self._angles = planned_angles(instance, leg, lead_in)
 
     def delta_v_m_s(self) -> float:
-        """ΔV of the burns that lead the chaser there; tows apart [m/s].
+        """ΔV of retargeted burns, tows excluded [m/s].
 
         Raises
         ------
@@ -133,7 +133,7 @@ class Aim:
         return flown.delta_v_m_s + self._docking_m_s(flown)
 
     def _closed(self, times: Array, planned: Array) -> FlownImpulses:
-        """Burns that lead there, be they as cheap as they may.
+        """Burns that reach the goal, at any cost.
 
         After months of drift a change of a burn by some metres per second is round the orbit by
         laps, and Newton's steps get lost. Then the eccentricities grow, from circles on, between
@@ -156,7 +156,7 @@ class Aim:
         return closed
 
     def _course(self, share: float) -> MeanCourse:
-        """From the origin to the stand-off, with a share of all eccentricities."""
+        """Start and goal, with a share of all eccentricities."""
         origin, target = (
             orbit.replace(eccentricity=share * orbit.eccentricity)
             for orbit in (self._origin, self._target)
@@ -184,7 +184,7 @@ class Aim:
 
 
 def _led(orbit: Orbit, lead_in: tuple[Burn, ...], time_s: float, oblateness_m2: float) -> Array:
-    """Where burns have led: as large as the plan's, against the motion that there is."""
+    """State after lead-in burns: as large as the plan's, against the actual motion."""
     if not lead_in:
         return true_state(orbit, oblateness_m2, time_s)
     now = lead_in[0].time_s
@@ -198,7 +198,7 @@ def _led(orbit: Orbit, lead_in: tuple[Burn, ...], time_s: float, oblateness_m2: 
 
 
 def practise(instance: Instance, leg: Leg) -> None:
-    """Compile what a flight needs, by that of a leg as if its orbits were a little eccentric."""
+    """Compile the kernels of a flight by flying a leg with slightly eccentric orbits."""
     orbit_of = {
         name: orbit.replace(eccentricity=1e-3)
         for name, orbit in zip(instance.names, instance.body_orbits, strict=True)

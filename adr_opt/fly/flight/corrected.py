@@ -1,4 +1,4 @@
-"""A leg on the true, eccentric orbits: how far it misses, and what arriving after all costs."""
+"""A leg on true, eccentric orbits: its miss, and the cost of correcting it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from .result import EccentricFlight
 from .two_body import State, TwoBody, distance
 
 PARTS = 16
-"""Parts of the last arc at whose beginnings a correction is tried."""
+"""Number of times along the last arc at which a correction is tried."""
 
 
 def fly_eccentric(
     two_body: TwoBody, origin: State, destination: State, leg: Leg, standoff_m: float
 ) -> EccentricFlight:
-    """Fly a leg on the true orbits of its bodies, and solve for a last arc that arrives.
+    """Fly a leg on the true orbits of its bodies, and solve for a last arc that reaches the goal.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _corrections(
     goal: State,
     arrival: float,
 ) -> dict[float, float]:
-    """ΔV of the last arc for each time from which a Lambert arc leads on: time [s] → [m/s].
+    """ΔV of the last arc by the time at which a Lambert arc begins: time [s] → [m/s].
 
     At the beginning it replaces the planned burn, later it follows upon it.
     """
@@ -99,6 +99,6 @@ def _corrections(
 
 
 def _behind(two_body: TwoBody, body: State, time: float, length: float) -> State:
-    """The point that follows a body on its orbit: where it was the time ago that L takes."""
+    """The point that follows a body on its orbit, delayed by the time to travel L."""
     speed = math.hypot(*two_body.coast(body, time)[1])
     return two_body.coast(body, time - length / speed)

@@ -80,7 +80,7 @@ def fly(instance: Instance, plan: Plan) -> Flight:
 def _true_m_s(
     instance: Instance, orbits: dict[str, Orbit], leg: Leg, lead_in: tuple[Burn, ...]
 ) -> float | None:
-    """What a leg takes on the true orbits; None where it does not arrive [m/s]."""
+    """ΔV of a leg on the true orbits; None if it does not arrive [m/s]."""
     try:
         return Aim(instance, orbits, leg, lead_in).delta_v_m_s()
     except (ArithmeticError, ValueError):
@@ -94,7 +94,7 @@ def _led(
     leg: Leg,
     lead_in: tuple[Burn, ...],
 ) -> State | None:
-    """Where burns lead that a leg follows upon; None where it leaves the orbit of its origin.
+    """State at the end of lead-in burns; None if the leg leaves the orbit of its origin.
 
     The last of them and the first one of the leg are made together.
     """
@@ -162,7 +162,7 @@ def _fly_leg(
 
 
 def _behind(state: State, length: float) -> State:
-    """State of a point that follows on a circular orbit at a distance, measured along it."""
+    """State of a point that follows on a circular orbit, at a distance along it."""
     position, velocity = state
     radius, speed = math.sqrt(position @ position), math.sqrt(velocity @ velocity)
     cosine, sine = math.cos(length / radius), math.sin(length / radius)

@@ -1,4 +1,4 @@
-"""What a plan needs so that its burns can be flown at all, asked of its data alone."""
+"""Preconditions for flying a plan's burns, checked on its data alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...plan.refined_plan import RefinedPlan
 
 TIME_TOLERANCE_S = 1e-3
-"""How far the last burn may lie behind the stated arrival."""
+"""Tolerance between the last burn and the stated arrival [s]."""
 
 
 def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
@@ -60,7 +60,7 @@ def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
 
 
 def refuse_broken_chain(instance: Instance, plan: Plan) -> None:
-    """Raise :class:`InputError` for legs that cannot be flown one after the other.
+    """Raise :class:`InputError` for legs that do not connect to each other.
 
     Each may be flown alone; a flight of all of them needs that each begins where and not before the
     one before it, of the same chaser, ends.
@@ -90,7 +90,7 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
 
 def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
     if is_towed != (leg.tow is not None):
-        # Without it nobody knows what the tow takes, nor where the chaser goes on from.
+        # Without it neither the cost of the tow is known, nor where the chaser goes on from.
         wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
         raise InputError(
             f"leg {number}: {leg.destination!r} is {'towed' if is_towed else 'not towed'}, "

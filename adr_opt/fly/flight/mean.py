@@ -1,4 +1,4 @@
-"""Flight in the mean dynamics of J2, written once more for `fly` (docs/model.md sections 1 and 2).
+"""Mean dynamics of J2, restated for `fly` (docs/model.md sections 1 and 2).
 
 Nothing of :mod:`adr_opt.kernels` is used here but constants: elements are moved by their rates in
 boinor's terms, and coasts by its propagator, so that an error in one of the two shows.
@@ -16,7 +16,7 @@ from .two_body import State, TwoBody
 
 
 class MeanDynamics(TwoBody):
-    """Orbits whose nodes drift, and coasts on arcs whose planes do.
+    """Orbits with drifting nodes, and coasts on arcs with drifting planes.
 
     A coast between burns is Kepler motion within its plane, at the pace at which the mean argument
     of latitude of a circle of its semi-major axis advances; the plane turns with the node. Its
@@ -24,7 +24,7 @@ class MeanDynamics(TwoBody):
     """
 
     def body(self, orbit: Orbit, time_s: float) -> State:
-        """Position [m] and velocity [m/s] of a body at a time, on the circle planned with."""
+        """Position [m] and velocity [m/s] of a body at a time, on its planning circle."""
         a, e = orbit.semi_major_axis_m, orbit.eccentricity
         inclination = math.radians(orbit.inclination_deg)
         n, half = self._pull(a, a * (1.0 - e * e))
@@ -39,7 +39,7 @@ class MeanDynamics(TwoBody):
         return _turned(position, node), _turned(velocity, node)
 
     def coast(self, state: State, time_s: float) -> State:
-        """State after some time without burns.
+        """State after a coast.
 
         Raises
         ------
@@ -60,13 +60,13 @@ class MeanDynamics(TwoBody):
         return _turned(position, node), _turned(velocity, node)
 
     def _pull(self, axis: float, parameter: float) -> tuple[float, float]:
-        """Mean motion, and ¾ J2 n (R/p)², of which all rates are multiples [rad/s]."""
+        """Mean motion, and the common factor ¾ J2 n (R/p)² of all rates [rad/s]."""
         n = math.sqrt(self._mu / axis**3)
         return n, 0.75 * J2 * n * (EARTH_RADIUS_M / parameter) ** 2
 
 
 def _turned(vector: np.ndarray, angle: float) -> np.ndarray:
-    """A vector turned about the axis of the Earth."""
+    """A vector rotated about the axis of the Earth."""
     c, s = math.cos(angle), math.sin(angle)
     x, y, z = vector
     return np.array([c * x - s * y, s * x + c * y, z])

@@ -1,4 +1,4 @@
-"""A whole plan in mean motion, on the true orbits: what each leg takes and each tank has left.
+"""Flight of a whole plan in mean motion on true orbits: ΔV per leg, and the remainder of each tank.
 
 What `solve` says of its plan when it ends. Legs between circles fly the plan's burns, and are asked
 whether they arrive; the burns of the others are aimed anew (:mod:`.aimed`). Nothing optional is
@@ -27,13 +27,13 @@ from .plan_tanks import burnt_m_s, plan_tanks
 from .result import TankFlight
 
 MOST_MISS_M = 10.0
-"""A leg between circles that misses its stand-off by more does not arrive. Burns of a plan miss by
-decimetres at most."""
+"""Largest miss of the stand-off at which a leg between circles counts as arrived. Burns of a plan
+miss by decimetres at most."""
 
 
 @dataclass(frozen=True)
 class MeanFlight:
-    """What came of flying a plan in mean motion.
+    """Result of flying a plan in mean motion.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class MeanFlight:
 
     @property
     def holds(self) -> bool:
-        """Whether every tank does."""
+        """Whether every tank suffices."""
         return all(tank.holds for tank in self.tanks)
 
     @property
     def record(self) -> PlanFlight:
-        """What a plan file says of it."""
+        """The record for a plan file."""
         return PlanFlight.model_validate(
             {
                 "how": "mean", "gravity": self.gravity, "legs_sha256": self.plan.legs_sha256,
@@ -110,7 +110,7 @@ def fly_mean(
 
 
 def is_between_circles(orbits: Mapping[str, Orbit], leg: Leg) -> bool:
-    """Whether the true orbits of a leg are those that are planned with."""
+    """Whether the true orbits of a leg are its planning circles."""
     ends = (leg.origin, leg.destination)
     return not leg.traits.has_burns or all(orbits[name].eccentricity == 0.0 for name in ends)
 
@@ -118,7 +118,7 @@ def is_between_circles(orbits: Mapping[str, Orbit], leg: Leg) -> bool:
 def true_delta_v_m_s(
     instance: Instance, orbits: Mapping[str, Orbit], leg: Leg, lead_in: tuple[Burn, ...]
 ) -> float:
-    """What a leg takes on the true orbits of its bodies, tows apart [m/s].
+    """ΔV of a leg on the true orbits of its bodies, tows excluded [m/s].
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def true_delta_v_m_s(
 
 
 def _miss_m(instance: Instance, leg: Leg, lead_in: tuple[Burn, ...]) -> float:
-    """How far the burns of a leg between circles lead from the stand-off [m]."""
+    """Distance from the stand-off after the burns of a leg between circles [m]."""
     now, oblateness = leg.burns[0].time_s, instance.oblateness_m2
     position, velocity = leaving_state(instance, leg, lead_in)
     if lead_in:
@@ -175,7 +175,7 @@ def _moved(
 def families_of(
     legs: tuple[Leg, ...], flown: Mapping[int, float | None]
 ) -> tuple[FamilyFlight, ...]:
-    """What legs were planned with and took, by family; those of no legs are left out.
+    """Planned and flown cost of legs by family, without empty families.
 
     Tows take what they are planned with: nothing is met at their end.
     """
@@ -202,7 +202,7 @@ def _family(family: str, legs: list[tuple[float, float | None]]) -> FamilyFlight
 
 
 def tanks_left(tanks: tuple[TankFlight, ...]) -> tuple[TankLeft, ...]:
-    """What tanks have left, as a plan file says it."""
+    """Remainder of each tank, as stated in plan files."""
     return tuple(
         TankLeft(
             chaser=tank.chaser,

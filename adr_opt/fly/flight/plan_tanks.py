@@ -1,4 +1,4 @@
-"""What the legs of a plan take from each tank when they are flown."""
+"""ΔV taken from each tank by the flown legs of a plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .result import TankFlight
 
 
 def burnt_m_s(leg: Leg) -> float:
-    """What a leg takes between circles, tows apart: of one on a grid of times what it burns.
+    """ΔV of a leg between circles, tows excluded: on a grid of times, the sum of its burns.
 
     What is set aside for eccentricity is left in.
     """
@@ -24,7 +24,7 @@ def burnt_m_s(leg: Leg) -> float:
 def plan_tanks(
     instance: Instance, plan: Plan, flown: Mapping[int, float | None]
 ) -> tuple[TankFlight, ...]:
-    """The tanks of a plan, chaser after chaser; a tank ends with the leg to a station.
+    """Tanks of a plan by chaser; a tank ends with the leg to a station.
 
     Parameters
     ----------

@@ -25,14 +25,14 @@ Array = npt.NDArray[np.float64]
 STAGES = DOP853.n_stages
 BEFORE = np.ascontiguousarray(DOP853.A[:STAGES, :STAGES])
 WEIGHTS = np.ascontiguousarray(DOP853.B)
-"""How much the stages before count in a stage, and how much all of them in a step."""
+"""Weights of earlier stages in a stage, and of all stages in a step."""
 for _array in (BEFORE, WEIGHTS):
     _array.setflags(write=False)
 
 
 @kernel
 def _rates(elements: Array, zonals: Array, rates: Array) -> None:
-    """How fast the elements change."""
+    """Rates of change of the elements."""
     p, f, g, h, k, longitude = (
         elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
     )  # fmt: skip
@@ -75,7 +75,7 @@ def _rates(elements: Array, zonals: Array, rates: Array) -> None:
 
 @kernel
 def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None:
-    """Let elements change for a time, in place, in a number of equal steps.
+    """Propagate elements in place, in a number of equal steps.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None
 
 @kernel
 def elements_of(state: Array) -> Array:
-    """Elements of a state on a closed orbit that is not retrograde, shape (6,)."""
+    """Elements of a state on a closed prograde orbit, shape (6,)."""
     x, y, z, u, v, w = state[0], state[1], state[2], state[3], state[4], state[5]
     r = math.sqrt(x * x + y * y + z * z)
     momentum_x, momentum_y, momentum_z = y * w - z * v, z * u - x * w, x * v - y * u
@@ -141,7 +141,7 @@ def elements_of(state: Array) -> Array:
 
 @kernel
 def state_of(elements: Array) -> Array:
-    """The state of elements, shape (6,) [m, m/s]."""
+    """State from elements, shape (6,) [m, m/s]."""
     p, f, g, h, k = elements[0], elements[1], elements[2], elements[3], elements[4]
     c, s = math.cos(elements[5]), math.sin(elements[5])
     whole, apart = 1.0 + h * h + k * k, h * h - k * k

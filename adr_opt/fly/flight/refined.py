@@ -1,4 +1,4 @@
-"""Judge a refined plan with another integrator than the one it was made with.
+"""Judge of refined plans, with a different integrator from the one that made them.
 
 Nothing of :mod:`adr_opt.kernels` is used but constants and the compiler: the pull is written once
 more, and :mod:`.propagation` integrates the change of elements by an explicit method, where the
@@ -27,8 +27,8 @@ from .tanks import refined_routes, tanks_of
 Array = npt.NDArray[np.float64]
 
 STEPS = 72
-"""Steps in a revolution of the lowest perigee: with so many, two years end within some
-centimetres of the collocation, and more do not help."""
+"""Steps per revolution at the lowest perigee: enough for agreement with the collocation within some
+centimetres after two years; more do not help."""
 
 FIELDS = {
     "two-body": np.array([0.0, 0.0, 0.0]),
@@ -37,7 +37,7 @@ FIELDS = {
     "j4": np.array([J2, J3, J4]),
 }
 MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
-"""Zonal fields are the same in the mirror, where retrograde orbits are not."""
+"""Reflection that leaves zonal fields unchanged and makes retrograde orbits prograde."""
 
 
 def fly_refined(
@@ -45,7 +45,7 @@ def fly_refined(
     refined: RefinedPlan,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> RefinedFlight:
-    """Fly a refined plan in its gravity and say where it leads.
+    """Fly a refined plan in its gravity field and report its misses.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def fly_refined(
 
 
 def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
-    """Raise :class:`InputError` for a refined plan of another instance, or of unknown names.
+    """Raise :class:`InputError` for a refined plan of another instance, or with unknown names.
 
     Or for one that lacks a tow, or has one too many.
     """
@@ -97,13 +97,13 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
 
 
 class _World:
-    """Free motion, of many at once: states are columns, shape (6, n) [m, m/s]."""
+    """Free motion of many states at once, as columns of shape (6, n) [m, m/s]."""
 
     def __init__(self, gravity: str) -> None:
         self._zonals = FIELDS[gravity]
 
     def coast(self, states: Array, start_s: float, end_s: float) -> Array:
-        """States at another time.
+        """The states after a coast.
 
         Raises
         ------
@@ -127,7 +127,7 @@ class _World:
 
 
 def _lowest(states: Array) -> float:
-    """The lowest perigee of some states [m]; a tenth of the Earth's radius where it is lower.
+    """Lowest perigee of some states [m], at least a tenth of the Earth's radius.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def _lowest(states: Array) -> float:
 
 
 class _Ephemeris:
-    """States of the bodies when legs begin and end, all propagated side by side from the epoch."""
+    """States of bodies at the beginnings and ends of legs, propagated together from the epoch."""
 
     def __init__(self, world: _World, refined: RefinedPlan) -> None:
         self._world = world
@@ -174,11 +174,11 @@ class _Ephemeris:
                 self._known[name, time] = states[name]
 
     def state(self, name: str, time_s: float) -> Array:
-        """State of a body at a time that a leg names, shape (6,)."""
+        """State of a body at a time named by a leg, shape (6,)."""
         return self._known[name, time_s]
 
     def following(self, name: str, time_s: float, length_m: float) -> Array:
-        """State of the point that follows it on its orbit: where it was a moment ago."""
+        """State of the point that follows a body on its orbit, slightly delayed."""
         state = self._known[name, time_s]
         return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
 
@@ -224,7 +224,7 @@ def _fly_leg(
 
 
 def _towed(world: _World, bodies: _Ephemeris, name: str, tow: RefinedTow) -> Array:
-    """Where a tow leads, shape (6, 1)."""
+    """State at the end of a tow, shape (6, 1)."""
     begin, end = tow.burns
     state = bodies.state(name, begin.time_s)[:, None].copy()
     state[3:, 0] += begin.delta_v_m_s

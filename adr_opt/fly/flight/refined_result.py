@@ -1,4 +1,4 @@
-"""What came of flying a refined plan."""
+"""Result of flying a refined plan."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 from .result import ChaserFlight, TankFlight, chasers_of
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
-"""What an arrival may miss its stand-off and its target by, in position [m] and velocity [m/s]."""
+"""Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
 
 
 @dataclass(frozen=True)
 class RefinedLegFlight:
-    """Where the burns of one refined leg lead.
+    """Flight of one refined leg's burns.
 
     Attributes
     ----------
@@ -54,14 +54,14 @@ class RefinedLegFlight:
 
     @property
     def arrives(self) -> bool:
-        """Whether it misses neither its stand-off nor its target, nor where it releases that."""
+        """Whether it hits its stand-off, its target and, with a tow, the release point."""
         return (
             max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0) <= MOST_MISS_M
             and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data; of a tow where there is one."""
+        """The flight as plain data, with its tow if there is one."""
         content = asdict(self) | {"arrives": self.arrives}
         if self.tow_miss_m is None:
             del content["tow_miss_m"]
@@ -72,7 +72,7 @@ class RefinedLegFlight:
 
 @dataclass(frozen=True)
 class RefinedFlight:
-    """What came of flying a refined plan.
+    """Result of flying a refined plan.
 
     Attributes
     ----------
@@ -91,48 +91,48 @@ class RefinedFlight:
 
     @property
     def worst_miss_m(self) -> float:
-        """Largest miss in position, of stand-offs and arrivals; 0 without legs [m]."""
+        """Largest position miss of stand-offs and arrivals; 0 without legs [m]."""
         return max((max(leg.standoff_miss_m, leg.arrival_miss_m) for leg in self.legs), default=0.0)
 
     @property
     def worst_miss_m_s(self) -> float:
-        """Largest miss in velocity, likewise [m/s]."""
+        """Largest velocity miss of stand-offs and arrivals; 0 without legs [m/s]."""
         return max(
             (max(leg.standoff_miss_m_s, leg.arrival_miss_m_s) for leg in self.legs), default=0.0
         )
 
     @property
     def strayed(self) -> tuple[RefinedLegFlight, ...]:
-        """The legs that miss."""
+        """Legs that miss."""
         return tuple(leg for leg in self.legs if not leg.arrives)
 
     @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
-        """The tanks that do not hold."""
+        """Tanks that do not suffice."""
         return tuple(tank for tank in self.tanks if not tank.holds)
 
     @property
     def chasers(self) -> tuple[ChaserFlight, ...]:
-        """What the legs of each chaser come to; none where there is one."""
+        """Totals by chaser; empty if there is only one."""
         return chasers_of(self.tanks)
 
     @property
     def holds(self) -> bool:
-        """Whether every leg is there and arrives, and every tank is enough."""
+        """Whether every leg is present and arrives, and every tank suffices."""
         return not (self.missing or self.strayed or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:
-        """ΔV of the legs and tows as the plan states it [m/s]."""
+        """Planned ΔV of legs and tows [m/s]."""
         return sum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     @property
     def flown_delta_v_m_s(self) -> float:
-        """ΔV of the legs and tows as flown [m/s]."""
+        """Flown ΔV of legs and tows [m/s]."""
         return sum(leg.flown_delta_v_m_s + leg.towing_m_s for leg in self.legs)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data: what ``fly --json`` prints."""
+        """The result as plain data: the output of ``fly --json``."""
         return {
             **({"chasers": [chaser.to_dict() for chaser in self.chasers]} if self.chasers else {}),
             "gravity": self.gravity,

@@ -1,4 +1,4 @@
-"""What came of flying a plan."""
+"""Result of flying a plan."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...plan.leg_kinds import leg_kind
 
 @dataclass(frozen=True)
 class EccentricFlight:
-    """Where a leg leads if both its bodies move on their true Kepler orbits.
+    """Flight of a leg with both bodies on their true Kepler orbits.
 
     The chaser begins on the true orbit of the origin and flies the burns of the plan as they are.
     What cannot be flown or solved (the burns lead away from the Earth, Lambert's problem has no
@@ -56,7 +56,7 @@ class EccentricFlight:
 
 @dataclass(frozen=True)
 class LegFlight:
-    """Where the burns of one leg lead.
+    """Flight of one leg's burns.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class LegFlight:
     true_delta_v_m_s: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data, with the fields of ``eccentric``, if any, beside the others."""
+        """The flight as plain data, with the fields of ``eccentric``, if any, at the same level."""
         told = asdict(self)
         if not told.pop("on_true_orbits"):
             del told["true_delta_v_m_s"]
@@ -113,7 +113,7 @@ class LegFlight:
 
 @dataclass(frozen=True)
 class TankFlight:
-    """Whether one tank holds: the legs from one refuelling to the next, that one included.
+    """Use of one tank: the legs from one refuelling to the next, the latter included.
 
     Attributes
     ----------
@@ -142,17 +142,17 @@ class TankFlight:
 
     @property
     def over_m_s(self) -> float | None:
-        """What is missing in the tank, negative if some is left; None if unknown [m/s]."""
+        """ΔV missing from the tank, negative if some is left; None if unknown [m/s]."""
         flown = self.flown_delta_v_m_s
         return None if flown is None else flown - self.budget_m_s
 
     @property
     def holds(self) -> bool:
-        """Whether the tank is known to be enough."""
+        """Whether the tank is known to suffice."""
         return self.over_m_s is not None and self.over_m_s <= DELTA_V_TOLERANCE_M_S
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data; with the chaser where there are several."""
+        """The tank as plain data, with the chaser if there are several."""
         told = asdict(self) | {"over_m_s": self.over_m_s, "holds": self.holds}
         return of_chaser(told)
 
@@ -168,24 +168,24 @@ class TankFlight:
 
 
 def legs_named(first: int, last: int) -> str:
-    """What legs in a row are called."""
+    """The name of consecutive legs."""
     return f"legs {first} to {last}" if last > first else f"leg {first}"
 
 
 def tank_name(number: int, chaser: str | None) -> str:
-    """What a tank is called."""
+    """The name of a tank."""
     return f"tank {number}" if chaser is None else f"tank {number} of {chaser!r}"
 
 
 def of_chaser(told: dict[str, Any]) -> dict[str, Any]:
-    """What is told as plain data, its chaser first where there are several, else without one."""
+    """Plain data with the chaser first, or without it if there is only one."""
     chaser = told.pop("chaser")
     return told if chaser is None else {"chaser": chaser, **told}
 
 
 @dataclass(frozen=True)
 class ChaserFlight:
-    """What the legs of one of several chasers come to.
+    """Totals of one of several chasers.
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ class ChaserFlight:
     holds: bool
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+        """The totals as plain data."""
         return asdict(self)
 
     def __str__(self) -> str:
@@ -222,7 +222,7 @@ class ChaserFlight:
 
 
 def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
-    """The chasers whose tanks these are, those of no legs left out; none where there is one."""
+    """Chasers of some tanks, without those that fly no legs; empty if there is only one."""
     found: dict[str, list[TankFlight]] = {}
     for tank in tanks:
         if tank.chaser is not None:
@@ -245,7 +245,7 @@ def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
 
 @dataclass(frozen=True)
 class Flight:
-    """What came of flying a plan.
+    """Result of flying a plan.
 
     Attributes
     ----------
@@ -264,39 +264,39 @@ class Flight:
 
     @property
     def drifts(self) -> tuple[LegFlight, ...]:
-        """The legs that drift."""
+        """The drift legs."""
         return tuple(leg for leg in self.legs if leg_kind(leg.kind).on_time_grid)
 
     @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
-        """The tanks that do not hold; none means that the plan does."""
+        """Tanks that do not suffice; none if the plan holds."""
         return tuple(tank for tank in self.tanks if not tank.holds)
 
     @property
     def chasers(self) -> tuple[ChaserFlight, ...]:
-        """What the legs of each chaser come to; none where there is one."""
+        """Totals by chaser; empty if there is only one."""
         return chasers_of(self.tanks)
 
     @property
     def eccentric(self) -> tuple[EccentricFlight, ...]:
-        """The legs with an eccentric orbit."""
+        """Legs with an eccentric orbit."""
         return tuple(leg.eccentric for leg in self.legs if leg.eccentric is not None)
 
     @property
     def true_legs(self) -> tuple[LegFlight, ...]:
-        """The legs that were flown on true orbits as well."""
+        """Legs that were also flown on true orbits."""
         return tuple(leg for leg in self.legs if leg.on_true_orbits)
 
     @property
     def true_delta_v_m_s(self) -> float | None:
-        """What those took there; None if one did not arrive [m/s]."""
+        """ΔV of those legs on true orbits; None if any does not arrive [m/s]."""
         costs = [leg.true_delta_v_m_s for leg in self.true_legs]
         known = [cost for cost in costs if cost is not None]
         return math.fsum(known) if len(known) == len(costs) else None
 
     @property
     def worst_true_miss_m(self) -> float | None:
-        """Largest miss of all legs on the true orbits; None if some leg cannot be flown [m]."""
+        """Largest miss of all legs on true orbits; None if some leg cannot be flown [m]."""
         misses = [
             leg.miss_m if leg.eccentric is None else leg.eccentric.true_miss_m for leg in self.legs
         ]
@@ -305,18 +305,18 @@ class Flight:
 
     @property
     def eccentricity_delta_v_m_s(self) -> float:
-        """What the plan sets aside for eccentricity vectors [m/s]."""
+        """ΔV reserved by the plan for eccentricity vectors [m/s]."""
         return sum(leg.eccentricity_delta_v_m_s for leg in self.eccentric)
 
     @property
     def correction_delta_v_m_s(self) -> float | None:
-        """What the corrected last arcs cost beyond the plan's; None if one is unknown [m/s]."""
+        """Extra ΔV of the corrected last arcs; None if any is unknown [m/s]."""
         costs = [leg.correction_delta_v_m_s for leg in self.eccentric]
         known = [cost for cost in costs if cost is not None]
         return sum(known) if len(known) == len(costs) else None
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data: what ``fly --json`` prints."""
+        """The result as plain data: the output of ``fly --json``."""
         told: dict[str, Any] = {"dynamics": self.dynamics, "worst_miss_m": self.worst_miss_m}
         if self.dynamics == "j2":
             # Former versions flew legs of eccentric orbits between circles alone.

@@ -1,4 +1,4 @@
-"""What the legs of a refined plan take from each tank."""
+"""ΔV taken from each tank by the legs of a refined plan."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .result import TankFlight
 
 @dataclass(frozen=True)
 class TankLegs:
-    """The refined legs that are flown from one tank.
+    """Refined legs flown from one tank.
 
     Attributes
     ----------
@@ -40,12 +40,12 @@ class TankLegs:
 def refined_routes(
     instance: Instance, refined: RefinedPlan
 ) -> list[tuple[Chaser, list[RefinedLeg]]]:
-    """The legs by chaser, in order; those of chasers that fly none are left out.
+    """Legs by chaser, in order, without chasers that fly none.
 
     Raises
     ------
     InputError
-        There are several chasers, and a leg does not say whose it is, or is nobody's.
+        There are several chasers, and a leg names none, or an unknown one.
     """
     if not several(instance):
         return [(instance.chasers[0], list(refined.legs))] if refined.legs else []
@@ -67,7 +67,7 @@ def refined_routes(
 
 
 def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
-    """The legs tank by tank, chaser after chaser; a tank ends with the leg to a station."""
+    """Legs by tank for each chaser; a tank ends with the leg to a station."""
     found = []
     for chaser, legs in refined_routes(instance, refined):
         # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
@@ -83,12 +83,12 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
 
 
 def _burnt_m_s(leg: RefinedLeg) -> float:
-    """ΔV of its burns, whatever it states [m/s]."""
+    """Sum of its burns, whatever ΔV it states [m/s]."""
     return math.fsum(burn.size_m_s for burn in leg.burns)
 
 
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
-    """The tanks of a refined plan, with what is planned and flown of each."""
+    """Tanks of a refined plan, with planned and flown ΔV of each."""
     return tuple(
         TankFlight(
             tank=one.tank,

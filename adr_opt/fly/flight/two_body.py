@@ -1,4 +1,4 @@
-"""boinor, in metres and seconds since the epoch.
+"""Adapter of boinor, in metres and seconds since the epoch.
 
 boinor is the maintained continuation of poliastro, whose last release, 0.17, itself refuses
 Python ≥ 3.11 and NumPy 2.
@@ -24,16 +24,16 @@ Vector = npt.NDArray[np.float64]
 State = tuple[Vector, Vector]
 
 MOST_ITERATIONS = 100
-"""Newton steps of the propagator; near-circular arcs take three or four."""
+"""Maximum number of Newton steps of the propagator; near-circular arcs take three or four."""
 
 MOST_RADIANS = 1e6
-"""Longest coast: beyond some hundred thousand revolutions too few digits of the phase are left."""
+"""Longest coast: beyond some hundred thousand revolutions the phase loses too many digits."""
 
 LAMBERT_TOLERANCE = 1e-10
-"""Last step of Izzo's iteration, in his dimensionless variable."""
+"""Last step of Izzo's iteration, in its dimensionless variable."""
 
 LAMBERT_MISS_M = 1.0
-"""How far a Lambert arc, flown, may end from where it was to lead; measured: millimetres."""
+"""Tolerance on the end of a Lambert arc when flown; measured: millimetres."""
 
 
 class TwoBody:
@@ -52,7 +52,7 @@ class TwoBody:
         self._mu = float(Earth.k.to_value(units.m**3 / units.s**2))
 
     def circle_at_epoch(self, orbit: Orbit) -> State:
-        """Position [m] and velocity [m/s] at the epoch, on the circle that is planned with.
+        """Position [m] and velocity [m/s] at the epoch, on the planning circle.
 
         The circle has r = a, and its argument of latitude is that of the mean body: argument of
         perigee + mean anomaly.
@@ -62,11 +62,11 @@ class TwoBody:
         return self._state(orbit, 0.0, 0.0, math.radians(orbit.argument_of_perigee_deg) + mean)
 
     def body(self, orbit: Orbit, time_s: float) -> State:
-        """Position [m] and velocity [m/s] of a body at a time, on the circle planned with."""
+        """Position [m] and velocity [m/s] of a body at a time, on its planning circle."""
         return self.coast(self.circle_at_epoch(orbit), time_s)
 
     def true_at_epoch(self, orbit: Orbit) -> State:
-        """Position [m] and velocity [m/s] at the epoch, on the Kepler orbit of the elements."""
+        """Position [m] and velocity [m/s] at the epoch, on the true Kepler orbit."""
         perigee = math.radians(orbit.argument_of_perigee_deg)
         return self._state(orbit, orbit.eccentricity, perigee, _true_anomaly(orbit))
 
@@ -86,7 +86,7 @@ class TwoBody:
         return position.to_value(u.m), velocity.to_value(u.m / u.s)
 
     def coast(self, state: State, time_s: float) -> State:
-        """State after some time without burns.
+        """State after a coast.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class TwoBody:
         return f * position + g * velocity, f_dot * position + g_dot * velocity
 
     def lambert(self, start: Vector, end: Vector, time_s: float, normal: Vector) -> State:
-        """Velocities at both ends of the arc of less than a revolution between two points.
+        """Velocities at both ends of an arc of less than one revolution between two points.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""From plan to flight: burns that hold in true dynamics (docs/model.md section 10).
+"""Refinement of plans: burns that hold in true dynamics (docs/model.md section 10).
 
 Truth is the numerically integrated motion in the field of the Earth with its zonal harmonics, and
 impulses. Bodies begin at the osculating states of their mean elements and keep up with their mean

@@ -1,4 +1,4 @@
-"""Refine a plan: its legs led to their stand-offs in true dynamics, in parallel."""
+"""Refinement of a plan: all legs guided to their stand-offs in true dynamics, in parallel."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
 
 INTERRUPTED = "interrupted"
-"""Why a leg is missing that nobody had time for."""
+"""Reason for a leg that was not reached in time."""
 
 POLL_S = 0.1
-"""How often it is asked whether it is enough."""
+"""Interval at which the stopping criterion is queried [s]."""
 
 Report = Callable[[int, int], None]
 
@@ -152,7 +152,7 @@ def refine(
 
 
 def _calls(jobs: int | None, cluster: str | None) -> Calls:
-    """Who leads the legs."""
+    """The executor that guides the legs."""
     if cluster is not None:
         return Workers(cluster)
     count = jobs or os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""Bodies in true dynamics: where the mean model says, osculating, and numerically propagated.
+"""Bodies in true dynamics: from mean elements to osculating states, propagated numerically.
 
 An instance keeps mean elements. They are a fit to the truth, and the secular rates of docs/model.md
 section 1 are of first order: an orbit that begins at osculating elements of first order leaves
@@ -25,16 +25,16 @@ from .short_periods import Array, osculating
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 
 SAMPLES = 48
-"""Times in the mission at which a body is compared with its mean model."""
+"""Number of times in the mission at which a body is compared with its mean model."""
 
 CORRECTIONS = 3
-"""Rounds of the correction; the second one changes centimetres."""
+"""Number of correction rounds; the second one changes centimetres."""
 
 NO_MATRIX = np.empty((0, 0))
 
 
 def moved(state: Array, duration_s: float, gravity: Gravity) -> Array:
-    """State after some time of free motion, shape (6,) [m, m/s].
+    """State after a coast, shape (6,) [m, m/s].
 
     Raises
     ------
@@ -49,7 +49,7 @@ def moved(state: Array, duration_s: float, gravity: Gravity) -> Array:
 
 
 class TrueBodies:
-    """States of the bodies of an instance in true dynamics.
+    """States of an instance's bodies in true dynamics.
 
     Parameters
     ----------
@@ -124,13 +124,13 @@ def state_at_epoch(orbit: Orbit, gravity: Gravity, span_s: float) -> Array:
 
 
 def mean_at(orbit: Orbit, gravity: Gravity, time_s: float) -> tuple[Array, Array]:
-    """Mean equinoctial elements of a body at a time, and the frame of its mean plane then."""
+    """Mean equinoctial elements of a body at a time, and the frame of its mean plane."""
     row = np.array(orbit.row(0.0 if gravity == "two-body" else OBLATENESS_M2))
     return elements.equinoctial_at(row, time_s)
 
 
 def _ahead(state: Array, other: Array) -> float:
-    """How far the first of two states is ahead of the second in mean longitude [rad]."""
+    """Lead of the first state over the second in mean longitude [rad]."""
     frame = equinoctial.own_frame(other)
     first, second = (equinoctial.elements(one, frame)[5] for one in (state, other))
     return math.remainder(first - second, math.tau)

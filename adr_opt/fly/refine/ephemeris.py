@@ -1,4 +1,4 @@
-"""A refined plan as states over time: the chaser's, or those of a body that it visits."""
+"""A refined plan as states over time, of the chaser or of a visited body."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .states import state_of
 
 @dataclass(frozen=True)
 class EphemerisTrack:
-    """Free motion without a burn in it, and what it belongs to in words."""
+    """A coast without burns, and a description of its context."""
 
     comment: str
     arc: Arc
@@ -112,7 +112,7 @@ def _of_leg(
 def _towing(
     refined: RefinedPlan, states: dict[str, Array], name: str, tow: RefinedTow
 ) -> Iterator[tuple[str, float, Array, float]]:
-    """The arc of a tow: its phase, when and in what state it begins, and when it ends."""
+    """The arc of a tow: its phase, start time and state, and end time."""
     first, second = tow.burns
     state = moved(states[name], first.time_s, refined.gravity)
     state[3:] += first.delta_v_m_s

@@ -1,4 +1,4 @@
-"""Whether a refined plan holds, and how much of one that does not."""
+"""Whether a refined plan holds, and which part of it does otherwise."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .bodies import Gravity, TrueBodies
 from .towing import towed
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
-"""What a leg may miss by, as `fly` judges it."""
+"""Largest miss of a leg, as judged by `fly`."""
 
 
 def troubles(problem: Problem, refined: RefinedPlan) -> tuple[str, ...]:
-    """Why a refined plan does not hold; nothing if it does.
+    """Reasons why a refined plan does not hold; empty if it does.
 
     Every leg must be there and arrive, and every tank must be enough, less the margin that is kept
     back. Times need no look: refined legs arrive when the plan says, or not at all.
@@ -50,7 +50,7 @@ def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
 def beginning(
     problem: Problem, plan: Plan, refined: RefinedPlan
 ) -> tuple[Plan, RefinedPlan] | None:
-    """The longest beginning of each chaser's legs that holds, if the mission may end there.
+    """The longest beginning of each chaser's legs that holds and may end the mission.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def beginning(
 
 
 def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
-    """So many legs of a chaser. Who tows what is serviced last does not wait for another leg."""
+    """The first legs of a chaser, the last tow starting at once, as no leg follows."""
     tows = removals_by_name(instance)
     for at, (_, leg) in enumerate(flown.legs[:held], start=1):
         if leg.tow is None or at < held or held == len(flown.legs):
@@ -115,7 +115,7 @@ def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
 
 
 def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
-    """A refined leg with the tow that its plan has now."""
+    """A refined leg with the current tow of its plan."""
     tow = plan.legs[leg.leg - 1].tow
     if tow is None or leg.tow is None or tow.start_s == leg.tow.burns[0].time_s:
         return leg
@@ -124,12 +124,12 @@ def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -
 
 
 def _route_name(plan: Plan, flown: Flown) -> str:
-    """The chaser of a route as the plan names it."""
+    """Name of a route's chaser as in the plan."""
     return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
 
 
 def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
-    """How many of a chaser's legs, at most, hold, so that it may end after them."""
+    """Maximum number of a chaser's legs that hold such that it may end after them."""
     numbers = [number for number, _ in flown.legs]
     for count in range(len(numbers), 0, -1):
         first = numbers[:count]
@@ -143,7 +143,7 @@ def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
 
 
 def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
-    """Whether a chaser may end after so many legs."""
+    """Whether a chaser may end after a number of legs."""
     last, end = flown.legs[count - 1][1].destination, flown.chaser.end
     if isinstance(end, AtStation):
         return last == end.station
@@ -151,7 +151,7 @@ def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
 
 
 def _with(refined: RefinedPlan, sha256: str, legs: list[RefinedLeg]) -> RefinedPlan:
-    """A refined plan with some of its legs, and none missing."""
+    """A refined plan with a subset of its legs, complete."""
     known = {name for leg in legs for name in (leg.origin, leg.destination)}
     return refined.replace(
         plan=refined.plan.replace(sha256=sha256),

@@ -1,4 +1,4 @@
-"""Impulses of least total size that make a linear change: a second-order cone problem.
+"""Impulses of least total size for a linear change: a second-order cone problem.
 
     minimise Σ |u_k|   subject to   Σ M_k u_k = d
 
@@ -23,11 +23,11 @@ from .short_periods import Array
 MOST_ROUNDS = 2000
 
 LEAST_SHARE = 1e-12
-"""Of the largest impulse; smaller ones weigh no less than this, so that no weight is zero."""
+"""Lower limit of weights as a share of the largest impulse, so that no weight is zero."""
 
 
 class Least(NamedTuple):
-    """Impulses, their total size, and a bound below which no impulses meet the equations."""
+    """Impulses, their total size, and a lower bound on it."""
 
     impulses: Array  # (times, 3) [m/s]
     total: float
@@ -35,7 +35,7 @@ class Least(NamedTuple):
 
 
 def least_impulses(effects: Array, change: Array, tolerance: float = 1e-3) -> Least:
-    """The impulses of least total size.
+    """Impulses of least total size.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def least_impulses(effects: Array, change: Array, tolerance: float = 1e-3) -> Le
 
 
 def fewest(effects: Array, impulses: Array) -> Array:
-    """Impulses of no greater total size and of the same effect, at most one an equation.
+    """Impulses with the same effect and no greater total size, at most one per equation.
 
     Along their directions the sizes solve a linear program, of which a basic solution has as many
     impulses as there are equations. One after the other is emptied into the others.

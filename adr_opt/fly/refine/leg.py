@@ -1,4 +1,4 @@
-"""One leg in true dynamics: impulses that lead from a state to a state with the least ΔV.
+"""One leg in true dynamics: impulses of least ΔV between two states.
 
 Successive convex steps. Misses are measured in equinoctial elements in the frame of the goal, and
 the longitude counts whole revolutions: so they are nearly linear in the impulses, even where weeks
@@ -22,28 +22,29 @@ from .least import fewest, least_impulses
 from .short_periods import Array
 
 POSITION_M, SPEED_M_S = 1e-3, 1e-6
-"""How near a leg must come to its goal: a thousandth of what the contract of a refined plan is."""
+"""Tolerances of a leg at its goal: a thousandth of those in the contract of refined plans."""
 
 MOST_NEWTON = 25
 MOST_CONVEX = 12
-"""Steps that close a miss; convex steps."""
+"""Maximum numbers of steps to close a miss, and of convex steps."""
 
 WORTH = 1e-4
-"""A convex step that gains less, as a share of the ΔV, is the last one."""
+"""Least relative gain of a convex step; a smaller one is the last."""
 
 PER_REVOLUTION = 24
-"""Candidate times in a revolution."""
+"""Number of candidate times per revolution."""
 
 MOST_CANDIDATES = 960
-"""In a leg; where there would be more, whole revolutions are left out evenly in its middle."""
+"""Maximum number of candidate times in a leg; beyond it, whole revolutions in its middle are
+omitted evenly."""
 
 NEGLIGIBLE_M_S = 1e-4
-"""Impulses smaller than this are left out where the rest can do without them."""
+"""Size of impulses that are omitted if the others can do without them."""
 
 
 @dataclass(frozen=True)
 class LegEnds:
-    """Where a leg begins and is to end.
+    """Start and goal of a leg.
 
     Attributes
     ----------
@@ -69,7 +70,7 @@ class LegEnds:
     highest_m: float = math.inf
 
     def move(self, times: Array, impulses: Array) -> tuple[Array, Array, float]:
-        """Fly impulses from the start: what :func:`adr_opt.kernels.orbits.coast.fly` returns."""
+        """Fly impulses from the start: the result of :func:`adr_opt.kernels.orbits.coast.fly`."""
         zonals = FIELDS[self.gravity]
         found: tuple[Array, Array, float] = coast.fly(
             self.start, times, impulses, self.end_s, zonals, True
@@ -108,7 +109,7 @@ class FlownImpulses:
 
     @property
     def reach_m(self) -> tuple[float, float]:
-        """Lowest perigee and highest apogee of the arcs between the impulses [m].
+        """Lowest perigee and highest apogee of the arcs between impulses [m].
 
         An arc after the last impulse counts, one without length does not: it ends at the goal.
         """
@@ -122,11 +123,11 @@ class FlownImpulses:
 
 
 class NoWay(ArithmeticError):
-    """No trajectory to the goal was found from the burns that were given."""
+    """No trajectory to the goal was found from the given burns."""
 
 
 def fly(course: LegEnds, times: Array, impulses: Array) -> FlownImpulses:
-    """Fly impulses and measure the miss.
+    """Fly impulses and compute the miss.
 
     Raises
     ------
@@ -165,7 +166,7 @@ def close(
     *,
     evenly: bool = False,
 ) -> FlownImpulses:
-    """Change impulses as little as it takes to meet the goal.
+    """Change impulses as little as necessary to reach the goal.
 
     Newton's steps of least weighted square: large impulses take more of the change, unless all are
     to take of it evenly.
@@ -203,7 +204,7 @@ def close(
 
 
 def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
-    """Impulses of less ΔV that meet the goal as well, by successive convex steps."""
+    """Impulses of less ΔV that also reach the goal, by successive convex steps."""
     low, high = flown.reach_m
     limits = min(course.lowest_m, low), max(course.highest_m, high)
     share = 1.0
@@ -233,7 +234,7 @@ def cheapen(course: LegEnds, flown: FlownImpulses) -> FlownImpulses:
 def _try(
     course: LegEnds, limits: tuple[float, float], times: Array, impulses: Array
 ) -> FlownImpulses | None:
-    """Close impulses, without those that are negligible; None where that leads nowhere."""
+    """Close impulses without negligible ones; None if that fails."""
     sizes = np.sqrt(np.sum(impulses**2, axis=1))
     kept = sizes > NEGLIGIBLE_M_S
     if kept.sum() < 2:
@@ -247,7 +248,7 @@ def _try(
 
 
 def _with_candidates(course: LegEnds, flown: FlownImpulses) -> tuple[Array, Array]:
-    """The impulses of a trajectory among candidate times without one."""
+    """Impulses of a trajectory, with zeros at candidate times."""
     radius = math.hypot(*course.goal[:3])
     revolution = math.tau * math.sqrt(radius**3 / MU_M3_S2)
     span = course.end_s - course.start_s
@@ -281,6 +282,6 @@ def _least_square(effects: Array, change: Array, weights: Array) -> Array:
 
 
 def _size(course: LegEnds, miss: Array) -> float:
-    """A length that a miss in elements stands for [m]."""
+    """Length equivalent to a miss in elements [m]."""
     radius = math.hypot(*course.goal[:3])
     return float(np.linalg.norm(miss * np.array([1.0, *([radius] * 5)])))

@@ -1,4 +1,4 @@
-"""What refined legs teach about all connections: corrections of the model."""
+"""Corrections of the model learned from refined legs."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from .all_legs import INTERRUPTED
 
 Key = tuple[str, str, str]
 Cost = tuple[float, float]
-"""ΔV as planned and as flown [m/s]."""
+"""Planned and flown ΔV [m/s]."""
 
 LEAST_FACTOR = 0.1
-"""However much is saved; no transfer becomes free."""
+"""Lower limit of cost factors, so that no transfer becomes free."""
 
 MOST_OF_A_LINE = 4
-"""From so many drifting legs on a line is laid through what they cost; before, the mean excess."""
+"""Number of drift legs from which a line is fitted to their costs; below it, the mean excess."""
 
 
 class Lessons:
-    """What the legs refined so far cost against their plans.
+    """Costs of the legs refined so far, against their plans.
 
     All connections of a kind are corrected by what its legs cost in the mean. For short ones that
     is a factor. For those that drift it is an addition as well: the model does not know their
@@ -50,7 +50,7 @@ class Lessons:
         return leg.origin, leg.destination, leg.kind
 
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
-        """Hear what the legs of a plan cost as they were refined."""
+        """Record the refined costs of a plan's legs."""
         for leg in refined.legs:
             costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
             self._legs.setdefault(self._key(leg), set()).add(costs)
@@ -61,7 +61,7 @@ class Lessons:
 
     @property
     def corrections(self) -> Corrections:
-        """What they come to."""
+        """Corrections derived from the recorded costs."""
         least = LEAST_FACTOR if self._savings else 1.0
         factors: dict[str, float] = {}
         additions: dict[str, float] = {}
@@ -85,7 +85,7 @@ class Lessons:
 
 
 def _line(legs: list[Cost], least: float, *, drifts: bool) -> tuple[float, float]:
-    """Factor, not below the least, and addition, not negative, that legs cost in the mean."""
+    """Factor, not below the least, and non-negative offset of the legs' mean cost."""
     planned, flown = zip(*legs, strict=True)
     factor = max(least, math.fsum(flown) / math.fsum(planned))
     if not drifts:

@@ -1,4 +1,4 @@
-"""Plan, refine, and plan again over connections that cost what refined legs did, until it holds."""
+"""Plan and refine in turns, over connections corrected by refined legs, until the plan holds."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ from .holding import beginning, troubles
 from .lessons import Lessons
 
 MOST_ROUNDS = 10
-"""How often a mission is planned at most, if nobody says."""
+"""Default maximum number of rounds."""
 
 
 @dataclass(frozen=True)
 class Round:
-    """One plan of the loop, and what came of refining it.
+    """One plan of the loop, with the outcome of its refinement.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Round:
 
     @property
     def corrected_delta_v_m_s(self) -> float:
-        """What the same legs cost by the corrected connections: what was expected [m/s]."""
+        """Expected cost of the same legs by the corrected connections [m/s]."""
         return math.fsum(
             self.corrections.corrected(
                 leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
@@ -72,7 +72,7 @@ class Round:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data; the corrections in words."""
+        """The round as plain data, with corrections in words."""
         return {
             "number": self.number,
             "corrections": str(self.corrections),
@@ -95,7 +95,7 @@ class Round:
 
 @dataclass(frozen=True, repr=False)
 class RefinedResult(Shown):
-    """The best plan found that holds when refined, or why there is none.
+    """The best plan found that holds when refined, or the reason why there is none.
 
     Attributes
     ----------
@@ -116,17 +116,17 @@ class RefinedResult(Shown):
 
     @property
     def holds(self) -> bool:
-        """Whether there is a plan that holds."""
+        """Whether a plan holds."""
         return not self.reason
 
     @property
     def plan(self) -> Plan | None:
-        """The plan, which belongs to the instance: its ΔV is that of the model."""
+        """The plan, in terms of the instance: its ΔV is that of the model."""
         return self.result.plan
 
 
 class _Best:
-    """The best plan so far that holds: of most prize, then of least ΔV flown."""
+    """The best plan so far that holds: by prize, then by flown ΔV."""
 
     def __init__(self) -> None:
         self.kept: tuple[Plan, RefinedPlan] | None = None
@@ -137,7 +137,7 @@ class _Best:
 
 
 def _overdrawn(tank: TankFlight) -> bool:
-    """Whether the model's ΔV breaks a tank."""
+    """Whether the model's ΔV overdraws a tank."""
     return tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
 
 
@@ -163,7 +163,7 @@ def solve_refined(  # noqa: PLR0913
     options: dict[str, Any] | None = None,
     **arguments: Any,
 ) -> RefinedResult:
-    """Plan a mission so that the plan holds when it is refined.
+    """Plan a mission such that the plan holds when refined.
 
     The plan is refined. Where a tank does not hold what its legs cost then, or a leg cannot be
     refined, what legs cost in the mean goes into all connections, what they cost against that into
@@ -256,7 +256,7 @@ def solve_refined(  # noqa: PLR0913
 
 
 def sequences(problem: Problem, plan: Plan) -> tuple[tuple[int, ...], ...]:
-    """The bodies of a plan in order, by number, for each chaser of the instance."""
+    """Body numbers of a plan in order, for each chaser of the instance."""
     flown = {route.chaser.name: route.legs for route in routes_of(problem.instance, plan)}
     return tuple(
         tuple(mission.numbers(leg.destination for _, leg in flown[mission.chaser.name]).tolist())
@@ -272,7 +272,7 @@ def _ended(
     reason: str,
     refined: RefinedPlan | None = None,
 ) -> RefinedResult:
-    """The result with the best plan that holds; without one that of the last round."""
+    """The result with the best plan that holds, or else that of the last round."""
     if best.kept is None:
         return RefinedResult(result, refined, rounds, reason)
     plan, kept = best.kept

@@ -1,4 +1,4 @@
-"""One leg of a plan, refined: from the docked start by way of the stand-off to the target."""
+"""Refinement of one leg: from the docked start via the stand-off to the target."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from .states import recorded, state_of
 from .towing import towed
 
 HELPERS = 24
-"""Times at which impulses may help where the plan's own burns cannot be closed."""
+"""Number of times for additional impulses if the plan's own burns cannot be closed."""
 
 LAST_REVOLUTIONS = 2
-"""Where that does not do either, they stand in so many revolutions before the stand-off."""
+"""Number of revolutions before the stand-off that hold them if that fails, too."""
 
 
 def refine_leg(
@@ -35,7 +35,7 @@ def refine_leg(
     lead_in: tuple[Burn, ...] = (),
     after_launch: bool = False,
 ) -> RefinedLeg:
-    """Lead one leg to its stand-off, and from there to its target.
+    """Guide one leg to its stand-off, and from there to its target.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def refine_leg(
 def planned_angles(
     instance: Instance, leg: Leg, lead_in: tuple[Burn, ...] = ()
 ) -> tuple[float, float]:
-    """Angles that the chaser runs through by plan: to the stand-off, and from there on [rad]."""
+    """Planned angles travelled by the chaser: to the stand-off, and from there on [rad]."""
     position, velocity = leaving_state(instance, leg, lead_in)
     angles, approaching = [0.0, 0.0], 0
     for burn, after in zip(leg.burns[:-1], leg.burns[1:], strict=True):
@@ -144,7 +144,7 @@ def planned_angles(
 
 
 def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
-    """The plan's burns, kept near what they were; with a few more where they cannot be closed.
+    """The plan's burns, changed little; with some more if they cannot be closed.
 
     Weeks before its end a leg is far from linear in what a burn changes. What the plan is off by in
     eccentricity, above all, can be made up for at the end, by whichever impulses do it.
@@ -171,7 +171,7 @@ def aim(course: LegEnds, burns: tuple[Burn, ...]) -> FlownImpulses:
 
 
 def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
-    """The burns of the approach with one more a quarter of a lap after the first.
+    """Burns of the approach with another a quarter lap after the first.
 
     Half a lap after it an impulse across the plane has no effect: what the planes of the chaser
     and the target differ by, some decimetres, is closed between.
@@ -183,7 +183,7 @@ def with_a_middle(burns: tuple[Burn, ...], angle: float) -> tuple[Array, Array]:
 
 
 def _phases(burns: tuple[Burn, ...], flown: FlownImpulses) -> list[str]:
-    """The phase of the plan's burn of each time; ``transfer`` where the plan has none."""
+    """Phase of the plan's burn at each time; ``transfer`` where the plan has none."""
     known = {burn.time_s: burn.phase for burn in reversed(burns)}
     return [known.get(float(time), "transfer") for time in flown.times]
 
@@ -198,7 +198,7 @@ def _burns(flown: FlownImpulses, phases: list[str]) -> list[RefinedBurn]:
 
 
 def _states(course: LegEnds, flown: FlownImpulses, docking: FlownImpulses) -> list[RefinedState]:
-    """States at the departure, after each burn, at the stand-off, and docked."""
+    """States at departure, after each burn, at the stand-off, and docked."""
     found = [recorded("departure", course.start_s, course.start)]
     for part in (flown, docking):
         for time, before, impulse in zip(part.times, part.states[:-1], part.impulses, strict=True):

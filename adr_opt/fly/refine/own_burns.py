@@ -1,4 +1,4 @@
-"""The plan's own burns in true dynamics: at their times, and near what the plan says.
+"""The plan's own burns in true dynamics: at their times, and close to their planned values.
 
 A leg of four burns leaves six numbers free. Of all burns at the plan's times that meet the goal
 those are flown for which
@@ -24,14 +24,14 @@ from .leg import MOST_CONVEX, WORTH, FlownImpulses, LegEnds, NoWay, close, fly
 from .short_periods import Array
 
 CHANGE_WEIGHT = 2.0 / 3.0
-"""w. Chosen such that what is flown is near what was planned, over circles and eccentric orbits;
-``bench/refine_clouds.py --change-weights`` shows what others give."""
+"""w, chosen such that flown burns stay close to the planned ones, for circles and eccentric orbits;
+``bench/refine_clouds.py --change-weights`` shows the effect of other values."""
 
 
 def cheapest_near(
     course: LegEnds, flown: FlownImpulses, planned: Array, weight: float = CHANGE_WEIGHT
 ) -> FlownImpulses:
-    """Make burns that meet the goal cheap, and keep them near the plan's.
+    """Make burns that meet the goal cheap, while keeping them close to the plan's.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def cheapest_near(
 
 
 def _worth(impulses: Array, planned: Array, weight: float) -> float:
-    """What is made least [m/s]."""
+    """The function to be minimised [m/s]."""
     sizes, changes = (np.sqrt(np.sum(of**2, axis=1)).sum() for of in (impulses, impulses - planned))
     return float(sizes + weight * changes)
 
@@ -73,7 +73,7 @@ def _worth(impulses: Array, planned: Array, weight: float) -> float:
 def _tried(
     course: LegEnds, limits: tuple[float, float], times: Array, impulses: Array
 ) -> FlownImpulses | None:
-    """Burns closed; None where that leads nowhere, or too high or low."""
+    """Closed burns; None if that fails or leaves the altitude limits."""
     try:
         found = close(course, times, impulses)
     except NoWay:
@@ -83,7 +83,7 @@ def _tried(
 
 
 def _least(effects: Array, aimed: Array, planned: Array, weight: float) -> Array:
-    """The burns of which the linear problem says that they are best."""
+    """Optimal burns of the linearised problem."""
     own = np.flatnonzero(np.any(planned != 0.0, axis=1))
     count, equations, _ = effects.shape
     wide = np.zeros((count + own.size, equations + 3 * own.size, 3))

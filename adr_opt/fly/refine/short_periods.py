@@ -1,4 +1,4 @@
-"""Mean and osculating states: the short-period variations of the zonal harmonics, to first order.
+"""Mean and osculating states: short-period variations by zonal harmonics, to first order.
 
 Osculating elements swing about mean ones by what a revolution's perturbation is without its mean.
 Gauss's equations give the rates of equinoctial elements along the mean orbit; their Fourier series
@@ -22,10 +22,10 @@ from ...kernels.orbits import equinoctial
 Array = npt.NDArray[np.float64]
 
 SAMPLES = 64
-"""Of a revolution: enough for eccentricities to 0.3; more eccentric orbits take more."""
+"""Samples per revolution: enough for eccentricities up to 0.3; more eccentric orbits take more."""
 
 ROUNDS = 12
-"""Of the iteration from osculating to mean; each gains three digits."""
+"""Iterations from osculating to mean elements; each gains three digits."""
 
 
 def osculating(mean: Array, frame: Array, zonals: Array) -> Array:
@@ -67,7 +67,7 @@ def mean_elements(state: Array, frame: Array, zonals: Array) -> Array:
 
 
 def swing(elements: Array, frame: Array, zonals: Array) -> Array:
-    """Osculating less mean elements at a point of a mean orbit in its own plane, shape (6,)."""
+    """Osculating minus mean elements at a point of a mean orbit in its own plane, shape (6,)."""
     if not zonals.any():
         return np.zeros(6)
     a, f, g = elements[:3]
@@ -90,7 +90,7 @@ def swing(elements: Array, frame: Array, zonals: Array) -> Array:
 
 
 def _rates(a: float, f: float, g: float, longitudes: Array, frame: Array, zonals: Array) -> Array:
-    """Change of the elements by the harmonics, per radian of mean longitude, shape (6, n)."""
+    """Rates of the elements due to the harmonics, per radian of mean longitude, shape (6, n)."""
     eccentric = longitudes.copy()
     for _ in range(50):
         error = eccentric + g * np.cos(eccentric) - f * np.sin(eccentric) - longitudes
@@ -129,7 +129,7 @@ def _rates(a: float, f: float, g: float, longitudes: Array, frame: Array, zonals
 
 
 def _disturbing(r: Array, outward: Array, zonals: Array) -> Array:
-    """What the harmonics add to the pull of a point, at unit vectors, shape (n, 3) [m/s²]."""
+    """Acceleration by the harmonics beyond a point mass, at unit vectors, shape (n, 3) [m/s²]."""
     s, q = outward[:, 2], EARTH_RADIUS_M / r
     c2, c3, c4 = (zonals[n - 2] * q**n for n in (2, 3, 4))
     along = 1.5 * c2 * (5.0 * s**2 - 1.0) + 2.5 * c3 * s * (7.0 * s**2 - 3.0)

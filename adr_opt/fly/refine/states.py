@@ -1,4 +1,4 @@
-"""Osculating states as refined plans have them, and as arrays."""
+"""Osculating states: as in refined plans, and as arrays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .short_periods import Array
 
 
 def recorded(event: str, time_s: float, state: Array) -> RefinedState:
-    """The state of shape (6,) at an event, as a refined plan has it."""
+    """A state of shape (6,) at an event, in the form of refined plans."""
     values = state.tolist()
     return RefinedState.model_validate(
         {

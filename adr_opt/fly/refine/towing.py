@@ -1,4 +1,4 @@
-"""Tows in true dynamics: two burns against the motion, as large as the plan's and at its times.
+"""Tows in true dynamics: two burns against the motion, with the plan's size and times.
 
 The plan's burns are those between circles, of which the first is half a revolution before the
 second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object on

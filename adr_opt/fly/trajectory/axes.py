@@ -1,4 +1,4 @@
-"""The frame that a file is written in, and the rotation that leads there from an instance's own.
+"""Reference frame of a file, and the rotation into it from an instance's own.
 
 Rotations are worked out by astropy, which goes from TEME through the rotating Earth to the
 celestial frame of the IERS by the precession and nutation of 2006 and 2000A. The angle of the Earth
@@ -20,12 +20,12 @@ from ...problem.instance import Instance
 from .kepler import Array
 
 USUAL: FrameName = "EME2000"
-"""What the frame is called of an instance that does not name its own."""
+"""Name given to the frame of an instance that does not state its own."""
 
 
 @dataclass(frozen=True)
 class Axes:
-    """In which axes a file states positions, velocities and burns.
+    """Axes in which a file states positions, velocities and burns.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Axes:
     own : Frame or None
         What the instance names; None where it names none.
     matrix : (3, 3) float64 or None
-        From the axes of the elements to these; None where they are the same, or nobody can know.
+        From the axes of the elements to these; None where they are equal or unknown.
     """
 
     frame: Frame
@@ -50,10 +50,10 @@ class Axes:
 
     @property
     def said(self) -> str:
-        """A sentence on what the axes are."""
+        """A sentence describing the axes."""
         if self.own is None:
             return (
-                "The reference frame is named by whoever exports: the instance says only that its "
+                "The reference frame was named on export: the instance says only that its "
                 "elements are inertial, and nothing was transformed."
             )
         if self.matrix is None:
@@ -65,7 +65,7 @@ class Axes:
 
 
 def axes_of(instance: Instance, frame: str | None = None) -> Axes:
-    """The axes of a frame, for what an instance holds.
+    """Axes of a frame for an instance.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def _named(name: str, instance: Instance) -> Frame:
 
 
 def rotation(start: Frame, end: Frame) -> Array | None:
-    """The matrix that turns vectors from one frame into another; None where axes are the same.
+    """Rotation matrix between two frames; None if their axes are equal.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def rotation(start: Frame, end: Frame) -> Array | None:
 
 
 def _from_gcrf(frame: Frame) -> Array:
-    """The matrix that turns vectors from GCRF, shape (3, 3)."""
+    """Rotation matrix from GCRF, shape (3, 3)."""
     try:
         import erfa
         from astropy import coordinates  # noqa: F401
@@ -128,7 +128,7 @@ def _from_gcrf(frame: Frame) -> Array:
 
 
 def _to_teme(time: datetime) -> Array:
-    """The rows are the axes of TEME at a time, in GCRF."""
+    """Axes of TEME at a time as rows, in GCRF."""
     from astropy import units
     from astropy.coordinates import GCRS, TEME, CartesianRepresentation
     from astropy.time import Time

@@ -1,4 +1,4 @@
-"""Where the station and the targets are: on the circles planned with, or on their true orbits."""
+"""Positions of the station and the targets: on planning circles, or on true orbits."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def body_states(
 def leaving_state(
     instance: Instance, leg: Leg, lead_in: Sequence[Burn] = ()
 ) -> tuple[Array, Array]:
-    """Where a leg leaves, before its first burn: position [m] and velocity [m/s], shape (3,) each.
+    """State at a leg's departure, before its first burn: position [m], velocity [m/s], shape (3,).
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def leaving_state(
 
 
 def body_secular(instance: Instance, body: str) -> tuple[float, float]:
-    """Pace and rate of the node of a body, as :func:`.kepler.secular` gives them."""
+    """Pace and node rate of a body, as from :func:`.kepler.secular`."""
     orbit = instance.body_orbits[instance.names.index(body)]
     row = np.array(orbit.row(instance.oblateness_m2))
     motion = ephemeris.mean_motion(ephemeris.radius_at(row, EPOCH_S))
@@ -90,7 +90,7 @@ def body_secular(instance: Instance, body: str) -> tuple[float, float]:
 def body_positions(
     instance: Instance, times_s: npt.ArrayLike, *, true_orbits: bool = False
 ) -> Array:
-    """Positions of all bodies, the stations first, shape (bodies, n, 3) [m]."""
+    """Positions of all bodies, stations first, shape (bodies, n, 3) [m]."""
     return np.stack(
         [
             body_states(instance, name, times_s, true_orbits=true_orbits)[0]
@@ -100,7 +100,7 @@ def body_positions(
 
 
 def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
-    """Position [m] and velocity [m/s] on the Kepler orbit of the elements, at the epoch."""
+    """Position [m] and velocity [m/s] on the true Kepler orbit, at the epoch."""
     e = orbit.eccentricity
     true = math.radians(orbit.true_anomaly_deg)
     latitude = math.radians(orbit.argument_of_perigee_deg) + true
@@ -132,7 +132,7 @@ def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array,
 
 
 def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
-    """Kepler motion at the pace of the mean anomaly, whose perigee and node move."""
+    """Kepler motion at the pace of the mean anomaly, with moving perigee and node."""
     row = np.array(orbit.row(oblateness_m2))
     perigee_rate = float(ephemeris.perigee_rate_at(row, EPOCH_S))
     anomaly_rate = float(ephemeris.latitude_rate_at(row, EPOCH_S)) - perigee_rate
@@ -156,7 +156,7 @@ def _precessed(positions: Array, velocities: Array, angles: Array) -> tuple[Arra
 
 
 def _axes(orbit: Orbit) -> tuple[Array, Array]:
-    """Unit vectors towards the ascending node and a quarter of a revolution later."""
+    """Unit vectors towards the ascending node, and a quarter revolution later."""
     i, o = math.radians(orbit.inclination_deg), math.radians(orbit.raan_deg)
     return (
         np.array([math.cos(o), math.sin(o), 0.0]),

@@ -43,12 +43,12 @@ class UtcClock:
         return [str(label) for label in np.datetime_as_string(self._epoch + ticks, unit="us")]
 
     def label(self, time_s: float) -> str:
-        """One such time."""
+        """A time as such a label."""
         return self.labels([time_s])[0]
 
 
 def states_at_labels(arc: Arc) -> tuple[Array, Array]:
-    """Positions of an arc, and their rates, at its times as labels show them, to the microsecond.
+    """Positions of an arc and their rates at its times, rounded as in labels, to the microsecond.
 
     Between a time and its label lie up to 0.5 µs, or 4 mm of way: too much to leave. The motion
     between them is a straight line to a nanometre.

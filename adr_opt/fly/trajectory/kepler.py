@@ -1,4 +1,4 @@
-"""Motion on closed orbits, in closed form up to Kepler's equation."""
+"""Motion on closed orbits in closed form, up to Kepler's equation."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ...kernels.orbits import ephemeris
 Array = npt.NDArray[np.float64]
 
 MOST_STEPS = 60
-"""Safeguarded Newton steps; orbits that are nearly circles take three or four."""
+"""Maximum number of safeguarded Newton steps; near-circular orbits take three or four."""
 
 TOLERANCE_RAD = 1e-14
-"""Last step of the eccentric anomaly, relative to a revolution's: a hundred nanometres of way."""
+"""Last step of the eccentric anomaly, relative to a revolution: a hundred nanometres of travel."""
 
 MOST_REVOLUTIONS = 1e5
-"""Longest coast: beyond it too few digits of the phase are left."""
+"""Longest coast: beyond it the phase loses too many digits."""
 
 
 def drift(
@@ -28,7 +28,7 @@ def drift(
     after_s: npt.ArrayLike,
     oblateness_m2: float,
 ) -> tuple[Array, Array]:
-    """States on one nearly circular orbit in the mean dynamics (docs/model.md sections 1 and 2).
+    """States on a near-circular orbit in the mean dynamics (docs/model.md sections 1 and 2).
 
     Two-body motion at the pace at which the argument of latitude advances, in a plane that turns
     with the node.
@@ -60,7 +60,7 @@ def drift(
 def secular(
     position_m: npt.ArrayLike, velocity_m_s: npt.ArrayLike, oblateness_m2: float
 ) -> tuple[float, float]:
-    """How the mean dynamics differ from two-body motion on a nearly circular orbit.
+    """Difference of the mean dynamics from two-body motion on a near-circular orbit.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def revolution(position_m: npt.ArrayLike, velocity_m_s: npt.ArrayLike) -> float:
 
 
 def turned(vectors: Array, angles: Array) -> Array:
-    """Vectors turned about the axis of the Earth, each by its angle; shape (n, 3)."""
+    """Vectors rotated about the axis of the Earth, each by its angle; shape (n, 3)."""
     c, s = np.cos(angles), np.sin(angles)
     x, y, z = vectors.T
     return np.stack([c * x - s * y, s * x + c * y, z], axis=1)

@@ -1,4 +1,4 @@
-"""The flown plan, sampled: per leg, the arcs between its burns.
+"""The flown plan, sampled: for each leg, the arcs between its burns.
 
 A chaser waits at the origin of a leg, but where the leg follows upon a tow. One that has docked
 before a window opens, or before the arrival that a drift is planned with, waits once more, at its
@@ -24,14 +24,14 @@ from .bodies import body_secular, body_states, leaving_state
 from .kepler import Array, drift, secular
 
 STEP_S, LONG_STEP_S, LONG_ARC_S = 60.0, 300.0, DAY_S
-"""Time between two samples where nobody says: the first, and the second on arcs of more than the
-third: a mission of two years has 200,000 states, and not a million [s]."""
+"""Default time between samples: the first, or the second on arcs longer than the third. A mission
+of two years then has 200,000 states, not a million [s]."""
 
 FEWEST_INTERVALS = 8
-"""Of an arc, however short: enough for any interpolation that readers of the files do."""
+"""Least number of intervals of an arc: enough for interpolation by readers of the files."""
 
 SHORTEST_ARC_S = 1e-3
-"""Shorter arcs are rounding: a wait for a node that is crossed just then, for example."""
+"""Duration below which arcs are due to rounding: a wait for a node crossed just then, say."""
 
 MOST_SAMPLES = 5_000_000
 
@@ -65,7 +65,7 @@ class Arc:
 
     @property
     def rates_m_s(self) -> Array:
-        """How fast the positions change: the velocities, if no plane drifts, shape (n, 3) [m/s]."""
+        """Rates of the positions: the velocities if no plane drifts, shape (n, 3) [m/s]."""
         if self.pace == 1.0 and self.node_rate_rad_s == 0.0:
             return self.velocities_m_s
         turning = np.cross([0.0, 0.0, self.node_rate_rad_s], self.positions_m)
@@ -74,18 +74,18 @@ class Arc:
 
     @property
     def start_s(self) -> float:
-        """When it begins [s]."""
+        """Start of the arc [s]."""
         return float(self.times_s[0])
 
     @property
     def end_s(self) -> float:
-        """When it ends [s]."""
+        """End of the arc [s]."""
         return float(self.times_s[-1])
 
 
 @dataclass(frozen=True)
 class LegPath:
-    """The arcs of one leg in time order; each begins where and when the one before ends.
+    """Arcs of one leg in time order, each beginning where and when the previous one ends.
 
     Attributes
     ----------
@@ -124,19 +124,19 @@ class Trajectory:
     chaser: str | None = None
 
     def arcs(self) -> Iterator[tuple[LegPath, Arc]]:
-        """All arcs, each with its leg; those of a chaser in time order."""
+        """All arcs with their legs, in time order for each chaser."""
         for path in self.legs:
             for arc in path.arcs:
                 yield path, arc
 
     @property
     def start_s(self) -> float:
-        """When the first arc begins; 0 for a plan without legs [s]."""
+        """Start of the first arc; 0 for a plan without legs [s]."""
         return min((path.arcs[0].start_s for path in self.legs), default=0.0)
 
     @property
     def end_s(self) -> float:
-        """When the last arc ends; 0 for a plan without legs [s]."""
+        """End of the last arc; 0 for a plan without legs [s]."""
         return max((path.arcs[-1].end_s for path in self.legs), default=0.0)
 
 
@@ -188,7 +188,7 @@ def sample(instance: Instance, plan: Plan, step_s: float | None = None) -> Traje
 
 
 def _span(leg: Leg) -> float:
-    """From the first to the last of a leg's times, whatever their order in a spoiled plan [s]."""
+    """Span from the earliest to the latest of a leg's times, even if out of order [s]."""
     times = [leg.ready_s, leg.leaves_s, leg.arrival_s, leg.done_s]
     return max(times) - min(times)
 
@@ -228,7 +228,7 @@ def _arcs(
 
 
 def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
-    """From the end of a transfer to the end of the service, or of the tow."""
+    """Stay from the end of a transfer to the end of the service, or of the tow."""
     begins = service_begins(instance, leg)
     for phase, since, until in (("wait", leg.docked_s, begins), ("service", begins, leg.end_s)):
         times = _times(since, until, step_s)
@@ -245,7 +245,7 @@ def _stay(instance: Instance, leg: Leg, step_s: float | None) -> Iterator[Arc]:
 
 
 def _towed(instance: Instance, body: str, tow: Tow, step_s: float | None) -> Arc | None:
-    """The arc of a tow; None where it takes next to no time."""
+    """The arc of a tow; None if its duration is negligible."""
     begin, end = tow.burns
     times = _times(begin.time_s, end.time_s, step_s)
     if times is None:

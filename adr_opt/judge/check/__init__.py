@@ -1,1 +1,1 @@
-"""Whether a plan keeps to every rule."""
+"""Checks of a plan against every rule."""

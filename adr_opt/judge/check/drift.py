@@ -1,4 +1,4 @@
-"""Whether a drift leg costs what its closed form says, and its burns meet the target.
+"""Check of drift legs: their cost by the closed form, and burns that meet the target.
 
 The form of :mod:`adr_opt.kernels.legs.drift`, written once more and solved in another way: searches
 by golden section, one within the other, in place of Newton steps, and bisection for whole laps.
@@ -31,15 +31,15 @@ FloatArray = npt.NDArray[np.float64]
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 RADII = 50
-"""Intervals of radii between the altitude limits, within one of which the optimum is looked for."""
+"""Number of radius intervals between the altitude limits that are searched for the optimum."""
 
 MOST_TILT, TILTS = 0.5, 20
-"""The first burn changes the inclination by no more than this share of the speed; intervals of it,
-within one of which the optimum is looked for."""
+"""Largest change of inclination by the first burn, as a share of speed, and the number of intervals
+that are searched for the optimum."""
 
 
 class Ends(NamedTuple):
-    """A drift leg between two times, as the judge sees it.
+    """A drift leg between two times, as recomputed by the judge.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ def ends_of(
 def _half_drift(
     radius: float, inclination: float, change: tuple[float, float], rate: float, oblateness: float
 ) -> float:
-    """How much more the node lags behind, to first order, halfway between both orbits [rad/s].
+    """Extra node lag halfway between both orbits, to first order [rad/s].
 
     Parameters
     ----------
@@ -152,19 +152,19 @@ def _half_drift(
 
 
 POLAR = 1e-3
-"""Where the cosine of the mean inclination is less, rate · tan ī is taken by its limit."""
+"""Cosine of the mean inclination below which rate · tan ī is replaced by its limit."""
 
 
 @kernel
 def half_turn(ends: Ends, axis: float) -> float:
-    """Time of half a turn with a semi-major axis [s]."""
+    """Time of half a turn on an orbit with a semi-major axis [s]."""
     inclination = math.acos(ends.cosine)
     return float(math.pi / ephemeris.latitude_rate(axis, inclination, ends.oblateness))
 
 
 @kernel
 def arcs_of(ends: Ends, radius: float) -> FloatArray:
-    """The arcs of a leg whose drift orbit has a radius: semi-major axes [m] and times [s].
+    """Arcs of a leg with a given radius of the drift orbit: semi-major axes [m] and times [s].
 
     Out, drift, back to the co-elliptic orbit, and to the stand-off; (4, 2) float64.
     """
@@ -181,7 +181,7 @@ def arcs_of(ends: Ends, radius: float) -> FloatArray:
 
 @kernel
 def laps_of(ends: Ends, radius: float) -> float:
-    """Turns that the chaser gains beyond those that meet the target: whole where it is met."""
+    """Laps gained beyond those that meet the target: an integer where it is met."""
     arcs = arcs_of(ends, radius)
     inclination = math.acos(ends.cosine)
     gained = 3.0 * math.pi
@@ -194,7 +194,7 @@ def laps_of(ends: Ends, radius: float) -> float:
 
 @kernel
 def cost_with(ends: Ends, radius: float, tilt: float) -> float:
-    """ΔV with a drift orbit of a radius [m] and an inclination that is more by so much [m/s]."""
+    """ΔV with a drift orbit of a radius [m] and an excess inclination, given in [m/s]."""
     arcs, turned = arcs_of(ends, radius), tilt / ends.speed
     after = ends.inclination_i + turned
     inclinations = (
@@ -216,7 +216,7 @@ def cost_with(ends: Ends, radius: float, tilt: float) -> float:
 
 @kernel
 def least_tilted(ends: Ends, radius: float) -> float:
-    """The least ΔV with a drift orbit of a radius, by golden section over the inclination [m/s].
+    """Least ΔV for a radius of the drift orbit, by golden section over the inclination [m/s].
 
     Between the neighbours of the best of some inclinations.
     """
@@ -243,7 +243,7 @@ def least_tilted(ends: Ends, radius: float) -> float:
 
 @kernel
 def least_of_all(ends: Ends, low: float, high: float) -> float:
-    """The radius of the drift orbit that costs least if any phase will do [m].
+    """Radius of the cheapest drift orbit with a free phase [m].
 
     The best of some radii, and golden section between its neighbours.
     """
@@ -268,7 +268,7 @@ def least_of_all(ends: Ends, low: float, high: float) -> float:
 
 @kernel
 def least_with_laps(ends: Ends, low: float, high: float) -> float:
-    """ΔV of the leg: the cheaper of the radii about the optimum that meet the target [m/s].
+    """ΔV of the leg: the cheaper of the radii around the optimum that meet the target [m/s].
 
     Parameters
     ----------
@@ -307,7 +307,7 @@ def drift_cost(
     departure: float,
     arrival: float,
 ) -> tuple[float, float]:
-    """ΔV of a drift leg, and how much of it eccentricity adds [m/s].
+    """ΔV of a drift leg, and its part due to eccentricity [m/s].
 
     Parameters
     ----------
@@ -335,7 +335,7 @@ def check_drift(
     leg: Leg,
     free: float,
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """A drift leg costs what the closed form says, and its burns meet the target.
+    """Check that a drift leg has the cost of the closed form, and that its burns meet the target.
 
     Parameters
     ----------
@@ -346,7 +346,7 @@ def check_drift(
     span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
     if not 0.0 < span <= longest + TIME_TOLERANCE_S:
         yield Violation(
-            number, "drift", f"drifts for {span!r} s, and may for no more than {longest!r} s"
+            number, "drift", f"drifts for {span!r} s, but may for at most {longest!r} s"
         )
         return as_stated
     if leg.departure_s < free - SLACK_S:

@@ -1,4 +1,4 @@
-"""What a short leg costs at least because its ends are eccentric, stated once more."""
+"""Lower bound on the cost of a short leg between eccentric orbits, restated."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ...kernels.legs import co_elliptic
 from ...kernels.orbits import ephemeris
 
 SMALLEST = 1e-12
-"""Opposite planes have no way from one to the other that is shorter than others."""
+"""Threshold below which planes count as opposite, with no shortest way between them."""
 
 
 class StatedSequence(NamedTuple):
-    """The co-elliptic sequence that a leg states, recomputed.
+    """The co-elliptic sequence stated by a leg, recomputed.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ def matching_cost(
     departure: float,
     sequence: StatedSequence,
 ) -> float:
-    """The least that a short leg may cost because its ends are eccentric, approach included [m/s].
+    """Lower bound on the ΔV of a short leg between eccentric orbits, approach included [m/s].
 
     Written out once more, with vectors where :mod:`adr_opt.kernels.orbits.eccentricity` has angles;
     0 for circles. Perigees and nodes are those at the departure [s].

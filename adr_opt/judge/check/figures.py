@@ -1,4 +1,4 @@
-"""Whether the figures and the burns that a leg states are those that were recomputed."""
+"""Comparison of a leg's stated figures and burns with the recomputed ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def check_costs(
     leg: Leg,
     tolerance: float = DELTA_V_TOLERANCE_M_S,
 ) -> Iterator[Violation]:
-    """The ΔV, and what of it matches eccentricity vectors, are as recomputed [m/s]."""
+    """Check ΔV, and its part for matching eccentricity vectors, against recomputed values [m/s]."""
     if abs(leg.delta_v_m_s - delta_v) > tolerance:
         yield Violation(
             number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
@@ -38,7 +38,7 @@ def check_burns(
     vectors: npt.NDArray[np.float64],
     phases: Sequence[str],
 ) -> Iterator[Violation]:
-    """The burns are those of the sequence: their phases, times [s] and vectors [m/s]."""
+    """Check the burns against the sequence: phases, times [s] and vectors [m/s]."""
     stated_phases = [burn.phase for burn in leg.burns]
     expected_phases = list(phases)
     if stated_phases != expected_phases:

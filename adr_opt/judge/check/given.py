@@ -1,4 +1,4 @@
-"""Whether a leg is one of the connections that are given: found among the rows as they are."""
+"""Check of legs over given connections, by search among the rows."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 def check_given(
     given: Given, number: int, leg: Leg, free: float
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """The leg is a row between its bodies, which leaves no earlier than the chaser is free.
+    """Check that a leg is a row between its bodies that leaves no earlier than the chaser is free.
 
     Returns when the chaser arrives and the cost, to go on from: of the row, but as stated where
     there is none.
@@ -26,12 +26,12 @@ def check_given(
         yield Violation(
             number,
             "given",
-            f"is {leg.kind!r} with {len(leg.burns)} burns, but connections are given, which are "
+            f"is {leg.kind!r} with {len(leg.burns)} burns, but given connections are of kind "
             "'given' and have none",
         )
     if leg.phasing_revolutions or leg.eccentricity_delta_v_m_s:
         yield Violation(
-            number, "given", "states revolutions or a share of eccentricity; of given ones 0"
+            number, "given", "states revolutions or a share of eccentricity; must be 0 if given"
         )
     known = {name: at for at, name in enumerate(given.names)}
     i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
@@ -44,13 +44,13 @@ def check_given(
         ends = f"from {leg.origin!r} to {leg.destination!r}"
         if not leaves.any():
             yield Violation(
-                number, "departure", f"nothing is given {ends} that leaves at {leg.departure_s!r}"
+                number, "departure", f"no given connection {ends} leaves at {leg.departure_s!r}"
             )
         elif not (leaves & lands).any():
             yield Violation(
                 number,
                 "arrival",
-                f"nothing is given {ends} that leaves at {leg.departure_s!r} and arrives at "
+                f"no given connection {ends} leaves at {leg.departure_s!r} and arrives at "
                 f"{leg.arrival_s!r}",
             )
         else:

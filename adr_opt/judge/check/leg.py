@@ -1,4 +1,4 @@
-"""Whether one leg can be flown as it is stated: departure, phasing, ΔV, burns."""
+"""Check that a leg can be flown as stated: departure, phasing, ΔV, burns."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from .zone_crossings import crossed
 
 
 class Physics(NamedTuple):
-    """What the transfers of an instance follow from, worked out once for all legs.
+    """Data that determine the transfers of an instance, computed once for all legs.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Physics(NamedTuple):
 
     @classmethod
     def of(cls, instance: Instance) -> Physics:
-        """That of an instance."""
+        """The data of an instance."""
         elements = instance.orbits()
         left = as_left(elements)
         towed = towed_bodies(instance, elements)
@@ -64,7 +64,7 @@ class Physics(NamedTuple):
 def check_transfer(
     instance: Instance, physics: Physics, number: int, leg: Leg, i: int, j: int, free: float
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """The leg departs at a crossing of the line of nodes, and its sequence can be flown from there.
+    """Check that a leg departs at a crossing of the line of nodes with a flyable sequence.
 
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them, so that one mistake is reported once.
@@ -121,9 +121,9 @@ def check_transfer(
 def _check_launch(
     number: int, leg: Leg, is_first: bool, free: float
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """A chaser that starts anywhere is put onto its first target, and no other one ever is."""
+    """Check a chaser without a start orbit: its first leg, and no other leg, is a launch."""
     if not is_first:
-        yield Violation(number, "launch", f"launched at {leg.origin!r}, where no chaser starts so")
+        yield Violation(number, "launch", f"launched at {leg.origin!r}, where no launch starts")
     elif leg.kind != LAUNCH.name:
         yield Violation(number, "launch", f"{leg.kind!r}, but {leg.origin!r} has no orbit yet")
     if leg.departure_s < free - SLACK_S:
@@ -141,7 +141,7 @@ def _check_launch(
 def _check_sequence(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
 ) -> Generator[Violation, None, StatedSequence | None]:
-    """Departure and phasing are possible; returns the sequence, or None if they are not."""
+    """Check departure and phasing; returns the sequence, or None if they are infeasible."""
     # Angle of the chaser past the line of nodes, in half turns: whole at a departure event.
     past = (pair.phase_i + pair.rate_i * leg.departure_s) / math.pi
     half_turns = round(past)
@@ -191,7 +191,7 @@ def _check_sequence(
 def _check_drifting_planes(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
 ) -> Generator[Violation, None, StatedSequence | None]:
-    """The same where nodes drift: the line of nodes is that of the turn, and of this sequence."""
+    """Check a leg where nodes drift: its line of nodes is that of its turn and sequence."""
     laps, departure = leg.phasing_revolutions, leg.departure_s
     stand_off = leg.arrival_s - rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
     flight = stand_off - departure
@@ -234,7 +234,7 @@ def _check_drifting_planes(
 def _check_figures(
     sequence: StatedSequence, delta_v: float, extra: float, number: int, leg: Leg
 ) -> Iterator[Violation]:
-    """Arrival and ΔV are those of the sequence."""
+    """Check arrival and ΔV against the sequence."""
     if abs(leg.arrival_s - sequence.arrival) > TIME_TOLERANCE_S:
         yield Violation(
             number,

@@ -1,4 +1,4 @@
-"""Whether the costs of a plan are of the model as it is."""
+"""Check of the model version that a plan's costs are based on."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from .violation import Violation
 
 
 def check_model(plan: Plan) -> Iterator[Violation]:
-    """Legs that drift have to be planned anew if they were planned as if phase cost nothing."""
+    """Refuse drift legs that were planned by the former model, without a cost of phasing."""
     if plan.has_former_drifts:
         yield Violation(
             None,
             "model",
-            f"its drift legs are of version {plan.model} of the model, in which phase cost "
-            "nothing; plan anew",
+            f"its drift legs are of version {plan.model} of the model, in which phasing "
+            "was free; plan anew",
         )

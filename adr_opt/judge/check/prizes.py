@@ -1,4 +1,4 @@
-"""What prizes have in common, so that it can be told whether an objective is the largest there is.
+"""Common step of prizes, which decides whether an objective is optimal.
 
 Worked out once more, by itself: see :mod:`adr_opt.common.tolerance` for what planners know.
 """
@@ -11,18 +11,18 @@ from fractions import Fraction
 from ...problem.instance import Instance
 
 MOST_STEPS = 2**46
-"""With more steps in the sum of what targets are worth to planners nothing is made of them."""
+"""Maximum number of steps in the sum of worths; beyond it, steps are not used."""
 
 SHARE = 1e-11
-"""Then objectives are equal that differ by no more of the sum of all prizes."""
+"""Relative tolerance between objectives in that case, as a share of the sum of all prizes."""
 
 
 SAFE = 1.0 - 1e-6
-"""Share of the difference that a bound has to be nearer by: rounding makes no difference of it."""
+"""Share of the difference within which a bound must lie, to cover rounding."""
 
 
 def is_met(objective: float, bound: float, difference: float) -> bool:
-    """Whether no objective is larger than one and within a bound: they are nearer than objectives.
+    """Whether no better objective fits within a bound.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def is_met(objective: float, bound: float, difference: float) -> bool:
 
 
 def difference_of(instance: Instance) -> float:
-    """By how much two objectives differ at least that are not equal.
+    """Least difference between two unequal objectives.
 
     All prizes, as they are written, are whole numbers of such steps. Where there are too many steps
     objectives count as equal that differ by less than :data:`SHARE` of the sum.

@@ -1,4 +1,4 @@
-"""Whether a leg of a registered family is one that the family has, as it works it out again."""
+"""Check of legs of registered families, which recompute them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .violation import TIME_TOLERANCE_S, Violation
 def check_registered(
     instance: Instance, number: int, leg: Leg, ends: tuple[int, int], free: float
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """The leg is one of its family's, which leaves no earlier than the chaser is free.
+    """Check that a leg belongs to its family and leaves no earlier than the chaser is free.
 
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them.
@@ -27,7 +27,7 @@ def check_registered(
     families = {family.kind.name: family for family in registered_of(instance)}
     family = families.get(leg.kind)
     if family is None:
-        yield Violation(number, "kind", f"is {leg.kind!r}, which legs of the instance are not")
+        yield Violation(number, "kind", f"is {leg.kind!r}, not a kind of leg of the instance")
         return as_stated
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")

@@ -1,4 +1,4 @@
-"""Follow the mission of a plan leg by leg, with a clock and a tank that are not the plan's."""
+"""Check of a plan's routes leg by leg, with an independent clock and tank."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 from .zone_crossings import crossed
 
 MASS_TOLERANCE = 1e-9
-"""What a stated mass may differ by from the true one, as a share of it."""
+"""Relative tolerance on stated masses."""
 
 
 class _Bodies:
-    """The bodies of an instance by name: their number, and what they are."""
+    """Bodies of an instance by name: their numbers and roles."""
 
     def __init__(self, instance: Instance) -> None:
         self.number = {name: number for number, name in enumerate(instance.names)}
@@ -37,7 +37,7 @@ class _Bodies:
 
 @dataclass
 class _Followed:
-    """The chaser as it is followed.
+    """State of a chaser during the check.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class _Followed:
     tank : TankLevel
     chaser : Chaser
     drawn : Drawn
-        What stations have given to anybody.
+        What stations have given to all chasers.
     since_refuelling : int
         Targets serviced since then.
     targets : int
@@ -64,7 +64,7 @@ class _Followed:
 
 
 def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
-    """Each route is that of a chaser of the instance, and each chaser has one at most."""
+    """Check that routes belong to chasers of the instance, with at most one for each."""
     known = [chaser.name for chaser in instance.chasers]
     stated = [route.chaser for route in plan.routes]
     for name in sorted(set(stated) - set(known)):
@@ -74,7 +74,7 @@ def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 
 def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
-    """Follow each chaser leg by leg: order, times, ΔV, burns. A target is done once, by one."""
+    """Check each chaser's order, times, ΔV and burns, and that targets are serviced only once."""
     bodies, physics, drawn = _Bodies(instance), Physics.of(instance), Drawn(instance)
     launches = launch_times(instance)
     chasers = {chaser.name: chaser for chaser in instance.chasers}
@@ -92,7 +92,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         now = _Followed(chaser.start_name, free, tank, chaser, drawn)
         if chaser.kits is not None and kits > chaser.kits:
             yield Violation(
-                None, "kits", f"{chaser.name!r} leaves {kits} kits, and may carry {chaser.kits}"
+                None, "kits", f"{chaser.name!r} leaves {kits} kits, but may carry {chaser.kits}"
             )
         leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
         if leads_on:
@@ -115,7 +115,7 @@ def _check_route(
     first: int,
     route: tuple[Leg, ...],
 ) -> Generator[Violation, None, bool]:
-    """Follow one chaser, who is left at the end of its last leg; returns whether it got there."""
+    """Follow one chaser up to the end of its last leg; returns whether it got there."""
     for at, leg in enumerate(route):
         number, following = first + at, route[at + 1] if at + 1 < len(route) else None
         leads_on = yield from _check_order(bodies, now, visited, number, leg)
@@ -149,7 +149,7 @@ def _check_route(
 def _check_order(
     bodies: _Bodies, now: _Followed, visited: set[str], number: int, leg: Leg
 ) -> Generator[Violation, None, bool]:
-    """The leg starts where the chaser is and goes where it may; returns whether it leads on.
+    """Check that a leg starts at the chaser and goes to an allowed body; returns whether it does.
 
     Nothing after a leg that leads nowhere has a state to be checked against.
     """
@@ -168,14 +168,14 @@ def _check_order(
         if now.since_refuelling == 0:
             yield Violation(number, "refuelling", "no target was visited since the last refuelling")
     elif leg.destination not in bodies.windows:
-        yield Violation(number, "order", f"{leg.destination!r} is no target and no station")
+        yield Violation(number, "order", f"{leg.destination!r} is neither a target nor a station")
     elif leg.destination in visited:
         yield Violation(number, "order", f"{leg.destination!r} was visited before")
     return True
 
 
 def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violation]:
-    """No arc lies in a keep-out zone while that is closed."""
+    """Check that no arc is in an active keep-out zone."""
     for which in crossed(instance, leg):
         zone = instance.keep_out_zones[which]
         yield Violation(
@@ -197,7 +197,7 @@ def _check_service(
     elements: npt.NDArray[np.float64],
     towed: Towed | None,
 ) -> Generator[Violation, None, float]:
-    """The service lasts as long as it has to, within all limits; returns when it ends.
+    """Check the length of a service and its limits; returns its end.
 
     Where the destination is towed there has to be time for that, too.
     """
@@ -222,7 +222,7 @@ def _check_service(
 def _service_s(
     instance: Instance, elements: npt.NDArray[np.float64], arrival: float, at_station: bool
 ) -> float:
-    """How long a chaser stays at a body [s]."""
+    """Length of a chaser's stay at a body [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:
         return mission.service_s
@@ -242,7 +242,7 @@ def _check_tank(
     delta_v: float,
     towed: Towed | None,
 ) -> Iterator[Violation]:
-    """The ΔV suffices, and what is left then is as stated."""
+    """Check that the ΔV suffices, and the stated remainder."""
     tank = now.tank
     if delta_v > tank.left_m_s + SLACK_M_S:
         yield Violation(
@@ -259,7 +259,7 @@ def _check_tank(
         tank.tow(towed.delta_v_m_s, towed.mass_kg)
         if tank.left_m_s < -SLACK_M_S:
             yield Violation(
-                number, "delta-v", f"tows {leg.destination!r}, and has too little left for that"
+                number, "delta-v", f"tows {leg.destination!r}, but has too little left for that"
             )
     left = tank.left_m_s
     if abs(leg.delta_v_left_m_s - left) > DELTA_V_TOLERANCE_M_S:
@@ -278,13 +278,13 @@ def _check_tank(
 
 
 def _check_end(plan: Plan, now: _Followed) -> Iterator[Violation]:
-    """The chaser ends where it has to, with no target too many."""
+    """Check that the chaser ends at an allowed body, within its maximum number of targets."""
     chaser = now.chaser
     if chaser.max_targets is not None and now.targets > chaser.max_targets:
         yield Violation(
             None,
             "targets",
-            f"{chaser.name!r} visits {now.targets} targets, and may visit {chaser.max_targets}",
+            f"{chaser.name!r} visits {now.targets} targets, but may visit {chaser.max_targets}",
         )
     if plan.status not in ("optimal", "feasible"):
         return

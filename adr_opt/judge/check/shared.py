@@ -1,4 +1,4 @@
-"""What chasers of a plan share or pay for together: stations, launches, expenses."""
+"""Checks of what chasers share: stations, launches, expenses."""
 
 from __future__ import annotations
 
@@ -11,12 +11,11 @@ from ...problem.instance import Instance
 from .violation import Violation
 
 PROPELLANT_TOLERANCE, PROPELLANT_TOLERANCE_KG = 1e-9, 1e-6
-"""What chasers may take of a station beyond its limit, as a share of it and besides; for rounding.
-"""
+"""Tolerances on propellant drawn from a station beyond its limit: relative, and absolute [kg]."""
 
 
 def launch_times(instance: Instance) -> dict[str, float]:
-    """The earliest launch of each chaser that is launched, by its name [s].
+    """Earliest launch of each launched chaser, by name [s].
 
     In the order of the file, each so long after the one before it as the mission says.
     """
@@ -32,7 +31,7 @@ def launch_times(instance: Instance) -> dict[str, float]:
 
 
 class Drawn:
-    """What chasers take of stations, followed leg by leg.
+    """Supplies drawn from stations by all chasers, accumulated leg by leg.
 
     Parameters
     ----------
@@ -45,20 +44,20 @@ class Drawn:
         self._kg = {station.name: [0.0] for station in instance.stations}
 
     def fill(self, station: str, before_kg: float | None, after_kg: float | None) -> None:
-        """Some chaser fills its tank, and weighs so much before and after that."""
+        """Record a refuelling, by the chaser's masses before and after."""
         self._fills[station] += 1
         if before_kg is not None and after_kg is not None:
             self._kg[station].append(after_kg - before_kg)
 
     def violations(self) -> Iterator[Violation]:
-        """The stations of which more is taken than they have."""
+        """Stations that are overdrawn."""
         for station in self._stations:
             fills, limit = self._fills[station.name], station.max_refuellings
             if limit is not None and fills > limit:
                 yield Violation(
                     None,
                     "refuellings",
-                    f"{station.name!r} refuels {fills} times, and may do so {limit} times",
+                    f"{station.name!r} refuels {fills} times, but may do so {limit} times",
                 )
             taken, most = math.fsum(self._kg[station.name]), station.max_propellant_kg
             if most is not None and taken > most * (1.0 + PROPELLANT_TOLERANCE) + (
@@ -67,12 +66,12 @@ class Drawn:
                 yield Violation(
                     None,
                     "propellant",
-                    f"{station.name!r} gives out {taken!r} kg of propellant, and has {most!r} kg",
+                    f"{station.name!r} gives out {taken!r} kg of propellant, but has {most!r} kg",
                 )
 
 
 def expense(instance: Instance, plan: Plan) -> float:
-    """What the chasers of a plan take together."""
+    """Total expense of a plan's chasers."""
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     return math.fsum(
         _expense_of(instance, chasers.get(route.chaser, instance.chasers[0]), route.legs)
@@ -82,10 +81,10 @@ def expense(instance: Instance, plan: Plan) -> float:
 
 
 def _expense_of(instance: Instance, chaser: Chaser, legs: Sequence[Leg]) -> float:
-    """Of one chaser that is used.
+    """Expense of one used chaser.
 
     Counted forwards: ``lifted`` kilograms at the start become one after the legs so far.
-    What is left behind or is still there when the first tank ends had to be brought by so many.
+    Mass that is left behind, or still there when the first tank ends, had to be lifted with it.
     """
     stated, tank = chaser.expense, chaser.tank
     if stated is None:

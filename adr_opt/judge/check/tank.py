@@ -1,4 +1,4 @@
-"""The tank of a chaser as it is followed: by ΔV, or by the masses themselves."""
+"""Tank of a chaser during the check: by ΔV, or by masses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...problem.chasers import Chaser, TankByMass
 
 
 class TankLevel:
-    """What a chaser has aboard.
+    """Content of a chaser's tank.
 
     Parameters
     ----------
@@ -35,13 +35,13 @@ class TankLevel:
 
     @property
     def _empty_kg(self) -> float:
-        """Its mass without propellant."""
+        """Mass of the chaser without propellant."""
         assert isinstance(self._tank, TankByMass)
         return self._tank.dry_mass_kg + self._kits * self._kit_kg
 
     @property
     def left_m_s(self) -> float:
-        """ΔV left, by the rocket equation where the tank is one by mass.
+        """Remaining ΔV, by the rocket equation if the tank is one by mass.
 
         −inf where nothing is left to fly with: the legs have taken more than there ever was.
         """
@@ -52,27 +52,27 @@ class TankLevel:
         return self._tank.exhaust_m_s * math.log(self.mass_kg / self._empty_kg)
 
     def fill(self) -> None:
-        """Fill it."""
+        """Fill the tank."""
         if isinstance(self._tank, TankByMass):
             self.mass_kg = self._empty_kg + self._tank.propellant_kg
         else:
             self._left_m_s = self._tank.delta_v_m_s
 
     def burn(self, delta_v_m_s: float) -> None:
-        """Take a ΔV out of it."""
+        """Spend ΔV from the tank."""
         if self.mass_kg is None:
             self._left_m_s -= delta_v_m_s
         else:
             self.mass_kg *= math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
 
     def tow(self, delta_v_m_s: float, object_kg: float) -> None:
-        """Take a ΔV out of it, flown with an object that is left behind after it."""
+        """Spend ΔV from the tank, towing an object that is released afterwards."""
         assert self.mass_kg is not None
         both = (self.mass_kg + object_kg) * math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
         self.mass_kg = both - object_kg
 
     def leave_kit(self) -> None:
-        """Go on without one of the kits."""
+        """Leave one of the kits behind."""
         self._kits -= 1
         if self.mass_kg is not None:
             self.mass_kg -= self._kit_kg

@@ -1,4 +1,4 @@
-"""The figures of a plan as a whole: objective, cost, and what is said to be proven of them."""
+"""Checks of a plan's totals: objective, cost, and claims of optimality."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .violation import (
 
 
 def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
-    """Objective, certificate and the list of unvisited targets."""
+    """Check the objective, the certificate and the list of unvisited targets."""
     prize = {target.name: target.prize for target in instance.targets}
     visited = {leg.destination for leg in plan.legs} & set(prize)
     difference = difference_of(instance)
@@ -81,12 +81,12 @@ def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 
 def _off(figure: float, difference: float) -> float:
-    """What a figure may be off by: never so much that it is another objective."""
+    """Tolerance of a figure, less than the difference to another objective."""
     return min(OBJECTIVE_TOLERANCE * abs(figure), 0.25 * difference)
 
 
 def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
-    """The cost, as the instance counts it, and what is said to be proven of it."""
+    """Check the cost, as the instance counts it, and the claims about it."""
     if instance.objective.cost == "expense":
         cost = expense(instance, plan)
         slack = EXPENSE_TOLERANCE * cost
@@ -129,7 +129,7 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 
 def _time_m_s(instance: Instance, plan: Plan) -> float:
-    """What the days of chasers cost, each from when it may fly to when its last leg is over.
+    """Cost of the chasers' days, each from its availability to the end of its last leg.
 
     A day has the price that the instance states, or else the ΔV resolution over the days of the
     mission. Plans of the former model were made before that, and given costs have no known unit.
@@ -154,5 +154,5 @@ def _time_m_s(instance: Instance, plan: Plan) -> float:
 
 
 def _over_s(leg: Leg) -> float:
-    """When a leg is over, with service and tow [s]."""
+    """End of a leg, with service and tow [s]."""
     return leg.end_s if leg.tow is None else leg.tow.end_s

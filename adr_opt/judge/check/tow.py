@@ -1,4 +1,4 @@
-"""Tows, stated once more: what they take, when they are flown, where the chaser goes on from."""
+"""Tows, restated: their cost, their time, and the orbit where the chaser continues."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Towed(NamedTuple):
-    """An object that is towed.
+    """A towed object.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Towed(NamedTuple):
 
 
 def towed_bodies(instance: Instance, elements: FloatArray) -> dict[str, Towed]:
-    """The objects that are towed, by name."""
+    """Towed objects, by name."""
     return {
         target.name: _towed(instance, elements[body], float(target.mass_kg or 0.0))
         for body, target in enumerate(instance.targets, start=instance.first_target)
@@ -66,7 +66,7 @@ def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
         math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
         math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
     )
-    # Who leaves at t = 0 has begun to tow a while before, at the angles that the object had then.
+    # A chaser that leaves at t = 0 began to tow a while before, at the object's angles then.
     left = with_orbit(
         as_left(orbit[None])[0],
         radius_m=low,
@@ -81,7 +81,7 @@ def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
 def check_tow(
     towed: Towed | None, number: int, leg: Leg, end: float, following: Leg | None
 ) -> Iterator[Violation]:
-    """The tow after a leg is flown as it has to be; and where none has to be, none is.
+    """Check the tow after a leg if one is due, and its absence otherwise.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def check_tow(
 def _check_burn(
     towed: Towed, number: int, which: int, burn: Burn, times: tuple[float, float]
 ) -> Iterator[Violation]:
-    """A burn of a tow is against the motion, in the plane of the object as it is carried."""
+    """Check that a tow's burn opposes the motion, in the plane of the object at that time."""
     raan = ephemeris.node_at(towed.orbit, times[0]) + which * towed.shift
     latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * math.pi
     tilt = ephemeris.inclination_at(towed.orbit, times[0])

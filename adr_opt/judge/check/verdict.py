@@ -25,7 +25,7 @@ from .violation import Violation
 
 
 def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
-    """All violations of a plan; none means that it may be flown.
+    """All violations of a plan; if there are none, it may be flown.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
     """
     if not isinstance(plan, Plan):
         raise InputError(
-            "check judges a plan, with its times and costs; what an order of bodies comes to "
-            "adr_opt.analysis.price tells, which makes a plan of it"
+            "check judges a plan with times and costs; for an order of bodies, use "
+            "adr_opt.analysis.price, which makes a plan of it"
         )
     instance = instance_of(instance)
     if not plan.instance.is_of(instance):

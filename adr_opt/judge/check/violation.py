@@ -1,4 +1,4 @@
-"""What is wrong with a plan, and by how much a figure may be off before it is."""
+"""Violations of a plan, and tolerances on its figures."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from typing import Any
 
 TIME_TOLERANCE_S = 1e-3
 DELTA_V_TOLERANCE_M_S = 1e-4
-"""What figures of a plan may differ by from what they state."""
+"""Tolerance on ΔV figures of plans."""
 
 DRIFT_TOLERANCE_M_S = 1e-3
-"""The same for ΔV of drift legs, whose optimum is found by iteration."""
+"""Tolerance on the ΔV of drift legs, whose optimum is found by iteration."""
 
 OBJECTIVE_TOLERANCE = 1e-6
-"""The same for objective and bound, relative, but no more than a quarter of the difference of
-objectives, and of costs; for the gap, which is a share, as it is."""
+"""Relative tolerance on objective and bound, at most a quarter of the difference between objectives
+or costs; absolute for the gap."""
 
 EXPENSE_TOLERANCE = 1e-9
-"""The same for expenses, relative."""
+"""Relative tolerance on expenses."""
 
 
 @dataclass(frozen=True)
 class Violation:
-    """One thing that is wrong with a plan.
+    """An error in a plan.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Violation:
     message: str
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
+        """The violation as plain data."""
         return asdict(self)
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Which keep-out zones a leg crosses, judged from its burns alone (docs/model.md section 6).
+"""Keep-out zones crossed by a leg, from its burns alone (docs/model.md section 6).
 
 For :mod:`.verdict`. The timetable forbids sequences by the clock of half ellipses; here the
 burns are followed in two-body motion from where the chaser leaves, by Kepler's equation, so that an
@@ -20,13 +20,12 @@ from ...problem.orbit import Orbit
 from ...problem.settings import KeepOutZone
 
 MARGIN_M, MARGIN_S = 1.0, 1e-2
-"""How far inside a zone a leg must be to be reported: beyond what `check` tolerates in burns."""
+"""Depth inside a zone from which a leg is reported: beyond what `check` tolerates in burns."""
 
 SAMPLES = 24
-"""Moments looked at on each stretch, its ends included.
+"""Number of sampled times per arc, ends included.
 
-A half ellipse has its extremes at its ends, and a phasing circle is round.
-"""
+A half ellipse has its extremes at its ends, and a phasing circle is round."""
 
 KEPLER_STEPS = 12
 
@@ -34,7 +33,7 @@ Vector = npt.NDArray[np.float64]
 
 
 def crossed(instance: Instance, leg: Leg) -> Iterator[int]:
-    """The zones, numbered from 0, in which a leg is at some moment while they are closed.
+    """Zones, numbered from 0, that a leg enters while they are active.
 
     Waiting and service are exempt, and the approach counts as on the target's orbit. A leg without
     the two burns of an approach, or with burns that leave no orbit, gives nothing: `check` has
@@ -54,7 +53,7 @@ def crossed(instance: Instance, leg: Leg) -> Iterator[int]:
 
 
 def _meets(zone: KeepOutZone, begins: float, ends: float, radii: Vector) -> bool:
-    """Whether motion between the least and the greatest radius meets the zone in time and band."""
+    """Whether motion between two radii meets a zone in time and altitude."""
     low, high = radii.min() - EARTH_RADIUS_M, radii.max() - EARTH_RADIUS_M
     return bool(
         begins <= zone.end_s - MARGIN_S
@@ -65,7 +64,7 @@ def _meets(zone: KeepOutZone, begins: float, ends: float, radii: Vector) -> bool
 
 
 class _Stretch:
-    """Motion from a state at a time until the next burn: two-body, or its mean with J2."""
+    """Motion from a state until the next burn: two-body, or mean with J2."""
 
     def __init__(
         self, position: Vector, velocity: Vector, begins: float, ends: float, oblateness: float
@@ -83,11 +82,11 @@ class _Stretch:
 
     @property
     def is_ellipse(self) -> bool:
-        """Whether the motion is periodic, and not so eccentric that it cannot be a leg."""
+        """Whether the motion is elliptic, with an eccentricity that a leg may have."""
         return self.a > 0.0 and math.hypot(self.e_cos, self.e_sin) < 0.9
 
     def turned(self, times: Vector) -> Vector:
-        """Eccentric anomaly since the beginning, by Newton's method."""
+        """Eccentric anomaly relative to the start, by Newton's method."""
         mean: Vector = (times - self.begins) * self.pace * math.sqrt(MU_M3_S2 / self.a**3)
         x = mean.copy()
         for _ in range(KEPLER_STEPS):
@@ -103,7 +102,7 @@ class _Stretch:
         return radii
 
     def state_at_end(self) -> tuple[Vector, Vector]:
-        """Position and velocity at the next burn, by Lagrange's coefficients, turned."""
+        """Position and velocity at the next burn, by Lagrange coefficients, rotated."""
         end = np.array([self.ends])
         x, r = float(self.turned(end)[0]), float(self.radii(end)[0])
         share = 1.0 - math.cos(x)
@@ -120,7 +119,7 @@ class _Stretch:
 
 
 def _turned(vector: Vector, angle: float) -> Vector:
-    """A vector turned about the axis of the Earth."""
+    """A vector rotated about the axis of the Earth."""
     c, s = math.cos(angle), math.sin(angle)
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
 
@@ -142,7 +141,7 @@ def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[_Stretch]
 
 
 def _open(zone: KeepOutZone, stretches: list[_Stretch]) -> Iterator[tuple[Vector, Vector]]:
-    """Times and radii of the stretches while the window is open."""
+    """Times and radii of the arcs while a zone is active."""
     for stretch in stretches:
         begins = max(stretch.begins, zone.start_s + MARGIN_S)
         ends = min(stretch.ends, zone.end_s - MARGIN_S)
@@ -152,7 +151,7 @@ def _open(zone: KeepOutZone, stretches: list[_Stretch]) -> Iterator[tuple[Vector
 
 
 def _state(orbit: Orbit, time_s: float, oblateness: float) -> tuple[Vector, Vector]:
-    """Position and velocity on the circle that a body is planned on."""
+    """Position and velocity on the planning circle of a body."""
     radius, inclination, raan, latitude = orbit.circular_elements()
     motion = math.sqrt(MU_M3_S2 / radius**3)
     tilt, square = math.cos(inclination), 1.0 - orbit.eccentricity**2

@@ -1,8 +1,8 @@
-"""What a walk can still collect from a body, a time, a ΔV left and so many kits aboard.
+"""Upper bounds on the units a walk can still collect, by body, time, ΔV left and kits.
 
 One pass backwards in time, with times in *steps* and ΔV in *slots*, always so that walks may do
-more than chasers. Who is ready within a step may take everything that leaves in it; a leg costs its
-whole slots only, and a tank holds all that it begins, before a service and after it. So nobody
+more than chasers. A walk ready within a step may take everything that leaves in it; a leg costs its
+whole slots only, and a tank holds all that it begins, before a service and after it. So no walk
 collects more than is said here, and labels that even with this much would collect too little need
 not be followed (:mod:`.labels`).
 """
@@ -23,23 +23,23 @@ from .cargo import after_service, changes, is_unused
 from .legs import Legs
 
 SLOT_SLACK = 1e-9
-"""Guard of rounding to slots, in favour of the walk [slots]."""
+"""Rounding guard of slots, in favour of the walk [slots]."""
 
 NEVER = -(2**30)
-"""Packed value of what is not possible."""
+"""Packed value of infeasible states."""
 
 LARGEST = 2**28
-"""No sum of gains is larger, packed."""
+"""Largest sum of gains, packed."""
 
 SHARE = 1.0 / 60.0
-"""Length of a step as a share of the shortest leg."""
+"""Step length as a share of the shortest leg."""
 
 ROOM_BYTES = 1e9
-"""Memory that values may take; slots are widened until they do."""
+"""Memory limit of the values; slots are widened until they fit [bytes]."""
 
 
 class Ahead(NamedTuple):
-    """What can still be collected.
+    """Upper bounds on what can still be collected.
 
     A value is packed with the body that the walk goes to next, ``units << bits | body``: comparing
     compares values, and the body comes along. A walk that ends has no next body: all bits are set.
@@ -68,7 +68,7 @@ class Ahead(NamedTuple):
 
 
 class StepLegs(NamedTuple):
-    """Legs in whole numbers, by the step that they leave in.
+    """Legs in integer units, by step of departure.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class StepLegs(NamedTuple):
 
 
 class Onward(NamedTuple):
-    """One leg for the values of its origin.
+    """One leg as applied to the values of its origin.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Onward(NamedTuple):
 
 
 class Packing(NamedTuple):
-    """Bits of the next body in a packed value, and the value of what is not possible."""
+    """Number of bits for the next body in a packed value, and the value of infeasible states."""
 
     mask: np.int32
     never: np.int32
@@ -118,13 +118,13 @@ class Packing(NamedTuple):
 
 @inlined
 def slots_in(delta_v, slot):
-    """Slots that a tank holds which is left with so much."""
+    """Number of slots of ΔV in a tank with a given remainder."""
     return int(delta_v / slot + SLOT_SLACK)
 
 
 @inlined
 def still(ahead, step, body, kits, left, came_from):
-    """Most units that a walk can still collect that does not go back at once."""
+    """Largest number of units that a walk can still collect without an immediate return."""
     slots = min(slots_in(left, ahead.slot), ahead.best.shape[3] - 1)
     packed = ahead.best[kits, step, body, slots]
     mask = (1 << ahead.bits) - 1
@@ -135,12 +135,12 @@ def still(ahead, step, body, kits, left, came_from):
 
 @kernel
 def _images(cargo, slot, slots, tops, image):
-    """What services make of slots, by kits aboard before them; −1 where there is too little.
+    """Slots after each service by kits aboard; −1 if infeasible.
 
     Parameters
     ----------
     tops : (kits + 1,) int64
-        Slot of a full tank with so many kits.
+        Slot of a full tank by number of kits.
     image : (bodies, kits + 1, slots) int64
         Written.
     """
@@ -157,7 +157,7 @@ def _images(cargo, slot, slots, tops, image):
 
 @inlined
 def _served(values, image, desk):
-    """The values before a service, of those after it."""
+    """The values before a service, from those after it."""
     for s in range(image.size):
         desk[s] = values[image[s]] if image[s] >= 0 else NEVER
     return desk
@@ -195,7 +195,7 @@ def put(own, other, landed, landed_second, leg, packing):
 
 @kernel
 def _steps(departure, length, last):
-    """Last departures of steps no longer than a length; how many steps there are."""
+    """Last departures of steps no longer than a length, and the number of steps."""
     steps, begin = 0, -np.inf
     for time in departure:
         if time > begin + length:
@@ -207,7 +207,7 @@ def _steps(departure, length, last):
 
 @kernel
 def _mark_useful(first, departure, lands_in, cost, slots, steps, useful):
-    """Mark the legs that no later leg of their pair makes superfluous: as cheap, and as early."""
+    """Mark legs not dominated by a later leg of their pair: as cheap and as early."""
     earliest = np.empty(slots, np.int64)
     for pair in range(first.size - 1):
         for c in range(slots):
@@ -224,7 +224,7 @@ def _mark_useful(first, departure, lands_in, cost, slots, steps, useful):
 
 @kernel
 def _sweep(legs, code, terms, tops, image, bits, best, second):
-    """Fill the values, from the last step to the first one.
+    """Fill the values, from the last step back to the first.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def look_ahead(
     gain: Sequence[Fraction],
     slot_m_s: float,
 ) -> Ahead:
-    """What can still be collected, where a service is worth so much.
+    """Compute upper bounds on what can still be collected, for given gains.
 
     Parameters
     ----------

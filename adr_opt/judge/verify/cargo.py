@@ -1,4 +1,4 @@
-"""What a chaser has aboard besides its tank, and what the services of targets make of both.
+"""Cargo of a chaser, and the effect of services on cargo and tank.
 
 What is left is counted as ΔV: what the propellant gives to the mass there is. A leg takes its ΔV
 off that, whatever is aboard. A kit that stays behind leaves the propellant p and takes its mass off
@@ -7,7 +7,7 @@ the mass m without propellant; and with A = exp(−x / g₀ Isp) a tow of a mass
 
     exp(v' / g₀ Isp) − 1 = share · (exp(v / g₀ Isp) − 1) − lost .
 
-So who is richer before a service is richer after it, among those with as many kits.
+So more ΔV before a service means more after it, among chasers with equal kits.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Cargo(NamedTuple):
-    """What is aboard, where it makes a difference; else it is nothing, and no service changes it.
+    """Cargo where it makes a difference; otherwise empty, and unchanged by services.
 
     Attributes
     ----------
     takes : (bodies,) int64
         Kits that the service of each body takes.
     full : (most + 1,) float64
-        What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+        ΔV of a full tank by number of kits aboard, with the slack of the model [m/s].
     begun : (most + 1,) float64
-        What there is of it at the start [m/s].
+        ΔV at the start, likewise [m/s].
     exhaust : float
         g₀ Isp [m/s].
     share, lost : (bodies, most + 1) float64
-        What a service makes of what is left, with so many kits aboard before it.
+        Effect of a service on the remaining ΔV, by number of kits aboard before it.
     heavy : bool
         Whether kits weigh something. Then a chaser takes along those that it leaves behind, and no
         others; otherwise all that it may.
@@ -58,13 +58,13 @@ class Cargo(NamedTuple):
 
 @inlined
 def changes(cargo, body, kits):
-    """Whether the service of a body changes what is left."""
+    """Whether the service of a body changes the remaining ΔV."""
     return cargo.share[body, kits] != 1.0 or cargo.lost[body, kits] > 0.0
 
 
 @inlined
 def after_service(cargo, body, kits, left):
-    """What is left after a service that is begun with so many kits; less than 0 if too little.
+    """ΔV left after a service begun with a number of kits; negative if infeasible.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ def after_service(cargo, body, kits, left):
 
 @inlined
 def is_unused(cargo, kits):
-    """Whether there are kits aboard that should not have been taken along."""
+    """Whether kits are aboard that should not have been taken along."""
     return cargo.heavy and kits > 0
 
 
 def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Cargo:
-    """What a chaser may have aboard.
+    """Cargo that a chaser may carry.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What follows from a certificate once its walks are known: sums of exact numbers, and no more."""
+"""The bound implied by a certificate once its walks are verified, in exact arithmetic."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from ...problem.instance import Instance
 from .floors import worth_of_floors
 
 WHOLE = Fraction(1, 10**12)
-"""A prize is a multiple of the step if it misses one by no more than this share of it."""
+"""Relative tolerance for prizes as multiples of the step."""
 
 SHARE = 1e-11
-"""Where prizes have no common step, objectives are the same that differ by no more of their sum."""
+"""Relative tolerance between objectives where prizes have no common step."""
 
 
 def check_names(instance: Instance, certificate: Certificate) -> None:
-    """See that a certificate speaks of the bodies and chasers of an instance, each chaser once.
+    """Check that a certificate names the bodies and chasers of an instance, each chaser once.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def _is_multiple(prize: Fraction, step: Fraction) -> bool:
 
 
 def how_often(instance: Instance) -> dict[str, int]:
-    """How often all chasers together may go to a body, by its name: where there is a limit."""
+    """Maximum number of visits of all chasers to a body, by name, if limited."""
     often = {target.name: 1 for target in instance.targets}
     for station in instance.stations:
         if station.max_refuellings is not None:
@@ -86,7 +86,7 @@ def how_often(instance: Instance) -> dict[str, int]:
 
 
 def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
-    """What each body is worth to walks: its worth less its multiplier."""
+    """Gain of each body for walks: its worth minus its multiplier."""
     worths = [Fraction(0)] * instance.first_target
     for target in instance.targets:
         extra = certificate.required_worth if target.required else 0.0
@@ -96,7 +96,7 @@ def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
 
 
 def trivial_bound(instance: Instance) -> float:
-    """The prizes of as many targets as all chasers may service, required ones first; or −inf."""
+    """Sum of prizes within the maximum number of targets, required ones first; or −inf."""
     targets = sorted(instance.targets, key=lambda each: (each.required, each.prize), reverse=True)
     only_kits = all(target.removal == "kit" for target in instance.targets)
     together = 0
@@ -109,7 +109,7 @@ def trivial_bound(instance: Instance) -> float:
 
 
 def bound_of(instance: Instance, certificate: Certificate) -> float:
-    """What no plan exceeds if the walks collect less than they are said to; −inf for no plan.
+    """Upper bound on plans if the walks' claims hold; −inf if there is no plan.
 
     Every plan is worth less than the sum of the multipliers, each as often as its body may be gone
     to, and, for each chaser, the most of its walks. What its required targets are worth beyond
@@ -130,14 +130,14 @@ def bound_of(instance: Instance, certificate: Certificate) -> float:
 
 
 def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivial: float) -> float:
-    """The prizes of plans that are worth less than a number."""
+    """The prizes of plans with less than a worth."""
     required = sum(target.required for target in instance.targets)
     below -= required * Fraction(certificate.required_worth)
     if below <= 0:
         return -math.inf
     least = min((target.prize for target in instance.targets if target.prize), default=0.0)
     if below <= Fraction(least):
-        return min(trivial, 0.0)  # nobody collects a part of a prize
+        return min(trivial, 0.0)  # parts of a prize cannot be collected
     if certificate.prize_step is None:
         return min(trivial, math.nextafter(float(below), math.inf))
     step = Fraction(certificate.prize_step)
@@ -147,13 +147,13 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
 
 
 def missed_by(instance: Instance, step: Fraction) -> Fraction:
-    """By how much prizes together miss multiples of a step, at most."""
+    """Largest deviation of sums of prizes from multiples of a step."""
     prizes = [Fraction(target.prize) for target in instance.targets]
     return sum((abs(prize - step * round(prize / step)) for prize in prizes), Fraction(0))
 
 
 def difference_of(instance: Instance, certificate: Certificate) -> float:
-    """Objectives that differ by no more are the same.
+    """Difference up to which objectives count as equal.
 
     Half a step of what the certificate shows that all prizes are multiples of; without one, a share
     of the sum of all prizes.

@@ -1,4 +1,4 @@
-"""The bound that follows from the least time and the least ΔV of every service, at given prices.
+"""Bound from the least time and the least ΔV of every service, at given prices.
 
 The legs of a plan follow one another, and so do its services. With t_j the least time from a
 departure to the end of the service of target j, c_j the least ΔV of a leg to it, t_s the least time
@@ -32,15 +32,15 @@ from .terms import services_s
 FloatArray = npt.NDArray[np.float64]
 
 GUARD, BEYOND = 1e-9, Fraction(1, 10**7)
-"""What floors are lowered by against rounding, as a share of them; and what is worth so much more
-than they prove is worth more [share]."""
+"""Relative reduction of floors to cover rounding, and the relative excess over the floors' proof
+beyond which a worth counts as larger."""
 
 UNSTEADY_S = 300.0
-"""Where planes drift, flight times may be so much less than those of the least radius [s]."""
+"""Largest reduction of flight times where planes drift, below those of the least radius [s]."""
 
 
 def worth_of_floors(instance: Instance, certificate: Certificate) -> Fraction:
-    """Every plan is worth less than this.
+    """Strict upper bound on the worth of every plan.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def worth_of_floors(instance: Instance, certificate: Certificate) -> Fraction:
 
 
 def _refuse(instance: Instance) -> None:
-    """Refuse what no floors are known of."""
+    """Refuse instances without known floors."""
     why = None
     if len(instance.chasers) > 1:
         why = "several chasers"
@@ -94,13 +94,13 @@ def _refuse(instance: Instance) -> None:
     elif any(target.removal == "tow" for target in instance.targets):
         why = "tows"
     elif instance.chaser.kit_mass_kg > 0.0 or instance.spent_m_s:
-        why = "a tank that is not worth the same all the time"
+        why = "a tank whose full ΔV changes"
     if why is not None:
         raise InputError(f"not yet verifiable: floors of an instance with {why}")
 
 
 def _half_s(axis: FloatArray, slower: FloatArray) -> FloatArray:
-    """Half a revolution; J2 makes it shorter where ``slower``, 3/2 J2 R² (4 cos² i − 1), is > 0."""
+    """Half a period; J2 shortens it where ``slower``, 3/2 J2 R² (4 cos² i − 1), is > 0."""
     taken: FloatArray = math.pi * np.sqrt(axis**3 / MU_M3_S2) / (1.0 + slower / axis**2)
     return taken
 
@@ -131,7 +131,7 @@ def _least_s(instance: Instance) -> FloatArray:
 def _least_m_s(instance: Instance) -> FloatArray:
     """Least ΔV of a leg to each body: the approach, and the turn into its plane [m/s].
 
-    A turn by θ of who has the speed v takes v sin θ at least, and nobody is slower than at the
+    A turn by θ at a speed v takes at least v sin θ, and speeds are lowest at the
     highest phasing radius. Where planes drift no turn is certain.
     """
     rows, settings = instance.orbits(), instance.transfer

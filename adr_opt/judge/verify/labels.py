@@ -1,4 +1,4 @@
-"""Whether any walk collects as much as is said: labels forwards in time, one for each walk.
+"""Check whether any walk collects the stated amount, by forward label setting.
 
 A *label* is the beginning of a walk: where it is and since when, exact ΔV left, kits aboard, what
 it has collected, how many targets it has serviced, and which it remembers. Labels are gone through
@@ -22,19 +22,19 @@ from .ahead import still
 from .cargo import after_service, is_unused
 
 FINE = 30
-"""What labels have collected is counted in units finer by so many bits than those of values."""
+"""Extra bits of precision of collected amounts over those of values."""
 
 WORD = 63
-"""Targets remembered in one number."""
+"""Number of targets per integer of a memory."""
 
 BLOCK = 64
-"""Labels that are compared at once; such loops become vectors."""
+"""Number of labels compared at once, so that loops are vectorised."""
 
 NONE, FOUND, FULL = 0, 1, 2
 
 
 class WalkLabels(NamedTuple):
-    """Beginnings of walks.
+    """Partial walks.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class WalkLabels(NamedTuple):
 
 
 class KeptLabels(NamedTuple):
-    """The labels at each body that later ones are compared with, by the kits aboard.
+    """Labels kept at each body for dominance checks, by kits aboard.
 
     *Places* are bodies · (most kits + 1) + kits.
 
@@ -86,7 +86,7 @@ class KeptLabels(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What is asked of walks.
+    """The claim about walks to be checked.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Question(NamedTuple):
 
 @inlined
 def _first_at(times, time):
-    """First place in ascending times at or after a time."""
+    """First index in ascending times at or after a time."""
     low, high = 0, times.size
     while low < high:
         middle = (low + high) // 2
@@ -121,7 +121,7 @@ def _first_at(times, time):
 
 @kernel
 def _is_dominated(cargo, kept, body, kits, left, value, visits, memory):
-    """Whether a label that is ready by now makes another one superfluous."""
+    """Whether an earlier label dominates a label at any number of kits."""
     place = body * cargo.full.size + kits
     # One with a kit more weighs more, and what it has left is worth less once that is gone.
     beyond = place + 1 if cargo.heavy else (body + 1) * cargo.full.size
@@ -133,7 +133,7 @@ def _is_dominated(cargo, kept, body, kits, left, value, visits, memory):
 
 @kernel
 def _is_dominated_at(kept, place, left, value, visits, memory):
-    """Whether one of some place does."""
+    """Whether a kept label at one place dominates a label."""
     words = memory.size
     lefts, values, counts = kept.left[place], kept.value[place], kept.visits[place]
     memories = kept.memory[place]
@@ -161,7 +161,7 @@ def _is_dominated_at(kept, place, left, value, visits, memory):
 
 @inlined
 def _move(kept, place, k, to):
-    """Move one that is kept at a place to another number."""
+    """Move a kept label to another index of its place."""
     kept.left[place, to] = kept.left[place, k]
     kept.value[place, to] = kept.value[place, k]
     kept.visits[place, to] = kept.visits[place, k]
@@ -172,7 +172,7 @@ def _move(kept, place, k, to):
 
 @kernel
 def _forget_poorer(kept, place, left, value, visits, memory):
-    """Drop those kept at a place that make nothing superfluous that a label ready by now does not.
+    """Drop kept labels at a place that a newly ready label dominates.
 
     They were there before it, but for all that comes later both are there in time.
     """
@@ -190,7 +190,7 @@ def _forget_poorer(kept, place, left, value, visits, memory):
 
 @kernel
 def _forget_late(ahead, question, kept, place, step):
-    """Drop those kept at a place for whom it is too late: they dominate nothing that is not."""
+    """Drop kept labels at a place that are too late to dominate anything."""
     layers, size = ahead.best.shape[0], 0
     body, kits = place // layers, place % layers
     for k in range(kept.size[place]):
@@ -203,7 +203,7 @@ def _forget_late(ahead, question, kept, place, step):
 
 @inlined
 def _rest(cargo, to_station, j, kits, left):
-    """What is left after the stay at j of who has so much left on arrival; less than 0 for none."""
+    """ΔV left after the stay at j, from that on arrival; negative if infeasible."""
     if left < 0.0:
         return left
     if to_station:
@@ -213,7 +213,7 @@ def _rest(cargo, to_station, j, kits, left):
 
 @kernel
 def _extend(legs, ahead, question, labels, kept, count, label, memory):
-    """Make the labels that go on from one; returns how many there are then.
+    """Extend a label by all its legs; returns the new number of labels.
 
     Parameters
     ----------
@@ -287,7 +287,7 @@ def _extend(legs, ahead, question, labels, kept, count, label, memory):
 
 @kernel
 def search(legs, ahead, question, labels, kept, cursor, ready):
-    """Go through all labels, step by step.
+    """Process all labels, step by step.
 
     Parameters
     ----------

@@ -18,11 +18,11 @@ from .terms import Terms, flown_from, terms_of
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_S = 1e-4
-"""Walks are gone through in order of time, so legs take some: far more than the slack [s]."""
+"""Least duration of a leg, far above the slack: walks are processed in order of time [s]."""
 
 
 class Legs(NamedTuple):
-    """Legs by pair of bodies, each pair's in order of the end of their stay, then of ΔV.
+    """Legs by pair of bodies, sorted by end of the stay, then by ΔV.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Legs(NamedTuple):
 
 
 def legs_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Legs:
-    """The legs of a chaser that end in time and that its tank can pay for."""
+    """Legs of a chaser that end in time and are affordable."""
     terms = terms_of(instance, chaser, connecting)
     bodies = terms.bodies
     columns: list[tuple[FloatArray, FloatArray, FloatArray]] = []

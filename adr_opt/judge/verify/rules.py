@@ -1,4 +1,4 @@
-"""What the verifier knows of the rules: what it does not know is refused, and not ignored."""
+"""The verifier's knowledge of rules: unknown rules are refused, not ignored."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ KNOWN: dict[type[Record], frozenset[str]] = {
         "disposal_altitude_m", "launch_separation_s",
     }),
 }  # fmt: skip
-"""Fields whose meaning the verifier knows. What is in ``transfer`` makes connections, and what is
-in ``objective`` decides between plans that collect as much. How much propellant a station has is
-ignored: walks may take any amount. A frame and designators of objects change nothing."""
+"""Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
+``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
+walks may take any. A frame and designators of objects change nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
-"""Ways to service a target that the verifier knows."""
+"""Kinds of service that the verifier knows."""
 
 
 def refuse_unknown(instance: Instance) -> None:
-    """Refuse an instance with rules that cannot be verified yet.
+    """Refuse an instance whose rules cannot be verified yet.
 
     Raises
     ------
@@ -60,7 +60,7 @@ def refuse_unknown(instance: Instance) -> None:
 
 
 def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
-    """The chasers, each available from when it may be launched at the earliest.
+    """The chasers, each available from its earliest possible launch.
 
     They are launched in the order of the file, each so long after the one before as the instance
     says, whether that one is used or not.
@@ -71,13 +71,13 @@ def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
         if chaser.is_launched:
             since = max(since, earliest_s)
             earliest_s = since + apart_s
-        # Not validated once more: nobody may be available who is launched too late.
+        # Not validated once more: the available time of a chaser launched too late may be empty.
         found.append(chaser.model_copy(update={"available_s": (since, until)}))
     return tuple(found)
 
 
 def _records(instance: Instance) -> Iterator[tuple[str, Record]]:
-    """All parts of an instance that rules stand in, and what to call them."""
+    """All parts of an instance that contain rules, with their names."""
     yield "an instance", instance
     yield "a mission", instance.mission
     for station in instance.stations:

@@ -1,4 +1,4 @@
-"""Connections, sampled: flown again by the physics of `check`, and compared with all there are.
+"""Random checks of connections: flown again by the physics of `check`, and tested for dominance.
 
 A bound says something about all plans only if all connections are there. So for some departures all
 sequences are worked out once more, plainly (:mod:`.sequences`), and each has to be matched by a
@@ -26,20 +26,20 @@ from ..check.violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S
 from .sequences import ways_after
 
 DEPARTURES_SHARE = 0.1
-"""Departures looked at, for each connection flown again."""
+"""Number of sampled departures per connection flown again."""
 
 PAIRS = 200
-"""Connections of no more pairs are drawn from; those of a pair may take a while to work out."""
+"""Maximum number of pairs to draw connections from, as each pair takes time."""
 
 ROUNDED_S = 16.0 + 2e-3
-"""Where planes drift, departures of connections are rounded down by no more than this [s]."""
+"""Largest rounding of departures where planes drift [s]."""
 
 NO_RULES = frozenset({"burns", "eccentricity", "given"})
-"""Violations that are about how a leg is written down."""
+"""Violations that concern only the form of a leg."""
 
 
 class Sampled(NamedTuple):
-    """What was looked at.
+    """Outcome of the sampling.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ def sample_connections(
 def _faults(
     connecting: ConnectionFinder, physics: Physics, found: Connections, i: int, j: int, c: int
 ) -> Iterator[str]:
-    """What `check` has to say of a connection."""
+    """Violations that `check` finds in a connection."""
     instance, names = connecting.instance, connecting.instance.names
     departure, arrival = float(found.departure[c]), float(found.arrival[c])
     laps, delta_v = int(found.revolutions[c]), float(found.delta_v[c])
@@ -153,7 +153,7 @@ def _faults(
 
 
 def _is_matched(instance: Instance, found: Connections, way: Way, resolution: float) -> bool:
-    """Whether a way need not be there or something as good is."""
+    """Whether a way is dispensable or matched by a connection."""
     if way.delta_v > instance.largest_tank_m_s or way.arrival > instance.mission.duration_s:
         return True
     early = way.early + (ROUNDED_S if instance.nodes_drift else TIME_TOLERANCE_S)

@@ -1,4 +1,4 @@
-"""All ways to go from a body to another one that leave soon after a time, by `check`'s physics."""
+"""All transfers between two bodies that leave soon after a time, by the physics of `check`."""
 
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ from ..check.eccentric import StatedSequence, matching_cost
 from ..check.leg import Physics
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
-"""Steps of a fixed point where planes drift, and when it is found [s]."""
+"""Maximum number of fixed-point steps where planes drift, and their tolerance [s]."""
 
 STEADY_RAD = 0.2
-"""Sequences that carry their line of nodes further need not be there: a fixed point with so few
-steps as planning can afford may not find them, nor who flies them find them again [rad]."""
+"""Largest shift of the line of nodes for which a sequence must be present: beyond it, the few
+fixed-point steps of planning or flying may not find it [rad]."""
 
 NEAREST_RAD = 1e-4
-"""Nor need those between planes that are nearer at the departure, whose line of nodes the flight
-itself makes: of objects in one plane, say, one of which was towed [rad]."""
+"""Least angle between planes at departure for which a sequence must be present: below it, the
+flight itself makes the line of nodes, as between objects in one plane of which one was towed [rad].
+"""
 
 
 class _Event(NamedTuple):
-    """When the chaser crosses the plane of the target [s], number, and the line of nodes [rad]."""
+    """A crossing of the target's plane: time [s], number, and line of nodes [rad]."""
 
     time: float
     half_turns: int
@@ -55,7 +56,7 @@ class _Found(NamedTuple):
 
 
 def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
-    """What has to be there of the next event after a time, of given connections all rows after it.
+    """Ways that must be present at the next event after a time; all later rows if given.
 
     Where events are kept apart, which of them are left is no matter of physics: then there are none
     of those, and only those that drift.
@@ -79,7 +80,7 @@ def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float
 
 
 def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
-    """Of the co-elliptic sequences of the next event those that have to be there.
+    """The co-elliptic sequences of the next event that must be present.
 
     Where planes drift, the flight itself moves the line of nodes a little, so that the sequences of
     an event leave apart, and those that meet the target on one crossing meet it apart. Connections
@@ -111,14 +112,14 @@ def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) ->
 
 
 def _limits(pair: co_elliptic.Pair, laps: int) -> tuple[float, float]:
-    """How long a flight with k revolutions may take [s]."""
+    """Limits on the duration of a flight with k revolutions [s]."""
     return pair.shortest + laps * pair.shortest_lap, pair.longest + laps * pair.longest_lap
 
 
 def _crossings(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, departure: float, met: float
 ) -> Iterator[tuple[int, int, float]]:
-    """Number, k and time of all on which a chaser may meet the target, and one more either way.
+    """Number, k and time of all crossings where the target may be met, and of one more either way.
 
     They are whole laps from one of them.
     """
@@ -132,7 +133,7 @@ def _crossings(
 
 
 def _fixed(pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, time: float) -> Iterator[_Found]:
-    """All sequences of the next event where planes stay: they leave at once."""
+    """All sequences of the next event where planes are fixed, which leave at once."""
     half_turns = math.ceil((pair.phase_i + pair.rate_i * time) / math.pi)
     departure = (half_turns * math.pi - pair.phase_i) / pair.rate_i
     behind = math.pi * (half_turns + 1) + rule.standoff / pair.radius_j - pair.phase_j
@@ -146,7 +147,7 @@ def _fixed(pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, time: float) 
 def _drifting(
     pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, time: float
 ) -> Iterator[_Found]:
-    """The same where nodes drift: each has a line of nodes of its own, by a fixed point.
+    """All sequences of the next event where nodes drift, each a fixed point of its line of nodes.
 
     It begins at the event, and where the target would be met if the flight itself did nothing to
     the line.
@@ -181,7 +182,7 @@ def _drifting(
 
 
 def _next_event(pair: co_elliptic.Pair, time: float) -> _Event | None:
-    """The next time that the chaser crosses the plane of the target; None where none is found."""
+    """Next crossing of the target's plane; None if none is found."""
     there, half_turns = time, 0
     for step in range(MOST_STEPS):
         alpha_i, alpha_j, theta = ephemeris.relative_node(

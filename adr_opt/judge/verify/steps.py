@@ -1,9 +1,9 @@
-"""Whether walks of a large field collect as much as is said: in steps of time, body by body.
+"""Check whether walks of a large field collect the stated amount, in time steps, body by body.
 
 Where there are too many legs for labels (:mod:`.walks`) the pass backwards in time that labels look
 ahead by (:mod:`.ahead`) is all there is. It is coarser than walks are, always so that they may do
 more: times are in *steps* of one length, ΔV in *slots*, and a walk remembers where it comes from
-and nothing else. So what it says that nobody collects, nobody does.
+and nothing else. So amounts that it excludes are never collected.
 
 A leg is four whole numbers in one, and each body's legs are worked out, counted and packed before
 those of the next one, so that hundreds of millions find room.
@@ -32,17 +32,17 @@ from .ahead import SLOT_SLACK, Onward, Packing, put, slots_in
 from .terms import Terms, flown_from
 
 DEPARTURE, DESTINATION, AHEAD, FIELD = 48, 32, 16, 0xFFFF
-"""A leg: step of departure, destination, steps to landing, slots; 16 bits each."""
+"""Bit offsets in a packed leg: departure step, destination, steps to landing, slots (16 bits)."""
 
 MOST = 2**15 - 2
-"""Steps, bodies, and slots."""
+"""Maximum number of steps, of bodies and of slots."""
 
 MEMORY_SHARE = 0.8
-"""Part of the free memory that legs and values may take."""
+"""Share of free memory that legs and values may take."""
 
 
 class Counting(NamedTuple):
-    """How walks are counted.
+    """How walks are discretised.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ OF_PRICES = Counting(np.int64, 2**60, -(2**62))
 
 
 class StepGrid(NamedTuple):
-    """What time and ΔV are counted in.
+    """Units of time and ΔV.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class StepGrid(NamedTuple):
 
 
 class StepTerms(NamedTuple):
-    """What walks in steps gain and pay; *values* are integers of one kind.
+    """Gains and costs of walks in steps; *values* are integers of one type.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class StepTerms(NamedTuple):
 
 
 class StepValues(NamedTuple):
-    """Most that walks collect, and most of those that go to another body next, packed."""
+    """Most that walks collect, and most with another next body, packed."""
 
     best: npt.NDArray[Any]
     second: npt.NDArray[Any]
@@ -113,13 +113,13 @@ class StepValues(NamedTuple):
 
 @kernel
 def _packed(departure, end, delta_v, j, grid, earliest, legs):
-    """Pack the legs of one pair, in order of departure, that no later one makes superfluous.
+    """Pack the undominated legs of one pair, in order of departure.
 
     Parameters
     ----------
     grid : StepGrid
     earliest : (slots,) int64
-        Scratch: when one lands at the earliest who leaves no sooner and costs no more.
+        Scratch: earliest landing of the legs that leave no sooner and cost no more.
     legs : (legs,) int64
         Written from the front.
 
@@ -155,14 +155,14 @@ def _packed(departure, end, delta_v, j, grid, earliest, legs):
 
 @kernel
 def _sweep(legs, behind, i, came_from, terms, values, high, low):
-    """Values of the steps ``low`` to ``high`` − 1 of a body; returns what legs are still to come.
+    """Fill the values of a body for steps ``low`` to ``high`` − 1; returns the legs still to come.
 
     Parameters
     ----------
     legs : (legs,) int64
         Those of the body, in order of departure.
     behind : int
-        So many of them depart before ``high``.
+        Number of them that depart before ``high``.
     came_from : values
         The body, to which walks do not go straight back, or nothing at a station.
     terms : StepTerms
@@ -203,7 +203,7 @@ def most_in_steps(
     slot_m_s: float,
     worth_per_m_s: Fraction | None,
 ) -> tuple[Fraction | None, int]:
-    """No walk collects more than this; None if there is no walk at all.
+    """Upper bound on what a walk collects; None if there is no walk.
 
     Parameters
     ----------
@@ -283,7 +283,7 @@ def most_in_steps(
 
 
 def _bits(bodies: int) -> int:
-    """Of a number that no body has."""
+    """Number of bits of an index that no body has."""
     return int(bodies).bit_length()
 
 
@@ -292,7 +292,7 @@ def _step(time_s: float, length_s: float) -> int:
 
 
 def _find_room(size: float) -> None:
-    """See that there is so much memory.
+    """Check that memory is available.
 
     Raises
     ------
@@ -310,7 +310,7 @@ def _legs(
     connecting: ConnectionFinder,
     grid: StepGrid,
 ) -> tuple[list[npt.NDArray[np.int64]], int]:
-    """The legs of each body, in order of departure, and the least steps of any.
+    """Legs of each body in order of departure, and the least number of steps.
 
     Raises
     ------
@@ -340,7 +340,7 @@ def _legs(
 def _in_units(
     gains: Sequence[Fraction], price: Fraction, slots: int, most_legs: int, counting: Counting
 ) -> tuple[float, list[int], int]:
-    """What a unit is worth, what bodies are worth in units, and what a slot of ΔV is.
+    """Size of a unit, and gains and ΔV slots in units.
 
     Gains are rounded up and tolls down, so that walks collect more than they would.
     """

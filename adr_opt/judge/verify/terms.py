@@ -1,4 +1,4 @@
-"""What one chaser is held to: the rules of a mission, read from the instance once more."""
+"""Rules that bind one chaser, read from the instance once more."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Terms(NamedTuple):
-    """When a chaser may be where, and with what.
+    """Where a chaser may be, when, and with which resources.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class Terms(NamedTuple):
 
     @property
     def bodies(self) -> int:
-        """How many there are."""
+        """Number of bodies."""
         return int(self.service.size)
 
 
 def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Terms:
-    """The terms of a chaser."""
+    """The rules of a chaser."""
     names, first_target = instance.names, instance.first_target
     bodies, stations = len(names), len(instance.stations)
     service, tows = services_s(instance), np.zeros(bodies)
@@ -115,7 +115,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
 def flown_from(
     i: int, terms: Terms, connecting: ConnectionFinder
 ) -> Iterator[tuple[int, FloatArray, FloatArray, FloatArray]]:
-    """What leads on from a body in time and within a tank, by destination.
+    """Legs that continue from a body in time and within a tank, by destination.
 
     Yields
     ------
@@ -138,7 +138,7 @@ def flown_from(
 
 
 def services_s(instance: Instance) -> FloatArray:
-    """How long a chaser stays at each body [s]."""
+    """Length of a chaser's stay at each body [s]."""
     mission, service = instance.mission, np.zeros(len(instance.names))
     for body, row in enumerate(instance.orbits()):
         at_target = body >= instance.first_target
@@ -152,7 +152,7 @@ def services_s(instance: Instance) -> FloatArray:
 
 
 def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt.NDArray[np.bool_]:
-    """Whether a chaser goes from one body (row) to another: to a station only from a target.
+    """Mask of allowed moves from one body (row) to another: to a station only from a target.
 
     Nobody goes to an orbit where chasers start, or leaves from that of another one.
     """
@@ -165,7 +165,7 @@ def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt
 
 
 def _most_targets(instance: Instance, chaser: Chaser) -> int:
-    """So many targets it may service; all of them where the kits that it takes along say it."""
+    """Maximum number of targets; all of them where the kits aboard set the limit."""
     limits = [len(instance.targets), chaser.max_targets]
     if all(target.removal == "kit" for target in instance.targets):
         if chaser.kit_mass_kg > 0.0:

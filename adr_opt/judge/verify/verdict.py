@@ -1,4 +1,4 @@
-"""Whether a plan is as good as its certificate says, found out by a program of its own.
+"""Verification of a plan's certificate by an independent program.
 
 Nothing here is shared with planners and proofs but the connections of the timetable, and some of
 these are flown again by the physics of `check`.
@@ -27,15 +27,15 @@ from .terms import terms_of
 from .walks import walks_reach
 
 CONNECTIONS = 1000
-"""So many connections are flown again."""
+"""Number of connections flown again."""
 
 MOST_CONNECTIONS = 1_000_000
-"""More than these are a typing error: they would take days."""
+"""Largest number accepted; more would take days, and must be a typing error."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found out.
+    """The findings.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Verdict:
 
     @property
     def gap(self) -> float | None:
-        """What the plan may lack of the best one, as a share of the bound."""
+        """Largest possible gap of the plan to the optimum, as a share of the bound."""
         if self.objective is None or not math.isfinite(self.upper_bound):
             return None
         lacking = max(0.0, self.upper_bound - self.objective)
@@ -76,7 +76,7 @@ class Verdict:
 
     @property
     def verified(self) -> bool:
-        """Whether all that is claimed follows."""
+        """Whether everything claimed is verified."""
         return not self.reasons
 
 
@@ -88,7 +88,7 @@ def verify(
     connections: int = CONNECTIONS,
     seed: int = 0,
 ) -> Verdict:
-    """Verify a certificate, and what a plan states of itself.
+    """Verify a certificate, and a plan's statements about itself.
 
     Parameters
     ----------
@@ -143,13 +143,13 @@ def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:
     if certificate.model == MODEL or not instance.transfer.max_drift_s:
         return []
     return [
-        f"it is of version {certificate.model} of the model, in which phase cost nothing in legs "
-        "that drift: prove anew"
+        f"it is of version {certificate.model} of the model, in which phasing was free in drift "
+        "legs: prove anew"
     ]
 
 
 def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str]:
-    """What is wrong with the plan itself."""
+    """Violations of the plan itself."""
     reasons = [f"the plan is not legal: {violation}" for violation in check(instance, plan)[:1]]
     stated = certificate.plan_sha256
     if not reasons and stated is not None and stated != sha256_of(plan):
@@ -160,7 +160,7 @@ def _judge(instance: Instance, plan: Plan, certificate: Certificate) -> list[str
 def _asked(
     instance: Instance, connecting: ConnectionFinder, certificate: Certificate, walks: ProvenWalks
 ) -> tuple[int, int, str | None]:
-    """Labels and legs that it took, and what is wrong if a walk collects what none is said to."""
+    """Number of labels and legs needed, and the error if a walk collects more than claimed."""
     number = {name: body for body, name in enumerate(instance.names)}
     neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
     for at, names in walks.neighbourhoods.items():
@@ -188,35 +188,35 @@ def _asked(
             made += count
         if reached:
             said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"
-            return made, gone, f"{said}, and none is said to"
+            return made, gone, f"{said}, but the certificate says that none does"
     return made, gone, None
 
 
 def _compare(
     plan: Plan | None, certificate: Certificate, bound: float, difference: float
 ) -> list[str]:
-    """What is claimed beyond what follows."""
+    """Claims beyond what was verified."""
     reasons = []
     said = "no plan exists" if bound == -math.inf else f"no plan collects more than {bound:.15g}"
     if _is_less(certificate.upper_bound, bound, difference):
         claim = certificate.upper_bound
         stated = "that there is no plan" if claim is None else f"{claim:.15g}"
-        reasons.append(f"the certificate states {stated}; what follows is that {said}")
+        reasons.append(f"the certificate states {stated}; it only follows that {said}")
     if plan is None:
         return reasons
     if plan.upper_bound is not None and _is_less(plan.upper_bound, bound, difference):
         reasons.append(
-            f"the plan states the bound {plan.upper_bound:.15g}; what follows is that {said}"
+            f"the plan states the bound {plan.upper_bound:.15g}; it only follows that {said}"
         )
     if plan.status in ("optimal", "feasible") and bound < plan.objective - difference:
-        reasons.append(f"the plan collects {plan.objective:.15g}, but {said}: one of both is wrong")
+        reasons.append(f"the plan collects {plan.objective:.15g}, but {said}: one of them is wrong")
     elif plan.status == "optimal" and plan.objective < bound - difference:
-        reasons.append(f"the plan is said to be optimal; what follows is that {said}")
+        reasons.append(f"the plan is said to be optimal; it only follows that {said}")
     return reasons
 
 
 def _is_less(claim: float | None, bound: float, difference: float) -> bool:
-    """Whether a claim says more than what follows."""
+    """Whether a claim exceeds what was verified."""
     if bound == -math.inf:
         return False
     return claim is None or claim < bound - difference

@@ -1,4 +1,4 @@
-"""Whether a walk of a chaser collects as much as is said, from multipliers and neighbourhoods.
+"""Check of a chaser's walks against a claim, from multipliers and neighbourhoods.
 
 *Walks* are what plans are relaxed to. A walk keeps to all rules of its chaser but one: it may come
 back to a target that it has forgotten. When it goes from a body i to a body j it goes on
@@ -25,7 +25,7 @@ from .legs import Legs
 Array = npt.NDArray[Any]
 
 FIRST_LABELS, FIRST_KEPT = 1 << 18, 1 << 9
-"""Room to begin with: for labels, and for those to compare with at each body."""
+"""Initial capacities: for labels, and for labels kept at each body."""
 
 
 class WalkAnswer(NamedTuple):
@@ -50,7 +50,7 @@ def walks_reach(
     most: Fraction,
     slot_m_s: float,
 ) -> WalkAnswer:
-    """Whether a walk collects ``most``.
+    """Check whether a walk collects ``most``.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _begin(
 
 
 def _labels_room(size: int, words: int, steps: int) -> WalkLabels:
-    """Room for labels that will be ready in so many steps."""
+    """Storage for labels, by the step they are ready in."""
     body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
     value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
@@ -141,7 +141,7 @@ def _labels_room(size: int, words: int, steps: int) -> WalkLabels:
 
 
 def _kept_room(places: int, words: int, size: int) -> KeptLabels:
-    """Room for labels to compare with."""
+    """Storage for labels kept for comparison."""
     visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
     return KeptLabels(
         np.zeros(places, dtype=np.int64), np.empty((places, size)),

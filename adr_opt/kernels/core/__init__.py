@@ -1,1 +1,1 @@
-"""How kernels are compiled, cached and fed."""
+"""Compilation, caching and inputs of kernels."""

@@ -1,4 +1,4 @@
-"""Departure events that are counted, and which of them a chaser takes who is ready at a time."""
+"""Departure events by number, and the one taken by a chaser that is ready at a time."""
 
 import math
 
@@ -8,13 +8,13 @@ from .compile import inlined
 
 @inlined
 def earliest_taken(ready):
-    """The earliest departure that a chaser takes who is ready at a time: a slack before it."""
+    """Earliest departure taken by a chaser that is ready at a time: a slack before it."""
     return ready - SLACK_S
 
 
 @inlined
 def first_counted(first, spacing, earliest):
-    """The number of the first of events a fixed time apart that is no earlier than a time."""
+    """Number of the first of equidistant events that is no earlier than a time."""
     m = max(0, math.ceil((earliest - first) / spacing))
     # The quotient may be rounded across an integer; the event's own time decides.
     if m > 0 and first + (m - 1) * spacing >= earliest:
@@ -26,5 +26,5 @@ def first_counted(first, spacing, earliest):
 
 @inlined
 def counted_event(first, spacing, total, earliest):
-    """The same where there are so many; ``total`` if it is none of them."""
+    """Number of the first of a finite series of events; ``total`` if none is left."""
     return min(first_counted(first, spacing, earliest), total)

@@ -1,16 +1,16 @@
-"""Growing, choosing and sorting, as loops: what NumPy has for it takes a second each to compile."""
+"""Growing, selecting and sorting as loops, as NumPy's functions take a second each to compile."""
 
 import numpy as np
 
 from .compile import inlined, kernel
 
 RUN = 16
-"""So many numbers are sorted by insertion before runs are merged."""
+"""Length of the runs that are sorted by insertion before merging."""
 
 
 @kernel
 def wider(numbers, size):
-    """A copy with room for twice as many, of which the first ``size`` are written."""
+    """A copy in twice the storage, of which the first ``size`` numbers are written."""
     copy = np.empty(2 * size + 16, numbers.dtype)
     for place in range(size):
         copy[place] = numbers[place]
@@ -19,7 +19,7 @@ def wider(numbers, size):
 
 @kernel
 def ending(numbers, first):
-    """A copy of the numbers from a place on."""
+    """A copy of the numbers from an index on."""
     copy = np.empty(numbers.size - first, numbers.dtype)
     for place in range(copy.size):
         copy[place] = numbers[first + place]
@@ -28,7 +28,7 @@ def ending(numbers, first):
 
 @kernel
 def chosen(numbers, order, size):
-    """A copy of the numbers at the first ``size`` places of an order."""
+    """A copy of the numbers at the first ``size`` indices of an order."""
     copy = np.empty(size, numbers.dtype)
     for place in range(size):
         copy[place] = numbers[order[place]]
@@ -37,7 +37,7 @@ def chosen(numbers, order, size):
 
 @kernel
 def filled(size, number):
-    """So many small whole numbers, all the same, shape (size,) int8."""
+    """Small integers, all equal, shape (size,) int8."""
     copies = np.empty(size, np.int8)
     for place in range(size):
         copies[place] = number
@@ -46,7 +46,7 @@ def filled(size, number):
 
 @inlined
 def with_stair(places, costs, size, low, place, cost):
-    """Put a stair into a staircase, whose later stairs are cheaper; it hides those no cheaper.
+    """Insert a stair into a staircase, whose later stairs are cheaper; it hides those no cheaper.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def with_stair(places, costs, size, low, place, cost):
 
 @kernel
 def rising(numbers, size):
-    """Order of the first ``size`` numbers from the least on; of equal ones the first comes first.
+    """Order of the first ``size`` numbers, ascending; stable for equal ones.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def rising(numbers, size):
 
 @kernel
 def ranks(numbers):
-    """The place of each number among all, from 0 on, the same for equal ones: (size,) int32."""
+    """Rank of each number among all, from 0, the same for equal ones: (size,) int32."""
     order = rising(numbers, numbers.size)
     rank = np.empty(numbers.size, np.int32)
     place = -1

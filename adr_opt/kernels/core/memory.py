@@ -1,4 +1,4 @@
-"""Three things about memory that Numba cannot say in Python, or not briefly.
+"""Three operations on memory that Numba cannot express in Python, or not briefly.
 
 Kernels that step hundreds of missions read a cache line here and there from tables of gigabytes.
 What they wait for is memory, not arithmetic, and two threads that count references to the same
@@ -31,7 +31,7 @@ def _lend(context, builder, kind, value):
 
 
 def _borrowed(_, array):
-    """The same array, or named tuple of arrays, without ownership: no look at it is counted.
+    """The same array, or named tuple of arrays, without ownership: accesses are not counted.
 
     Every look at an array of a named tuple that came as an argument counts a reference to it, which
     takes longer than most moves do. For arguments of a kernel and within it only: the caller holds
@@ -45,7 +45,7 @@ def _borrowed(_, array):
 
 
 def _fetch(_, array, indices):
-    """Ask for the cache line of an element, without waiting for it; ``indices`` is a tuple.
+    """Prefetch the cache line of an element; ``indices`` is a tuple.
 
     Indices outside the array are harmless: nothing is read.
     """
@@ -80,7 +80,7 @@ fetch: Any = intrinsic(_fetch)
 
 @inlined
 def write(target, source):
-    """Write an array into the beginning of another one, both with one axis.
+    """Write an array to the beginning of another one, both with one axis.
 
     An assignment to a slice says the same, but brings code along that puts two shapes into a
     sentence, and compiling that takes longer than most kernels do.

@@ -1,7 +1,7 @@
-"""When a service begins and ends: the rule of windows, stated once.
+"""Start and end of a service: the rule of windows, stated once.
 
-A chaser that arrives early waits until the window opens. Whether the service ends in time is for
-who asks to say. :mod:`adr_opt.judge` states the rule again, on purpose.
+A chaser that arrives early waits until the window opens. Whether the service ends in time is left
+to the caller. :mod:`adr_opt.judge` states the rule again, on purpose.
 """
 
 import numpy as np
@@ -12,20 +12,20 @@ from .compile import inlined
 
 @inlined
 def service_begin(arrival, opens):
-    """When a service begins that nothing delays but its window [s]."""
+    """Start of a service that only its window delays [s]."""
     return max(arrival, opens)
 
 
 @inlined
 def service_end(arrival, opens, service):
-    """When a service ends that takes some time [s]."""
+    """End of a service with a duration [s]."""
     return max(arrival, opens) + service
 
 
 def service_ends(
     arrivals: npt.ArrayLike, opens: npt.ArrayLike, service: npt.ArrayLike
 ) -> npt.NDArray[np.float64]:
-    """When services end, by arrival.
+    """Ends of services, by arrival.
 
     Parameters
     ----------

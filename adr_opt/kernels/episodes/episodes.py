@@ -1,4 +1,4 @@
-"""Many missions at once: a pool of timetables, the episodes on it, one step of all of them.
+"""Many missions at once: a pool of timetables, the episodes on it, and one step of them all.
 
 A *slot* of the pool holds one field; several episodes may play on it with budgets and durations of
 their own. Fields may differ in their number of targets: arrays have room for the largest.
@@ -25,7 +25,7 @@ SERVICE, OPENS, CLOSES, PRIZE = range(4)
 
 
 class StackedFields(NamedTuple):
-    """Fields side by side.
+    """Data of several fields, stacked.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Episodes(NamedTuple):
 
 @inlined
 def rules_of(pool, episodes, e):
-    """The rules of an episode."""
+    """The mission rules of an episode."""
     slot = episodes.slot[e]
     return Rules(
         stacked_timetables.in_slot(pool.tables, slot),
@@ -124,7 +124,7 @@ def rules_of(pool, episodes, e):
 
 @inlined
 def state_of(episodes, e):
-    """The state of an episode. There are no kits in one."""
+    """The state of an episode, which never has kits."""
     return State(
         np.int64(episodes.body[e]),
         Resources(
@@ -136,7 +136,7 @@ def state_of(episodes, e):
 
 @inlined
 def outlook_of(pool, slot):
-    """The outlook of a slot."""
+    """The outlook of a slot of the pool."""
     return Outlook(
         pool.angle[slot],
         pool.near[slot],
@@ -148,7 +148,7 @@ def outlook_of(pool, slot):
 
 @kernel
 def begin(pool, episodes, e):
-    """Put an episode at its start: docked at the station with a full budget at t = 0."""
+    """Reset an episode to its start: docked at the station with a full budget at t = 0."""
     episodes.body[e] = HOME
     episodes.since[e] = 0
     episodes.time[e] = 0.0
@@ -164,13 +164,13 @@ def begin(pool, episodes, e):
 
 @inlined
 def body_of(action, targets):
-    """Body that an action goes to: the actions are the targets in order, then the station."""
+    """Body that an action leads to: actions are the targets in order, then the station."""
     return HOME if action == targets else action + 1
 
 
 @inlined
 def action_of(body, targets):
-    """Action that goes to a body, the inverse of :func:`body_of`."""
+    """Action that leads to a body, the inverse of :func:`body_of`."""
     return targets if body == HOME else body - 1
 
 
@@ -223,7 +223,7 @@ def make_mask(pool, episodes, e, mask):
 
 @kernel
 def begin_many(pool, episodes, which, slots, budgets, durations):
-    """Put some episodes at the start of missions on other slots of the pool.
+    """Reset some episodes to the start of missions on other slots of the pool.
 
     Parameters
     ----------
@@ -269,7 +269,7 @@ def act(pool, episodes, first, last, actions, rewards, order=None):
 
 @inlined
 def clip(value, low, high):
-    """A value within its limits; NaN becomes the upper one, so that none reaches a network."""
+    """A value clipped to its limits; NaN becomes the upper one, so that none reaches a network."""
     if value <= low:
         return low
     if value <= high:
@@ -279,5 +279,5 @@ def clip(value, low, high):
 
 @inlined
 def turned(angle):
-    """An angle in [−π, π)."""
+    """An angle reduced to [−π, π)."""
     return angle - TURN_RAD * math.floor((angle + math.pi) * (1.0 / TURN_RAD))

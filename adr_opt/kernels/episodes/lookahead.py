@@ -1,4 +1,4 @@
-"""Where a move leads: greedy chains to the end of the mission, as a part of an observation.
+"""Lookahead features of moves: greedy chains to the end of the mission.
 
 After each of the cheapest legal moves, greedy chasers with different ideas of what ΔV is worth, and
 of whether the move after the next matters, go on to the end of the mission. Their costs are exact,
@@ -25,15 +25,15 @@ from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
 from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
-"""The chains: ΔV taken to be worth an hour [m/s], and how much of the cost of the cheapest move
-after it counts as a move's own."""
+"""The chains: ΔV equivalent to an hour [m/s], and the share of the cheapest next move's cost that
+is charged to a move."""
 
 FOLLOWED = 8
-"""So many targets are followed by chains, those whose moves are cheapest now, and the station."""
+"""Number of targets followed by chains, those with the cheapest moves now; the station is extra."""
 
 
 def _chain_fields(counted: str, unit: str, collect: str) -> tuple[str, ...]:
-    """Names of what chains say of a move, by what they count."""
+    """Names of the features that chains give a move, by what they count."""
     return (
         *(
             text
@@ -54,31 +54,31 @@ def _chain_fields(counted: str, unit: str, collect: str) -> tuple[str, ...]:
 
 
 CHAIN_FIELDS = _chain_fields("targets", "10", "service as many targets")
-"""What ``lookahead`` has after :data:`.observation.MOVE_FIELDS`; 0 for moves that
-are not followed, except for the two that compare: they are −LIMIT where the move is legal."""
+"""Fields of ``lookahead`` after :data:`.observation.MOVE_FIELDS`; 0 for moves that are not
+followed, except the two comparisons, which are −LIMIT for a legal move."""
 
 CHAIN_PRIZE_FIELDS = _chain_fields("prizes", "10 mean prizes", "collect as much")
-"""The same of ``lookahead-prizes``, which has them last."""
+"""The same fields of ``lookahead-prizes``, where they come last."""
 
 BEHIND = 2 * len(CHAINS)
 PROMISE, LEAD = BEHIND + 1, BEHIND + 3
-"""Most targets, and the one that alone makes a good policy: take the move where it is largest."""
+"""Columns of most targets and of the lead, which alone makes a good policy: take the largest."""
 
 UNGUARDED_S = 20e3
-"""So long before the end of the mission the chains no longer keep a way to the station."""
+"""Time before the end of the mission from which chains no longer keep a way to the station [s]."""
 
 SLACK_PER_S = 1.0 / 200e3
-"""Worth of time left where two chains service as many targets [targets per s]."""
+"""Value of remaining time, to choose among chains with equal targets [targets per s]."""
 
 EQUAL_TARGETS, EQUAL_PRIZES = 0.5, 1e-6
-"""Chains are as good as each other within so many targets or mean prizes."""
+"""Differences, in targets and in mean prizes, within which chains count as equal."""
 
 NOTHING_HOURS = 12.0
-"""What no move at all costs as the move after the next [h]."""
+"""Cost charged for the next move if there is none [h]."""
 
 
 class Gains(NamedTuple):
-    """What targets count for.
+    """What each target counts for.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Gains(NamedTuple):
 
 
 class ChainRule(NamedTuple):
-    """How a chain chooses moves.
+    """How a chain chooses its moves.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class ChainRule(NamedTuple):
 
 
 class Stamps(NamedTuple):
-    """Which targets a chain has been at.
+    """Targets visited by a chain.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class Stamps(NamedTuple):
 
 
 class Promises(NamedTuple):
-    """What chains promise after each move of many episodes; for planners, not to be observed.
+    """Outcomes of the chains after each move of many episodes; for planners, not observed.
 
     Attributes
     ----------
@@ -235,7 +235,7 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
 
 @kernel
 def cheapest_moves(rules, state, per_gain, mask, rows):
-    """The legal moves that are followed: the cheapest targets by hours + ΔV / (450 m/s).
+    """The legal moves that chains follow: the cheapest targets by hours + ΔV / (450 m/s).
 
     Parameters
     ----------
@@ -277,7 +277,7 @@ def cheapest_moves(rules, state, per_gain, mask, rows):
 
 @inlined
 def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
-    """Make a move, and then the cheapest next move again and again, as far as it goes.
+    """Make a move, then the cheapest next move repeatedly until none is left.
 
     Inlined although it is long: of rules that come as an argument every step counts references,
     which took five sixths of the time.

@@ -24,7 +24,7 @@ from .episodes import clip, outlook_of, rules_of, state_of, turned
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
 
 LIMIT = 5.0
-"""Every number of an observation lies in [−LIMIT, LIMIT]."""
+"""Largest magnitude of a number in an observation."""
 
 # Factors, not divisors: the kernels below are called for every step of a training.
 PER_50_KM = 1.0 / 50e3
@@ -78,7 +78,7 @@ MOVE_FIELDS = (
 
 PRIZE_FIELD = "prize [mean prizes of the field]"
 PRIZE = len(MOVE_FIELDS)
-"""What observations that see prizes have after :data:`MOVE_FIELDS`, and its column."""
+"""Extra field of observations that show prizes, after :data:`MOVE_FIELDS`, and its column."""
 
 MISSION_FIELDS = (
     "ΔV left [km/s]",
@@ -111,7 +111,7 @@ FAR = LIMIT
 
 
 class ObservationArrays(NamedTuple):
-    """Where observations are written, by episode.
+    """Arrays that observations are written to, by episode.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class ObservationArrays(NamedTuple):
 
 
 class BodyCounts(NamedTuple):
-    """Numbers of a field's bodies, of targets not visited yet, and of legal moves."""
+    """Numbers of bodies in the field, of unvisited targets and of legal moves."""
 
     bodies: int
     unvisited: int
@@ -143,7 +143,7 @@ class BodyCounts(NamedTuple):
 
 @inlined
 def _cheapest_ahead(line, visited, left, hours):
-    """What the two cheapest moves need from a target that a ΔV and some hours suffice for.
+    """The two cheapest onward moves from a target, given ΔV and hours that are sufficient.
 
     Returns
     -------
@@ -175,7 +175,7 @@ def _cheapest_ahead(line, visited, left, hours):
 
 @inlined
 def _open_nearby(outlook, visited, j):
-    """How many of the nearest targets are still open, and the sum of the angles to them."""
+    """Number of the nearest targets that are still open, and the sum of the angles to them."""
     near, angle = 0, 0.0
     for place in range(NEAR):
         k = outlook.near[j, place]
@@ -187,7 +187,7 @@ def _open_nearby(outlook, visited, j):
 
 @inlined
 def _write_mission(row, rules, home, orbit, now, left, remaining, counts):
-    """Write what is left of the mission, and where the chaser's orbit lies from the station's."""
+    """Write the remaining mission, and the chaser's orbit relative to the station's."""
     bodies, unvisited, legal = counts
     row[LEFT] = clip(left * PER_KM_S, 0.0, LIMIT)
     row[LEFT_OF_BUDGET] = clip(left / max(rules.budget, 1.0), 0.0, LIMIT)

@@ -1,4 +1,4 @@
-"""What a planner sees from a body without searching: its neighbours and its cheapest departures.
+"""Information about a body that needs no search: its neighbours and its cheapest departures.
 
 Worked out once for a timetable and packed, so that an observation reads one cache line per target
 instead of a row of the table. These are hints, not rules: times are rounded up to the body's steps
@@ -18,25 +18,25 @@ from ..orbits.ephemeris import EPOCH_S, inclination_at, node_at, relative_node
 from ..tables import stacked_timetables, timetable
 
 HOME = 0
-"""The station of a mission that is played as an episode: its only one, where the chaser starts."""
+"""Index of the only station of an episode's mission, where the chaser starts."""
 
 NEAR = 6
-"""Nearest planes kept for each body."""
+"""Number of nearest planes kept for each body."""
 
 AHEAD = 10
-"""Cheapest departures kept for each body and time: as many as fill a cache line."""
+"""Number of cheapest departures kept for each body and time: as many as fill a cache line."""
 
 LINE = 32
-"""Numbers of 16 bits in a cache line."""
+"""Number of 16-bit integers in a cache line."""
 
 NOBODY = 65535
-"""Stands for no destination, and for a cost too large for 16 bits."""
+"""Marks a missing destination, and a cost too large for 16 bits."""
 
 DELTA_V_UNIT_M_S = 0.1
 HOUR_UNIT = 1e-3
 
 M_S_PER_HOUR = 450.0
-"""ΔV that is worth an hour where a single cost is needed [m/s]: about the ratio of the two weights
+"""ΔV equivalent to an hour where a single cost is needed [m/s]: about the ratio of the two weights
 with which beam search compares partial plans."""
 
 
@@ -68,7 +68,7 @@ class Outlook(NamedTuple):
 
 @kernel
 def _insert(cost, item, costs, items, kept):
-    """Keep an item among the cheapest, in order; returns how many there are now."""
+    """Insert an item among the cheapest, in order; returns their new number."""
     if kept == costs.size and cost >= costs[kept - 1]:
         return kept
     place = min(kept, costs.size - 1)

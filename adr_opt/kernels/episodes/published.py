@@ -1,4 +1,4 @@
-"""Observations as the published study lists them.
+"""Observations as defined in the published study.
 
 Visited mask, ΔV and time left, six elements of the chaser and of every target, which
 :data:`PUBLISHED_ELEMENTS` names in order, with unit and scale.

@@ -1,4 +1,4 @@
-"""The burns of a transfer as inertial vectors."""
+"""Burns of a transfer as inertial vectors."""
 
 import math
 
@@ -22,7 +22,7 @@ def half_ellipse_speeds(r1, r2):
 
 @kernel
 def combine(vector, a, u, b, v):
-    """Write a u + b v: in a loop, because array expressions take long to compile."""
+    """Write a u + b v; a loop, because array expressions take long to compile."""
     for axis in range(3):
         vector[axis] = a * u[axis] + b * v[axis]
 
@@ -134,7 +134,7 @@ def burns(orbit_i, orbit_j, pair, rule, departure, revolutions, r):
 
 @kernel
 def eccentric_share(orbit_i, orbit_j, extra_delta_v, rule, departure, arrival, revolutions):
-    """What of the ΔV of a connection its burns do not account for: what eccentricity adds [m/s].
+    """Part of a connection's ΔV that its burns do not cover: the cost of eccentricity [m/s].
 
     Parameters
     ----------

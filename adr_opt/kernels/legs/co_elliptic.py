@@ -56,7 +56,7 @@ class TransferRule(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """What a transfer i → j needs and what does not depend on the departure."""
+    """Data of a transfer i → j that do not depend on the departure."""
 
     radius_i: float
     radius_j: float
@@ -103,7 +103,7 @@ class Pair(NamedTuple):
 
 @inlined
 def pace(axis, widening):
-    """How much longer than a period two-body motion takes to the same latitude; 1 without J2."""
+    """Time between equal latitudes as a ratio of the two-body time; 1 without J2."""
     return 1.0 if widening == 0.0 else 1.0 / (1.0 + widening / (axis * axis))
 
 
@@ -158,7 +158,7 @@ def lap_time(r, widening):
 
 @kernel
 def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
-    """Everything about the transfer i → j that does not depend on the departure.
+    """Compute the data of the transfer i → j that do not depend on the departure.
 
     Parameters
     ----------
@@ -260,7 +260,7 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
 
 @kernel
 def first_departure(pair):
-    """The first departure event at or after t = 0, and how many half turns past N it lies.
+    """The first departure event at or after t = 0, and its number of half turns past N.
 
     Returns
     -------
@@ -276,7 +276,7 @@ def first_departure(pair):
 
 @kernel
 def target_lead(pair, departure, half_turns):
-    """Δ: how far the target leads the chaser at the departure event, in [0, 2π) [rad]."""
+    """Δ: lead of the target over the chaser at the departure event, in [0, 2π) [rad]."""
     lead = pair.phase_j + pair.rate_j * departure - math.pi * (half_turns % 2)
     lead -= TURN_RAD * math.floor(lead / TURN_RAD)
     return lead if lead < TURN_RAD else 0.0
@@ -317,7 +317,7 @@ def phasing_radius(pair, rule, revolutions, time):
 
 @inlined
 def burn_parts(pair, rule, revolutions, r):
-    """Four numbers that make up the ΔV of a sequence, each without a bend in r.
+    """The four numbers that determine the ΔV of a sequence, each smooth in r.
 
     See docs/model.md section 2.
 
@@ -355,14 +355,14 @@ def sequence_delta_v(pair, rule, revolutions, r):
 
 @inlined
 def turned_delta_v(pair, rule, revolutions, r, turn, matching):
-    """The same for another turn, 4 sin²(θ/2), and another v |Δe| / 2 [m/s]."""
+    """The same ΔV for another 4 sin²(θ/2) and another v |Δe| / 2 [m/s]."""
     climb, rest, chord, square = burn_parts(pair, rule, revolutions, r)
     return whole(climb, rest, chord, square * turn, matching) + pair.fixed_delta_v
 
 
 @inlined
 def whole(climb, rest, chord, turned, matching):
-    """ΔV of a sequence, but for the approach [m/s].
+    """ΔV of a sequence without the approach [m/s].
 
     Parameters
     ----------
@@ -378,6 +378,6 @@ def whole(climb, rest, chord, turned, matching):
 
 @kernel
 def eccentric_share(pair, rule, revolutions, r, turn, matching):
-    """What of a sequence's ΔV its burns between circles do not account for [m/s]."""
+    """Part of a sequence's ΔV that its burns between circles do not cover [m/s]."""
     circles = turned_delta_v(pair, rule, revolutions, r, turn, 0.0)
     return turned_delta_v(pair, rule, revolutions, r, turn, matching) - circles

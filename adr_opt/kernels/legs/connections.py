@@ -1,4 +1,4 @@
-"""Connections: every flyable transfer of a pair that no other one makes superfluous.
+"""Connections: the undominated flyable transfers of a pair.
 
 A *connection* is a transfer with everything settled: departure, arrival, ΔV, and the revolutions
 that it phases. One connection dominates another of its pair if it departs no earlier, arrives no
@@ -27,11 +27,11 @@ from . import co_elliptic, phasing, zones
 from .found import SHORT, ConnectionArrays
 
 BLOCK = 256
-"""Departure events that are laid out at once; the processor's cache holds them."""
+"""Number of departure events laid out at once; they fit in the processor's cache."""
 
 
 class CrossingGrid(NamedTuple):
-    """What sequences of a block of departure events cost, by the crossing at which they arrive.
+    """Costs of the sequences of a block of departure events, by crossing of arrival.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class CrossingGrid(NamedTuple):
 
 
 class _Sieve(NamedTuple):
-    """What the sequences of a pair are sifted by.
+    """Parameters by which the sequences of a pair are sifted.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class _Sieve(NamedTuple):
 
 @kernel
 def _begin_row(phase, turns, rate, row, time, cost):
-    """Flight times of a row, and no sequences yet; one loop that becomes vectors."""
+    """Flight times of an empty row of sequences; one loop that is vectorised."""
     for e in range(phase.size):
         time[e] = (phase[e] + TURN_RAD * (turns[e] + row)) / rate
         cost[e] = math.inf
@@ -89,7 +89,7 @@ def _begin_row(phase, turns, rate, row, time, cost):
 
 @kernel
 def _lay_out(pair, rule, curves, begin, size, duration, grid):
-    """Fill a grid with the events from number ``begin`` on; what arrives too late may miss."""
+    """Fill a grid with events from number ``begin`` on; late arrivals may be absent."""
     grid = borrowed(grid)
     start, half_turns = co_elliptic.first_departure(pair)
     half_period, lap = math.pi / pair.rate_i, TURN_RAD / pair.rate_j
@@ -121,7 +121,7 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
 
 @kernel
 def _cheapest_open(pair, rule, first, departure, time, below):
-    """Least ΔV, less than a limit, of a sequence that meets no zone, and its k; +inf for none.
+    """Least ΔV below a limit of a sequence that avoids all zones, and its k; +inf if none.
 
     ``first`` is the k of the least ΔV of all sequences, which is looked at first.
     """
@@ -143,7 +143,7 @@ def _cheapest_open(pair, rule, first, departure, time, below):
 
 @kernel
 def _sift(pair, rule, sieve, grid, e, known, kept):
-    """The rows of an event that nothing dominates, in order of arrival; how many.
+    """The undominated rows of an event in order of arrival; returns their number.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def _sift(pair, rule, sieve, grid, e, known, kept):
 
 @kernel
 def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
-    """All connections of a pair that no other one dominates.
+    """All undominated connections of a pair.
 
     Parameters
     ----------

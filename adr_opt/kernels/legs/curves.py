@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 NODES = 16
-"""Nodes of an interpolation. The compiler unrolls the loop over them only if it knows how many."""
+"""Number of interpolation nodes, a constant so that the compiler unrolls the loop over them."""
 
 
 class Curves(NamedTuple):
-    """What sequences of a pair cost by their flight time, for each number of revolutions.
+    """Costs of the sequences of a pair by flight time, for each number of revolutions.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""When short transfers between planes that drift may leave."""
+"""Departure events of short transfers between drifting planes."""
 
 import math
 
@@ -10,7 +10,7 @@ from . import precession
 
 @kernel
 def events_of(pair, duration, spacing):
-    """The departure events of a mission, not closer than a spacing [s].
+    """Departure events within a mission, at least a spacing apart [s].
 
     Returns
     -------
@@ -36,14 +36,14 @@ def events_of(pair, duration, spacing):
 
 @inlined
 def listed_at(event, departure):
-    """By when a chaser has to be ready that leaves at a time near an event [s]."""
+    """Latest ready time of a chaser whose departure is listed near an event [s]."""
     steps = math.floor((departure - event + precession.ROUNDING_S) / precession.STEP_S)
     return min(departure, event + steps * precession.STEP_S)
 
 
 @inlined
 def least_speed(pair, rule):
-    """No chaser is slower where it turns, which costs that much times the sine at least [m/s]."""
+    """Lower bound on speed at the turn, which costs at least that times the sine [m/s]."""
     return (1.0 - 1e-9) * pair.speed_i * math.sqrt(
         2.0 * pair.radius_i * pair.radius_i
         / (rule.max_radius * (pair.radius_i + rule.max_radius))

@@ -34,14 +34,14 @@ from .drift_laps import split
 
 @kernel
 def split_of(pair, task):
-    """How a drift leg is split, found from its first guess on."""
+    """Split of a drift leg, solved from its first guess."""
     climb, tilt = first_guess(pair, task)
     return split(pair, task, free_phase(pair, task, climb, tilt))
 
 
 @kernel
 def best_split(pair, departure, arrival):
-    """How the drift leg between two times is split."""
+    """Best split of the drift leg between two times."""
     return split_of(pair, drift_pair.task(pair, departure, arrival))
 
 
@@ -53,7 +53,7 @@ def delta_v(pair, departure, arrival):
 
 @kernel
 def shape_share(pair, departure, arrival):
-    """ΔV that eccentricity adds: what the leg costs beyond the same leg between circles [m/s]."""
+    """ΔV due to eccentricity: the excess over the same leg between circles [m/s]."""
     leg = drift_pair.task(pair, departure, arrival)
     circles = drift_pair.task_of(pair, departure, arrival, 0.0)
     return max(split_of(pair, leg).delta_v - split_of(pair, circles).delta_v, 0.0)
@@ -61,7 +61,7 @@ def shape_share(pair, departure, arrival):
 
 @kernel
 def splits(pair, departures, arrivals):
-    """How the drift legs between some departures and some arrivals are split.
+    """Splits of the drift legs between given departures and arrivals.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ from ..core.compile import inlined
 
 
 class Coast(NamedTuple):
-    """The arcs of a drift leg whose drift orbit has a radius.
+    """The arcs of a drift leg with a given radius of the drift orbit.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ def rates_on(pair, axis):
 
 @inlined
 def half_turn(pair, axis):
-    """Time of half a turn [s], the node's way in it times −1 / cos i [rad], and 1 / a [1/m]."""
+    """Time of half a turn [s], its advance of the node times −1 / cos i [rad], and 1 / a [1/m]."""
     motion, pull, inverse = rates_on(pair, axis)
     time = math.pi / (motion * (1.0 + pull * (4.0 * pair.cosine * pair.cosine - 1.0)))
     return time, pull * motion * time, inverse
@@ -55,7 +55,7 @@ def half_turn(pair, axis):
 
 @inlined
 def coast(pair, span, radius):
-    """The arcs of a leg whose drift orbit has a radius, with the inclination ī in the phase."""
+    """The arcs of a leg with a given radius of the drift orbit and inclination ī in the phase."""
     rj, fraction = pair.linear.radius_j, pair.fraction
     co_elliptic = radius + fraction * (rj - radius)
     out, node_out, per_out = half_turn(pair, 0.5 * (pair.linear.radius_i + radius))
@@ -80,7 +80,7 @@ def coast(pair, span, radius):
 
 @inlined
 def moved(arcs, radius, step):
-    """The same arcs with a slightly different radius, but for the phase.
+    """The same arcs with a slightly different radius, phase excluded.
 
     The error is of the second order in the step for the arcs beside the drift, and of the fourth
     for the drift.

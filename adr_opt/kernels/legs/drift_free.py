@@ -1,4 +1,4 @@
-"""The optimum of a drift leg if the target is met with any phase: Newton steps in y and z."""
+"""Optimal drift leg with a free phase of the target, by Newton steps in y and z."""
 
 import math
 from typing import NamedTuple
@@ -11,24 +11,24 @@ MOST_STEPS = 40
 """Maximum number of Newton steps."""
 
 SMOOTH_M_S = 0.02
-"""The search rounds the tips of N₁ and N₂ off by it [m/s]."""
+"""Rounding of the tips of N₁ and N₂ in the search [m/s]."""
 
 NEAR_M_S, NEAR_SPAN_S = 0.03, 30.0 * 86400.0
-"""Error of the optimum after the last step, at most: about the square of that step over N₁ or N₂.
+"""Largest error of the optimum after the last step: about the square of that step over N₁ or N₂.
 Longer legs than the span have closer teeth, and less error in proportion."""
 
 TIP_ROOM_M_S = 3.0
-"""Nearer to a tip of N₁ or N₂ than this the error of a step is not estimated by its square."""
+"""Distance to a tip of N₁ or N₂ within which a step's square does not estimate its error [m/s]."""
 
 CLOSE_M_S, TINY_M_S = 0.002, 1e-9
-"""Size of a last step that is accepted anywhere, and of one that counts as none."""
+"""Last steps that are accepted anywhere, and that count as none [m/s]."""
 
 GAIN_M_S = 5e-3
-"""Maximum gain of the last step: where the form is flat a long step may save much."""
+"""Largest gain of the last step: where the function is flat, a long step may gain much [m/s]."""
 
 
 class Free(NamedTuple):
-    """The optimum if the target is met with any phase.
+    """Optimal drift leg with a free phase of the target.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Free(NamedTuple):
 
 @inlined
 def first_guess(pair, task):
-    """The optimum of free phase to first order: b_y and b_z [m/s]."""
+    """First-order optimum with a free phase: b_y and b_z [m/s]."""
     linear = pair.linear
     node = linear.speed * linear.sine * task.lag
     climb = drift_linear.climb_of(linear, task.span, node)
@@ -61,7 +61,7 @@ def first_guess(pair, task):
 
 @inlined
 def free_phase(pair, task, climb, tilt):
-    """The optimum if the target is met with any phase, about: b_y and b_z [m/s].
+    """Approximate optimum with a free phase of the target: b_y and b_z [m/s].
 
     Parameters
     ----------

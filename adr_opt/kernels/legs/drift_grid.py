@@ -1,4 +1,4 @@
-"""Drift legs on a grid of times: of all departures and arrivals those that no other dominates.
+"""Drift legs on a grid of departure and arrival times: those that no other dominates.
 
 A leg is priced with its phase (:mod:`.drift_laps`) only where the optimum of free phase is cheap
 enough to be listed. From one arrival to the next that optimum changes by no more than the node
@@ -19,7 +19,7 @@ from .drift_laps import split
 from .drift_pair import margin, radius_of, task_of
 
 SLACK_M_S = 0.3
-"""ΔV with phase may be that much less than :mod:`.drift_free` says: its tips are rounded off, and
+"""Largest excess of :mod:`.drift_free` over the ΔV with phase [m/s]: its tips are rounded off, and
 arcs beside the drift orbit are taken as halfway to it."""
 
 
@@ -74,7 +74,7 @@ def is_blocked(pair, zones, departure, arrival, climb):
 
 @kernel
 def _change(pair, step, budget):
-    """How much the optimum of free phase may change from one arrival of a grid to the next [m/s].
+    """Largest change of the free-phase optimum between neighbouring arrivals of a grid [m/s].
 
     Only optima that cost no more than a budget have to be found: their first burn changes size and
     inclination by no more than half of the budget and of all there is to change.
@@ -96,7 +96,7 @@ def _change(pair, step, budget):
 
 @kernel
 def of_pair(pair, zones, times, duration, resolution, shorts, kept):
-    """The transfers of a pair that no other one dominates: long ones on a grid of times, and short.
+    """Undominated transfers of a pair: short ones, and long ones on a grid of times.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Drift legs that meet the target: after a whole number of laps more or less than it makes.
+"""Drift legs that meet the target, after a whole number of laps relative to it.
 
 Drift orbits that do are a comb about the optimum of free phase. A leg takes the cheaper of the two
 teeth beside it.
@@ -13,25 +13,25 @@ from .drift_arcs import coast, moved
 from .drift_pair import climb_to, radius_of
 
 MOST_STEPS = 40
-"""Steps of a Newton iteration."""
+"""Maximum number of Newton steps."""
 
 CLOSE_M, SHORT_S = 100.0, 86400.0
-"""Maximum last step of a radius in a leg of a day, in proportion for longer ones: the error is of
-the fourth order in it."""
+"""Largest last step of a radius in a leg of one day, in proportion for longer ones: the error is of
+fourth order in it."""
 
 CLOSE_M_S = 5e-5
-"""A step of an inclination that saves no more is not taken [m/s]."""
+"""Least saving for which a step of the inclination is taken [m/s]."""
 
 TIP_M_S = 1e-6
-"""N₁ and N₂ are not less where they are divided by [m/s]."""
+"""Lower limit of N₁ and N₂ as divisors [m/s]."""
 
 NEARER, FAR = 0.25, 8.0
-"""A tooth is taken without a look at the next one where the optimum is within this share of the way
-to it, and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
+"""A tooth is accepted without examining the next if the optimum is within this share of the way to
+it and N₁ and N₂ are this many times as large as that way: costs are then nearly a parabola."""
 
 
 class Split(NamedTuple):
-    """How a drift leg is split: ΔV, and what the first burn changes of size, inclination and node.
+    """Split of a drift leg: ΔV, and the first burn's change of size, inclination and node.
 
     All in m/s; infinite ΔV if no tooth lies between the altitude limits.
     """
@@ -44,7 +44,7 @@ class Split(NamedTuple):
 
 @inlined
 def tooth(pair, task, radius, arcs, laps):
-    """The drift orbit that makes a number of laps, near one whose arcs are given.
+    """The drift orbit that makes a number of laps, near one with known arcs.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def tooth(pair, task, radius, arcs, laps):
 
 @inlined
 def _tilt_at(pair, task, arcs, climb, tilt):
-    """The best z with a given drift orbit, near one that is given, and the split that it makes.
+    """The best z for a given drift orbit, near a given z, and the resulting split.
 
     Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
     steps. Between points where the slope is known to change its sign the interval is halved instead
@@ -136,7 +136,7 @@ def _tilt_at(pair, task, arcs, climb, tilt):
 
 @inlined
 def split(pair, task, free):
-    """The cheaper of the two teeth about an optimum of free phase.
+    """The cheaper of the two teeth around a free-phase optimum.
 
     Parameters
     ----------

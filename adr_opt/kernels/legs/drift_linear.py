@@ -1,4 +1,4 @@
-"""Drift legs to first order: rates linear in the radius and the inclination, and no phase.
+"""Drift legs to first order: rates linear in radius and inclination, without phase.
 
 The start of :mod:`.drift`, which prices drift legs with exact rates and whole laps. In components
 along the node, the orbit and the inclination, all in m/s, let v be what is left to do on arrival if
@@ -27,11 +27,11 @@ from ..core.compile import inlined, kernel
 from ..orbits import eccentricity, ephemeris
 
 POLAR = 1e-3
-"""Where the cosine of the mean inclination is less, q is taken by its limit."""
+"""Cosine of the mean inclination below which q is replaced by its limit."""
 
 
 class LinearPair(NamedTuple):
-    """What a long transfer i → j needs and what does not depend on its times.
+    """Data of a long transfer i → j that do not depend on its times.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class LinearPair(NamedTuple):
 
 @kernel
 def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness, time):
-    """Everything about long transfers i → j that does not depend on their times.
+    """Compute the data of long transfers i → j that do not depend on their times.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def prepare(orbit_i, orbit_j, min_radius, max_radius, oblateness, time):
 
 @kernel
 def node_left(pair, arrival):
-    """v_x: what is left of the node on arrival if nothing is done before [m/s].
+    """v_x: node difference on arrival if no burn is made before [m/s].
 
     Whenever the chaser leaves; where that makes a difference ask :func:`node_left_from`.
     """
@@ -146,7 +146,7 @@ def node_left(pair, arrival):
 
 @kernel
 def node_left_from(pair, departure, arrival):
-    """The same of who leaves at a time [m/s]."""
+    """v_x for a given departure [m/s]."""
     lag = pair.lag + pair.lag_rate * arrival + pair.lag_by_departure * departure
     lag -= 2.0 * math.pi * math.ceil((lag - math.pi) / (2.0 * math.pi))
     return pair.speed * pair.sine * lag
@@ -154,7 +154,7 @@ def node_left_from(pair, departure, arrival):
 
 @kernel
 def shape_left(pair, arrival):
-    """E: ΔV at either end that the eccentricity vectors ask for, on arrival [m/s]."""
+    """E: ΔV at either end due to the eccentricity vectors on arrival [m/s]."""
     angle = pair.perigee_lag + pair.perigee_lag_rate * arrival
     return 0.25 * pair.speed * eccentricity.chord(pair.eccentricity_i, pair.eccentricity_j, angle)
 

@@ -1,4 +1,4 @@
-"""Drift legs: what does not depend on their times, and what a leg between two times asks for."""
+"""Data of drift legs: those independent of their times, and the task between two times."""
 
 import math
 from typing import NamedTuple
@@ -10,11 +10,11 @@ from . import drift_linear
 from .drift_linear import LinearPair
 
 MARGIN_M, MARGIN_SHARE = 60e3, 0.3
-"""See :func:`margin`."""
+"""Constants of :func:`margin`."""
 
 
 class DriftPair(NamedTuple):
-    """What a drift leg i → j needs and what does not depend on its times.
+    """Data of a drift leg i → j that do not depend on its times.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class DriftPair(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A drift leg between two times, as it is to be split.
+    """A drift leg between two times, to be split.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Task(NamedTuple):
 
 @kernel
 def prepare(orbit_i, orbit_j, rule, time):
-    """Everything about drift legs i → j that does not depend on their times.
+    """Compute the data of drift legs i → j that do not depend on their times.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def prepare(orbit_i, orbit_j, rule, time):
 
 @inlined
 def task_of(pair, departure, arrival, shape):
-    """The leg between two times whose eccentricity vectors ask for E [m/s].
+    """The task between two times whose eccentricity vectors cost E [m/s].
 
     The node is turned the nearer way, as it is if half of size and inclination is changed at either
     end.
@@ -161,26 +161,26 @@ def task_of(pair, departure, arrival, shape):
 
 @kernel
 def task(pair, departure, arrival):
-    """The leg between two times [s]."""
+    """The task between two times [s]."""
     return task_of(pair, departure, arrival, drift_linear.shape_left(pair.linear, arrival))
 
 
 @inlined
 def radius_of(pair, climb):
-    """Radius of the drift orbit that y leads to [m]."""
+    """Radius of the drift orbit reached by y [m]."""
     speed = pair.speed_i - climb
     return MU_M3_S2 / (speed * speed)
 
 
 @inlined
 def climb_to(pair, radius):
-    """The y that leads to a radius [m/s]."""
+    """The y that reaches a radius [m/s]."""
     return pair.speed_i - math.sqrt(MU_M3_S2 / radius)
 
 
 @inlined
 def margin(change):
-    """How far the radius of a drift orbit that differs by so much may be off what is planned [m].
+    """Largest error of the planned radius of a drift orbit, by its change [m].
 
     The flight may take another tooth, and leave or arrive at another crossing.
     """

@@ -1,4 +1,4 @@
-"""Connections between planes that drift: short transfers at events, long ones on a grid of times.
+"""Connections between drifting planes: short transfers at events, long ones on a grid of times.
 
 As :mod:`.connections` for two bodies, but that nothing is regular any more: short ones
 (:mod:`.short_transfers`) and long ones (:mod:`.drift`) are sifted and then put into one list.
@@ -18,7 +18,7 @@ from .short_transfers import short
 
 @kernel
 def _by_departure(departure, arrival, order):
-    """Put an order by departure, and of those that leave together by arrival.
+    """Sort an order by departure, then by arrival.
 
     It is nearly so already: only sequences of events beside each other can change places.
     """
@@ -37,14 +37,14 @@ def _by_departure(departure, arrival, order):
 
 @kernel
 def _merged(shorts, kept, longs, step):
-    """Short transfers that are kept and long ones in one list, by departure and then by arrival."""
+    """Kept short transfers and long ones in one list, by departure and then by arrival."""
     departure, arrival = shorts.departure, shorts.arrival
     cost, laps, family = shorts.delta_v, shorts.revolutions, shorts.family
     leaves, lands, long_cost = longs.departure, longs.arrival, longs.delta_v
     rank = ranks(arrival)
     order = rising(arrival, arrival.size)
     highest = 0 if lands.size == 0 else lands.max()
-    # So many short transfers arrive before a time of the grid, at as many different times at most.
+    # Number of short transfers that arrive before each time of the grid.
     before = np.empty(highest + 1, np.int32)
     place = 0
     for t in range(highest + 1):
@@ -82,7 +82,7 @@ def _merged(shorts, kept, longs, step):
 
 @kernel
 def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolution):
-    """The short transfers of a pair that no other short one dominates.
+    """Undominated short transfers of a pair.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
 
 @kernel
 def with_drifts(orbit_i, orbit_j, rule, times, duration, resolution, found):
-    """Other connections of a pair and its drifts, without those that another one dominates.
+    """Other connections of a pair merged with its drift legs, without dominated ones.
 
     Parameters
     ----------

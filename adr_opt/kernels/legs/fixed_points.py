@@ -1,4 +1,4 @@
-"""Fixed points of the sequences between drifting planes, many at once.
+"""Fixed points of the sequences between drifting planes, solved many at once.
 
 What :func:`.precession.fixed_point` finds one by one, with an inversion and a line of nodes at
 every step, follows from one number here: s, by how much the difference of the RAANs that a sequence
@@ -23,32 +23,32 @@ from ..orbits import eccentricity
 from .curves import NODES
 
 BLOCK = 128
-"""Events that are laid out at once. Offsets within an array are known to the compiler, so that it
+"""Number of events laid out at once. Offsets within an array are known to the compiler, so that it
 sees that no two of its fields overlap."""
 
 BAND_S = 300.0
-"""A sequence whose flight time without ε is so far from what its revolutions allow is left out."""
+"""Largest deviation of a flight time without ε from the range of its revolutions [s]."""
 
 FLAT_RAD = 3e-4
-"""Where planes are so near, or so near to opposite, too many digits are lost [rad]."""
+"""Angle between planes, or to opposite, below which too many digits are lost [rad]."""
 
 SMALL = 1.7
-"""Tangents of angles up to so much are followed by a series."""
+"""Largest angle whose tangent is followed by a series [rad]."""
 
 TERMS = np.array([(-1.0) ** term / (2.0 * term + 1.0) for term in range(14)])
-"""Of the arc tangent: what is left out of it is less than rounding."""
+"""Coefficients of the arc tangent's series, whose remainder is below rounding."""
 
 SURE = 0.03
-"""A step that is less than so much of the step before is on the way to a fixed point."""
+"""Ratio of successive steps below which the iteration converges to a fixed point."""
 
 ERROR_S = 1e-9
-"""By which the ends of a sequence may be off [s]."""
+"""Tolerance on the ends of a sequence [s]."""
 
 ASIDE_S = 100.0
-"""Before and after an event, where what eccentricities cost is looked up [s]."""
+"""Distance before and after an event at which the cost of eccentricity is sampled [s]."""
 
 LANES = 8
-"""Numbers of the widest vectors."""
+"""Number of lanes in the widest vectors."""
 
 (
     BASE, SINE, COSINE, ACROSS_I, ALONG_I, ACROSS_J, ALONG_J, TURN,
@@ -58,7 +58,7 @@ COST, REVOLUTIONS, LEFT, MET = range(4)
 
 
 class _Motion(NamedTuple):
-    """How a pair moves, which is the same for all of its sequences.
+    """Motion of a pair, common to all of its sequences.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class _Motion(NamedTuple):
 
 
 class _Laps(NamedTuple):
-    """Sequences with a number of revolutions in a row of a grid.
+    """Sequences with a given number of revolutions in a row of a grid.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class _Laps(NamedTuple):
 
 
 class MeetingGrid(NamedTuple):
-    """The cheapest sequences of a block of events, by when they meet the target.
+    """Cheapest sequences of a block of events, by the time they meet the target.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class MeetingGrid(NamedTuple):
 
 @kernel
 def grid_of(curves, rows):
-    """A grid with room for a block and so many rows, of the curves of a pair."""
+    """An empty grid for a block of events, from the curves of a pair."""
     flat = np.empty((curves.time.shape[0], 6 * NODES))
     for k in range(flat.shape[0]):
         for n in range(NODES):
@@ -144,7 +144,7 @@ def grid_of(curves, rows):
 
 @inlined
 def _enter(pair, facts, e, time, base, lag):
-    """Write an event into a place of a grid: its time, the flight time of its first row, and δ."""
+    """Enter an event into a grid: its time, the flight time of its first row, and δ."""
     sine_i, sine_j = math.sin(pair.inclination_i), math.sin(pair.inclination_j)
     cosine_i, cosine_j = math.cos(pair.inclination_i), math.cos(pair.inclination_j)
     half = math.sin(0.5 * lag) ** 2
@@ -169,14 +169,14 @@ def _enter(pair, facts, e, time, base, lag):
     facts[MATCHING_1 * BLOCK + e] = 0.5 * (after - before) / ASIDE_S
     facts[MATCHING_2 * BLOCK + e] = 0.5 * (after - 2.0 * there + before) / (ASIDE_S * ASIDE_S)
     facts[EARLIEST * BLOCK + e] = -SLACK_S - time
-    # Nowhere does the line move faster against s than by so much, but for a share of SMALL.
+    # An upper limit on how fast the line moves against s, but for a share of SMALL.
     speed = (sine_j / pair.rate_i + sine_i / pair.rate_j) / math.sqrt(square)
     facts[ERROR * BLOCK + e] = ERROR_S / speed
 
 
 @inlined
 def _angle(sine, cosine):
-    """The angle of a direction that need not be of length one, by that of its quarter.
+    """Angle of a direction of any length, from the angle within its quadrant.
 
     Even and odd terms are added up beside each other, which is faster.
     """
@@ -192,7 +192,7 @@ def _angle(sine, cosine):
 
 @inlined
 def _ends(facts, e, s, motion):
-    """How much later than its event a sequence leaves and meets the target for s [s].
+    """Delays of departure and of meeting the target relative to the event, after s [s].
 
     Returns
     -------
@@ -232,7 +232,7 @@ def _shift(curve, time):
 
 @kernel
 def _lower(facts, curve, found, size, laps, motion):
-    """Lower a part of a row to sequences with k revolutions; one loop that becomes vectors."""
+    """Lower part of a row to costs of sequences with k revolutions; one loop that is vectorised."""
     k, later, low, high = laps
     lag_rate, sines, fixed = motion.lag_rate, motion.sines, motion.fixed
     for e in range(size):
@@ -298,7 +298,7 @@ def lay_out(pair, grid, numbers, bases, rows):
         Their flight times in the first row without ε: from ``pair.shortest − BAND_S`` on, less than
         a revolution of the target [s].
     rows : int
-        So many rows are wanted.
+        Number of rows wanted.
     """
     grid, size = borrowed(grid), bases.size
     lap, first = TURN_RAD / pair.rate_j, pair.shortest - BAND_S

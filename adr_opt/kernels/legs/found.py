@@ -1,11 +1,11 @@
-"""Connections that were found, as arrays."""
+"""Connections of a pair as arrays."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 SHORT, DRIFT, LAUNCH, GIVEN = range(4)
-"""Numbers of the families of legs; those that are registered count on from here."""
+"""Numbers of the built-in families of legs; registered families follow."""
 
 
 class ConnectionArrays(NamedTuple):

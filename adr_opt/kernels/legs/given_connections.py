@@ -1,4 +1,4 @@
-"""Connections in any order of arrivals: those of a pair that no other one dominates."""
+"""Undominated connections among those of a pair, in any order of arrival."""
 
 import math
 
@@ -11,7 +11,7 @@ from .found import GIVEN, ConnectionArrays
 
 @kernel
 def undominated(departure, arrival, cost, latest, resolution):
-    """Which connections of a pair are in time and dominated by no other one.
+    """Mask of the connections of a pair that are in time and undominated.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def undominated(departure, arrival, cost, latest, resolution):
 
 @kernel
 def sifted(departure, arrival, cost, latest, resolution):
-    """The given connections of a pair that :func:`undominated` tells; arguments are the same.
+    """The undominated given connections of a pair, by the mask of :func:`undominated`.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Least ΔV of all numbers of phasing revolutions, at many flight times at once.
+"""Least ΔV over all numbers of phasing revolutions, at many flight times at once.
 
 With k given, what a sequence costs is a function of its flight time alone. It has bends where the
 phasing radius passes that of the origin or of the destination, but is made of four numbers that
@@ -19,12 +19,12 @@ from . import co_elliptic, precession
 from .curves import NODES, Curves
 
 WIDE = 0.17
-"""Half the span of the altitude limits, as a share of their mean radius, up to which so many nodes
-leave errors below 1e-10 m/s. The usual limits, 300 and 2,000 km, are at 0.11."""
+"""Half the span of the altitude limits, as a share of their mean radius, up to which this number of
+nodes keeps errors below 1e-10 m/s. The usual limits, 300 and 2,000 km, are at 0.11."""
 
 
 def _spread_nodes():
-    """Chebyshev points, in an order in which Newton's interpolation loses no digits (Leja's)."""
+    """Chebyshev points, ordered so that Newton's interpolation loses no digits (Leja's order)."""
     left = [math.cos((node + 0.5) * math.pi / NODES) for node in range(NODES)]
     points = [left.pop(0)]
     while left:
@@ -38,7 +38,7 @@ POINTS = _spread_nodes()
 
 @kernel
 def curves_of(pair, rule):
-    """The curves of a pair, or none where the altitude limits are too wide for them.
+    """The curves of a pair, or none if the altitude limits are too wide for them.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def parts_at(curves, k, time):
 
 
 class _Laps(NamedTuple):
-    """A number of phasing revolutions, and between which flight times it can be flown [s]."""
+    """A number of phasing revolutions and the flight times at which it can be flown [s]."""
 
     k: int
     low: float
@@ -111,7 +111,7 @@ class _Laps(NamedTuple):
 
 
 class _Price(NamedTuple):
-    """What makes a ΔV of the four numbers: 4 sin²(θ/2), v |Δe| / 2 and the approach [–, m/s]."""
+    """Terms that turn the four numbers into a ΔV: 4 sin²(θ/2), v |Δe| / 2 and approach [–, m/s]."""
 
     turn: float
     matching: float
@@ -120,7 +120,7 @@ class _Price(NamedTuple):
 
 @kernel
 def _lower(times, size, laps, nodes, coefficients, price, cost, revolutions):
-    """Lower costs to those of sequences with k revolutions; one loop that becomes vectors."""
+    """Lower costs to those of sequences with k revolutions; one loop that is vectorised."""
     k, low, high = laps
     turn, matching, fixed = price
     for t in range(size):
@@ -140,7 +140,7 @@ def _lower(times, size, laps, nodes, coefficients, price, cost, revolutions):
 
 @kernel
 def lower(pair, rule, curves, k, times, size, cost, revolutions):
-    """Lower costs at flight times to those of sequences with k revolutions, where these are less.
+    """Lower costs at flight times to those of sequences with k revolutions, if less.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Short transfers between planes that drift (docs/model.md section 2, under J2).
+"""Short transfers between drifting planes (docs/model.md section 2, under J2).
 
 The co-elliptic sequence of :mod:`.co_elliptic` with the rates of each arc. The turn goes into the
 plane that the remaining arcs carry onto the target's plane on arrival. So the line of nodes is that
@@ -24,23 +24,23 @@ from ..orbits import eccentricity, ephemeris
 from . import co_elliptic
 
 MOST_STEPS = 8
-"""Steps of a fixed point; where planes nearly coincide so few are not enough for a sequence, and
-there is none."""
+"""Maximum number of fixed-point steps; where planes nearly coincide this may not suffice, and the
+sequence is omitted."""
 
 CLOSE_S = 1e-6
-"""A fixed point is found when a step is less: the next one would be less by far [s]."""
+"""Step below which a fixed point is accepted: the next one would be far smaller [s]."""
 
 STEP_S = 16.0
-"""Departures are rounded down to whole steps after their event [s]."""
+"""Departures are rounded down to whole steps of this after their event [s]."""
 
 ROUNDING_S = 1e-3
-"""A departure so little before a step counts as at it [s]."""
+"""Distance before a step at which a departure counts as on it [s]."""
 
 BRACKETS = 8
-"""A departure is looked for in so many parts of a step."""
+"""Number of brackets per step in the search for a departure."""
 
 STEP_RAD = 1e-6
-"""By which a difference of RAANs is moved to see how the line of nodes moves with it [rad]."""
+"""Difference of RAAN by which the motion of the line of nodes is sampled [rad]."""
 
 
 class Event(NamedTuple):
@@ -69,7 +69,7 @@ class Event(NamedTuple):
 
 @inlined
 def near(angle, other):
-    """An angle less the whole turns that take it nearest to another one."""
+    """An angle reduced by whole turns to be nearest to another."""
     return angle - TURN_RAD * math.floor((angle - other) / TURN_RAD + 0.5)
 
 
@@ -92,7 +92,7 @@ def line(pair, lag):
 
 @kernel
 def event_at(pair, half_turns, time, alpha_i, alpha_j):
-    """The event of a number of half turns.
+    """The event at a number of half turns.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def event_at(pair, half_turns, time, alpha_i, alpha_j):
 
 @inlined
 def turning(pair, lag, alpha_i, alpha_j):
-    """By how much the arguments of latitude of the line of nodes change with δ."""
+    """Change of the arguments of latitude of the line of nodes with δ."""
     moved_i, moved_j, _ = line(pair, lag + STEP_RAD)
     return (near(moved_i, alpha_i) - alpha_i) / STEP_RAD, (
         near(moved_j, alpha_j) - alpha_j
@@ -140,7 +140,7 @@ def first_event(pair):
 
 @kernel
 def later_event(pair, event, steps, after):
-    """The event so many half turns after another one, and about so many seconds."""
+    """The event a number of half turns, and roughly a number of seconds, after another."""
     return event_at(
         pair, event.half_turns + steps, event.time + after, event.alpha_i, event.alpha_j
     )
@@ -148,14 +148,14 @@ def later_event(pair, event, steps, after):
 
 @inlined
 def meeting(pair, rule, half_turns, alpha_j, time):
-    """When the target lets the chaser arrive at the stand-off, as near as it can to a time [s]."""
+    """Time at which the target allows arrival at the stand-off, nearest to a given time [s]."""
     latitude = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind = latitude - pair.latitude_j - pair.rate_j * time
     return time + (behind - TURN_RAD * math.floor(behind / TURN_RAD + 0.5)) / pair.rate_j
 
 
 class FixedPoint(NamedTuple):
-    """A sequence: when it leaves and is at the stand-off [s], r_x [m], 4 sin²(θ/2) and ΔV [m/s].
+    """A sequence: departure and stand-off times [s], r_x [m], 4 sin²(θ/2) and ΔV [m/s].
 
     ΔV is +inf where there is none; ``steps`` is how many it took to find it.
     """
@@ -170,7 +170,7 @@ class FixedPoint(NamedTuple):
 
 @kernel
 def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha_i, alpha_j):
-    """The sequence of an event with k revolutions that arrives about a time, exactly.
+    """The sequence of an event with k revolutions near a given arrival, solved exactly.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha
 
 @inlined
 def _past_line(pair, rule, revolutions, departure, stand_off):
-    """How long after the nearest crossing of its line a sequence would leave, if so [s].
+    """Delay of a sequence's departure after the nearest crossing of its line of nodes [s].
 
     Returns
     -------
@@ -238,7 +238,7 @@ def _past_line(pair, rule, revolutions, departure, stand_off):
 
 @kernel
 def leaving(pair, rule, revolutions, ready, stand_off):
-    """When a sequence leaves that arrives at a time: the first crossing of its line from then on.
+    """Departure of a sequence with a given arrival: the first crossing of its line once ready.
 
     By the secant method, or where that does not lead there, by bisection.
 

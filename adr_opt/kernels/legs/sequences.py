@@ -1,4 +1,4 @@
-"""The sequence of a departure event that is worth most to whoever has to choose one.
+"""The most valuable sequence of a departure event.
 
 With Δ the lead of the target at departure, the phase condition reads n_j T = 3π − Δ + δ + 2π s,
 s = k + m: the flight time depends on (k, m) through s alone. So the search runs over s with T
@@ -17,7 +17,7 @@ from .zones import is_blocked
 
 
 class Sequence(NamedTuple):
-    """The sequence flown: ``delta_v`` is +inf where there is none."""
+    """A sequence as flown: ``delta_v`` is +inf if there is none."""
 
     delta_v: float  # [m/s]
     flight_time: float  # departure to stand-off [s]

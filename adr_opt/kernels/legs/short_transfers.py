@@ -1,4 +1,4 @@
-"""Short transfers between planes that drift, at events, sifted.
+"""Short transfers between drifting planes, at events, sifted by dominance.
 
 Nothing is regular here as it is between two bodies: the lines of nodes move, so events are found
 one by one (:mod:`.precession`); sequences of one event leave within seconds of it, and those that
@@ -26,24 +26,24 @@ from .departure_events import events_of, least_speed, listed_at
 from .fixed_points import BAND_S, BLOCK, COST, FLAT_RAD, LEFT, MET, REVOLUTIONS
 
 SURE_STEPS = 3
-"""A fixed point that takes no more is found again from anywhere near."""
+"""Number of steps within which a fixed point counts as found from any nearby start."""
 
 NEAR_RAD = 0.003
-"""Where planes are so near, that is not sure [rad]."""
+"""Angle between planes below which that is not certain [rad]."""
 
 STEEPEST = 4.0
-"""By how many times a node's rate ε changes at most with the flight time, about."""
+"""Largest growth of a node's rate ε with the flight time, approximately."""
 
 RESTLESS = 0.3
-"""Nor where the line of nodes moves so fast against the chaser."""
+"""Nor is it certain where the line of nodes moves at this rate against the chaser."""
 
 ERROR_M_S, BEND_M_S = 0.05, 400.0
-"""How far the estimate of a ΔV may be off: so much, and so much times (ε/θ)²."""
+"""Largest error of an estimated ΔV: the first, plus the second times (ε/θ)²."""
 
 
 @kernel
 def _found_again(pair, rule, revolutions, event, departure, stand_off):
-    """Whether he who flies a sequence finds its departure again."""
+    """Whether the departure of a flown sequence can be recovered from the sequence."""
     ready = max(listed_at(event, departure), 0.0)
     again = precession.leaving(pair, rule, revolutions, ready, stand_off)
     return abs(again - departure) < precession.ROUNDING_S
@@ -66,7 +66,7 @@ class Shorts(NamedTuple):
 
 
 class Known(NamedTuple):
-    """By crossing of the target, what later departures cost that arrive there, and until when.
+    """Costs of later departures by crossing of the target, and their end of validity.
 
     Attributes
     ----------
@@ -81,14 +81,14 @@ class Known(NamedTuple):
 
 
 class _Sifted(NamedTuple):
-    """What sifting has found so far of the later events of a pair."""
+    """State of the sift over the later events of a pair."""
 
     known: Known
     shorts: Shorts
 
 
 class _Limits(NamedTuple):
-    """Which short transfers are wanted: as :func:`short` takes them [s], [m/s], [m/s]."""
+    """Limits on the short transfers of :func:`short` [s], [m/s], [m/s]."""
 
     duration: float
     most: float
@@ -96,7 +96,7 @@ class _Limits(NamedTuple):
 
 
 class _PlacedEvent(NamedTuple):
-    """A departure event, and its place in a grid.
+    """A departure event and its place in a grid.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class _PlacedEvent(NamedTuple):
 
 @kernel
 def _settled(pair, rule, curves, half_turns, number, met, below):
-    """The cheapest sequence of an event that meets the target about a time, found one by one.
+    """The cheapest sequence of an event that meets the target near a time, solved one by one.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def _settled(pair, rule, curves, half_turns, number, met, below):
 
 @kernel
 def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
-    """Add the sequences of an event that none of a later departure dominates; how many there are.
+    """Add the sequences of an event that no later departure dominates; returns their number.
 
     Parameters
     ----------
@@ -258,7 +258,7 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
 
 @kernel
 def short(pair, rule, duration, spacing, most, resolution):
-    """The short transfers of a pair that no other one dominates.
+    """Undominated short transfers of a pair.
 
     Parameters
     ----------

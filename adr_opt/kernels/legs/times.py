@@ -1,10 +1,10 @@
-"""When transfers of a pair may leave, how long they may take, and what they may cost."""
+"""Limits on the departures, durations and costs of a pair's transfers."""
 
 from typing import NamedTuple
 
 
 class Times(NamedTuple):
-    """When transfers may leave, and how long they may take.
+    """Departure times of transfers and limits on their duration.
 
     Attributes
     ----------
@@ -13,7 +13,7 @@ class Times(NamedTuple):
     step, longest : float
         Of the grid of long transfers, and the longest of them, 0 for none [s].
     most : float
-        Transfers that cost more are of no use to anybody [m/s].
+        Largest useful ΔV of a transfer [m/s].
     """
 
     interval: float

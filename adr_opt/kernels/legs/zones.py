@@ -10,7 +10,7 @@ from .co_elliptic import SQRT_MU, lap_time, pace
 
 @kernel
 def half_ellipse_clock(r1, r2, r):
-    """Share of its time that a half ellipse from apsis r1 to apsis r2 takes from r1 to r."""
+    """Share of a half ellipse's time, from apsis r1 to apsis r2, that passes from r1 to r."""
     e = abs(r2 - r1) / (r1 + r2)
     if e == 0.0:
         return 0.0
@@ -23,7 +23,7 @@ def half_ellipse_clock(r1, r2, r):
 
 @kernel
 def half_ellipse_meets(r1, r2, start, end, zone):
-    """Whether a half ellipse flown from start to end is in the zone at some moment."""
+    """Whether a half ellipse flown from start to end is ever in an active zone."""
     low, high = zone[0], zone[1]
     if max(r1, r2) < low or min(r1, r2) > high or end < zone[2] or start > zone[3]:
         return False
@@ -72,7 +72,7 @@ def is_blocked(pair, rule, revolutions, r, departure):
 
 @kernel
 def any_closed(zones, start, end):
-    """Whether any zone is closed at some moment of a flight."""
+    """Whether any zone is active during a flight."""
     zones, closed = borrowed(zones), False
     for z in range(zones.shape[0]):
         closed = closed or (zones[z, 2] <= end and start <= zones[z, 3])

@@ -1,4 +1,4 @@
-"""Rows of bodies, changed: as they are left, and on another orbit.
+"""Modified rows of bodies: as chasers leave them, and on another orbit.
 
 A row is made by :func:`.ephemeris.body_row`, and read there and in :mod:`.elements`.
 """
@@ -14,7 +14,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def as_left(bodies: FloatArray) -> FloatArray:
-    """Bodies as they are left: with the rate of the node of a chaser after that in a column more.
+    """Rows of bodies at departure, with an extra column for the node rate of the departing chaser.
 
     That is the body's own: chasers leave from its orbit. :func:`with_orbit` states another one.
 
@@ -38,7 +38,7 @@ def with_orbit(
     eccentricity: float | None = None,
     coasting_node_rate: float | None = None,
 ) -> FloatArray:
-    """A body on another orbit, whose angles advance at the same rates.
+    """A body on another orbit, with its angles advancing at the same rates.
 
     Parameters
     ----------

@@ -33,12 +33,12 @@ STEP_RAD = 0.7
 """Length of a step at the perigee, as an angle on the circle there."""
 
 MOST_ROUNDS = 40
-"""Of the iteration for the stages; ten or so are taken."""
+"""Maximum number of iterations for the stages; about ten are needed."""
 
 
 @inlined
 def step_length(state):
-    """Length of a step for an orbit; negative where it is not closed or passes the centre [s]."""
+    """Step length for an orbit; negative if it is not closed or passes through the centre [s]."""
     r = math.sqrt(state[0] ** 2 + state[1] ** 2 + state[2] ** 2)
     inverse = 2.0 / r - (state[3] ** 2 + state[4] ** 2 + state[5] ** 2) / MU_M3_S2
     if not inverse > 0.0:
@@ -87,7 +87,7 @@ def _stages(state, lost, h, zonals, place, force, short, spare):
 
 @kernel
 def _carry(matrix, h, zonals, place, columns, pulled, slope):
-    """Multiply a state-transition matrix by that of a step whose stages are known."""
+    """Multiply a state-transition matrix by that of a step with known stages."""
     for i in range(STAGES):
         gradient(place[i, 0], place[i, 1], place[i, 2], zonals, slope[i])
     for column in range(6):
@@ -126,7 +126,7 @@ def _carry(matrix, h, zonals, place, columns, pulled, slope):
 
 @kernel
 def coast(state, duration, zonals, matrix):
-    """Let a state move freely, in place.
+    """Propagate a state in free motion, in place.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def coast(state, duration, zonals, matrix):
 
 @kernel
 def chain(arcs):
-    """Derivatives of the end of all arcs by where each begins, in place of those of its own end.
+    """Derivatives of the final state by each arc's start, in place of those of each arc's end.
 
     Parameters
     ----------

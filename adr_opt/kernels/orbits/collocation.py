@@ -1,4 +1,4 @@
-"""Coefficients of Gauss's collocation with eight stages, twice as exact as a float.
+"""Coefficients of Gauss's collocation with eight stages, to twice the precision of a float.
 
 A coefficient that is rounded is wrong by the same amount in every step, so that energy drifts
 instead of walking at random (E. Hairer, R. McLachlan and A. Razakarivony, BIT Numerical Mathematics
@@ -15,13 +15,13 @@ import numpy.typing as npt
 STAGES = 8
 
 DIGITS = 40
-"""In which coefficients are computed: two floats hold 32."""
+"""Decimal digits used for the coefficients: two floats hold 32."""
 
 
 def _split(
     numbers: Sequence[Sequence[Decimal]],
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """The nearest floats, and those nearest to what they are short of."""
+    """The nearest floats, and the floats nearest to the remainders."""
     near = np.array([[float(number) for number in row] for row in numbers])
     short = [
         [float(number - Decimal(there)) for number, there in zip(row, line, strict=True)]
@@ -39,7 +39,7 @@ def _legendre(x: Decimal) -> tuple[Decimal, Decimal]:
 
 
 def _lagrange(nodes: Sequence[Decimal], point: Decimal) -> list[Decimal]:
-    """The polynomials that are one at a node and zero at the others, at a point."""
+    """The Lagrange polynomials of some nodes at a point."""
     values = []
     for own in nodes:
         value = Decimal(1)
@@ -61,7 +61,7 @@ def _product(first: Sequence[Sequence[Decimal]], second: Sequence[Sequence[Decim
 
 
 def _collocation():
-    """Nodes on [0, 1], weights, the matrix A, and polynomials of the nodes of the next step."""
+    """Nodes on [0, 1], weights, the matrix A, and polynomials at the nodes of the next step."""
     nodes, weights = [], []
     for start in np.polynomial.legendre.leggauss(STAGES)[0].tolist():
         x = Decimal(start)

@@ -1,4 +1,4 @@
-"""The columns of a body: elements at t = 0, and their secular rates.
+"""Columns of a body: elements at t = 0 and their secular rates.
 
 Known in this room alone: others ask :mod:`.ephemeris` for the elements of a body at a time, or
 :mod:`.elements` for those of many. Rows are made by :func:`.ephemeris.body_row` and changed by
@@ -15,5 +15,5 @@ ORBIT_COLUMNS = (
 ) = range(9)  # fmt: skip
 
 COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
-"""One column more in rows of bodies as they are left: how fast the node of the chaser moves after
-that, where it leaves from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""
+"""Extra column in rows of bodies at departure: node rate of the chaser afterwards, if it leaves
+from another orbit than the body's; see :mod:`adr_opt.plan.tows` [rad/s]."""

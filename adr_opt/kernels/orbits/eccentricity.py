@@ -1,4 +1,4 @@
-"""What eccentric ends add to a sequence, which flies between circles (docs/model.md).
+"""Cost of eccentric ends for a sequence flown between circles (docs/model.md).
 
 The circles leave out the eccentricity vectors, which differ by Δe. Burns that are flown for other
 reasons change them on the way, at no cost as long as there are enough of them; but to change them
@@ -17,14 +17,14 @@ from ..core.compile import inlined, kernel
 
 @kernel
 def chord(eccentricity_i, eccentricity_j, angle):
-    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, without its cancellation."""
+    """|e_j e^{iω_j} − e_i e^{iω_i}| for perigees an angle apart, computed without cancellation."""
     between = 4.0 * eccentricity_i * eccentricity_j * math.sin(0.5 * angle) ** 2
     return math.sqrt((eccentricity_j - eccentricity_i) ** 2 + between)
 
 
 @inlined
 def along_turn(inclination_i, inclination_j, lag):
-    """α_i − α_j: what latitudes lose when their plane is turned about the line of nodes [rad].
+    """α_i − α_j: loss of latitude when a plane is turned about the line of nodes [rad].
 
     By Napier's analogies in the triangle of the two nodes and the line: unlike the two latitudes of
     the line themselves it is steady where planes nearly coincide.
@@ -42,7 +42,7 @@ def along_turn(inclination_i, inclination_j, lag):
 
 @inlined
 def whole(circles, turned, matching):
-    """ΔV of a sequence between eccentric ends, but for the approach [m/s].
+    """ΔV of a sequence between eccentric ends, without the approach [m/s].
 
     Parameters
     ----------
@@ -58,14 +58,14 @@ def whole(circles, turned, matching):
 
 @inlined
 def alone(speed, eccentricity_i, eccentricity_j, perigee_lag, inclination_i, inclination_j, lag):
-    """Half of v |Δe| with what ω_j − ω_i and Ω_j − Ω_i are at a time [m/s]."""
+    """Half of v |Δe| for given differences of ω and Ω at a time [m/s]."""
     angle = perigee_lag + along_turn(inclination_i, inclination_j, lag)
     return 0.5 * speed * chord(eccentricity_i, eccentricity_j, angle)
 
 
 @inlined
 def matching(pair, time):
-    """What matching alone would cost when a sequence leaves, v |Δe| / 2 [m/s]."""
+    """Cost of matching eccentricity alone when a sequence leaves, v |Δe| / 2 [m/s]."""
     if pair.eccentricity_i == 0.0 and pair.eccentricity_j == 0.0:
         return pair.matching
     return alone(

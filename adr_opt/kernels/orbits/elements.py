@@ -1,4 +1,4 @@
-"""Elements of many bodies at a time, or of one at many times, as NumPy arrays.
+"""Elements of many bodies at one time, or of one body at many times, as NumPy arrays.
 
 As :mod:`.ephemeris` has them for kernels. Bodies are rows of :data:`.columns.ORBIT_COLUMNS`, shape
 (bodies, columns), and a time is one for all of them; or a single row, shape (columns,), and times

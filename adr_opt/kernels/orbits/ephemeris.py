@@ -1,4 +1,4 @@
-"""Where bodies are at a time: the ephemeris, frames, relative nodes and states.
+"""Ephemeris of bodies: frames, relative nodes and states at a time.
 
 A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
@@ -31,10 +31,10 @@ from .columns import (
 from .columns import ORBIT_COLUMNS as ORBIT_COLUMNS
 
 EPOCH_S = 0.0
-"""The time for elements that hold for a whole mission: the epoch of the instance [s]."""
+"""Time at which mission-wide elements are evaluated: the epoch of the instance [s]."""
 
 COPLANAR_RAD = 1e-9
-"""Nearer than this to equal or opposite, two planes have a line of nodes of free choice [rad]."""
+"""Angle to equal or opposite within which two planes get an arbitrary line of nodes [rad]."""
 
 
 @kernel
@@ -104,7 +104,7 @@ def body_row(
     perigee: float = 0.0,
     oblateness_m2: float = 0.0,
 ) -> tuple[float, ...]:
-    """A body on a mean orbit, with its secular rates (docs/model.md section 1).
+    """Row of a body on a mean orbit, with its secular rates (docs/model.md section 1).
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def body_row(
 
 @inlined
 def planes_drift(oblateness):
-    """Whether nodes and perigees move: under J2, but not in two-body motion.
+    """Whether nodes and perigees drift: under J2, but not in two-body motion.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def node_rate_at(orbit, time):
 
 @inlined
 def coasting_node_rate_at(orbit, time):
-    """Rate of the node of a chaser that left a body at a time and stays on its orbit [rad/s]."""
+    """Node rate of a chaser that left a body at a time and stays on its orbit [rad/s]."""
     if orbit.size > COASTING_RAAN_RATE:
         return orbit[COASTING_RAAN_RATE]
     return node_rate_at(orbit, time)
@@ -189,7 +189,7 @@ def latitude_rate_at(orbit, time):
 
 @inlined
 def revolution_at(orbit, time):
-    """How long a body takes from node to node about a time [s]."""
+    """Nodal period of a body at a time [s]."""
     return 2.0 * math.pi / latitude_rate_at(orbit, time)
 
 
@@ -213,7 +213,7 @@ def perigee_rate_at(orbit, time):
 
 @inlined
 def node_tangent(orbit, time):
-    """The motion of a node about a time as a straight line, from t = 0 on.
+    """Tangent of a node's motion at a time, as its value at t = 0 and its rate.
 
     Returns
     -------
@@ -226,14 +226,14 @@ def node_tangent(orbit, time):
 
 @inlined
 def latitude_tangent(orbit, time):
-    """The same of the argument of latitude [rad], [rad/s]."""
+    """Tangent of the argument of latitude at a time [rad], [rad/s]."""
     rate = latitude_rate_at(orbit, time)
     return latitude_at(orbit, time) - rate * time, rate
 
 
 @inlined
 def perigee_tangent(orbit, time):
-    """The same of the argument of perigee [rad], [rad/s]."""
+    """Tangent of the argument of perigee at a time [rad], [rad/s]."""
     rate = perigee_rate_at(orbit, time)
     return perigee_at(orbit, time) - rate * time, rate
 
@@ -264,7 +264,7 @@ def frame(inclination, raan):
 
 @inlined
 def turn(vector, angle):
-    """Turn a vector about the axis of the Earth, in place."""
+    """Rotate a vector about the axis of the Earth, in place."""
     c, s = math.cos(angle), math.sin(angle)
     x, y = vector[0], vector[1]
     vector[0], vector[1] = c * x - s * y, s * x + c * y

@@ -1,4 +1,4 @@
-"""Equinoctial elements in a frame of free choice: regular for circles and for every inclination.
+"""Equinoctial elements in a chosen frame: regular for circles and for every inclination.
 
 Elements are (a, f, g, h, k, λ): semi-major axis [m], eccentricity vector (f, g), tan(i/2) times
 the direction of the node (h, k), mean longitude λ [rad], all measured in a frame whose rows are
@@ -80,7 +80,7 @@ def elements(state, frame):
 
 @kernel
 def state_of(of, frame):
-    """The state that has some elements in a frame: the inverse of :func:`elements`, shape (6,)."""
+    """The state with given elements in a frame: the inverse of :func:`elements`, shape (6,)."""
     a, f, g, h, k = of[0], of[1], of[2], of[3], of[4]
     root = math.sqrt(1.0 - f * f - g * g)
     beta = 1.0 / (1.0 + root)

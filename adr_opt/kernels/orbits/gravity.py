@@ -1,4 +1,4 @@
-"""The pull of the Earth with its zonal harmonics J2, J3 and J4, and how it changes with the place.
+"""Gravity of the Earth with the zonal harmonics J2, J3 and J4, and its gradient.
 
 With s = z/r and Legendre's polynomials P_n the potential is μ/r (1 − Σ J_n (R/r)ⁿ P_n(s)). Its
 first and second derivatives simplify by P′_{n+1} = (n+1) P_n + s P′_n (O. Montenbruck and E. Gill,
@@ -24,7 +24,7 @@ FIELDS = {
     "j3": np.array([J2, J3, 0.0]),
     "j4": np.array([J2, J3, J4]),
 }
-"""The harmonics (J2, J3, J4) of each field that flights are made in."""
+"""The harmonics (J2, J3, J4) of each gravity field available to flights."""
 for _field in FIELDS.values():
     _field.setflags(write=False)
 

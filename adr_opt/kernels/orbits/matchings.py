@@ -1,4 +1,4 @@
-"""What matching eccentricity vectors alone would cost, of all pairs of bodies."""
+"""Cost of matching eccentricity vectors alone, for all pairs of bodies."""
 
 import math
 
@@ -12,7 +12,7 @@ from .ephemeris import eccentricity_at, inclination_at, node_at, perigee_at, rad
 
 @kernel
 def matchings(bodies, time):
-    """What matching alone would cost between any two bodies, v |Δe| / 2 at a time [m/s].
+    """Cost of matching alone between any two bodies at a time, v |Δe| / 2 [m/s].
 
     Parameters
     ----------

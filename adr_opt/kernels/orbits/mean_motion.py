@@ -15,15 +15,15 @@ from ..core.compile import kernel
 from .coast import chain
 
 MOST_STEPS = 50
-"""Of Newton's iteration for Kepler's equation; nearly circular orbits take three or four."""
+"""Maximum number of Newton steps for Kepler's equation; near-circular orbits need three or four."""
 
 CLOSE_RAD = 1e-15
 
 STEP_M, STEP_M_S = 10.0, 1e-2
-"""By which states are moved for derivatives over one revolution."""
+"""Perturbations of states for derivatives over one revolution."""
 
 LOWEST_M = 1e6
-"""Least semi-latus rectum: who falls nearly straight down is lost."""
+"""Least semi-latus rectum; below it an orbit is nearly a vertical fall, and is rejected [m]."""
 
 
 @kernel
@@ -99,7 +99,7 @@ def rates(state, oblateness, slopes):
 
 @kernel
 def advance(state, anomaly, apsis, node):
-    """Let a state advance on its orbit, and turn that, in place.
+    """Advance a state along its orbit and rotate that orbit, in place.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def advance(state, anomaly, apsis, node):
 
 @kernel
 def coast(state, duration, oblateness):
-    """Let a state move freely, in place.
+    """Propagate a state in free motion, in place.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def coast(state, duration, oblateness):
 
 @kernel
 def derivative(state, duration, oblateness):
-    """Derivative of the state after some time by the state, shape (6, 6).
+    """Derivative of the propagated state by the initial state, shape (6, 6).
 
     What grows with time goes by way of the three angles, whose slopes are exact: differences would
     lose, after months, what cancels between places and velocities. What is left of it is that of an

@@ -1,1 +1,1 @@
-"""The rules of a mission and schedules that keep to them, compiled."""
+"""Mission rules and schedules that satisfy them, compiled."""

@@ -1,4 +1,4 @@
-"""What a chaser carries, and how that changes what its tank is worth (docs/model.md section 5).
+"""Cargo of a chaser, and its effect on the ΔV of the tank (docs/model.md section 5).
 
 A tank by mass is counted as the ΔV that is left in it, v = g₀ Isp ln(m / m_f): the mass there is
 over the one without propellant. So a leg takes its ΔV off it, whatever is aboard, as of a tank
@@ -11,8 +11,8 @@ and towing an object of mass D with burns of ΔV x, which are flown with the mas
 
     exp(v' / g₀ Isp) = A exp(v / g₀ Isp) − (1 − A) D / m_f ,    A = exp(−x / g₀ Isp) .
 
-Such maps of exp(v / g₀ Isp) that are affine, and rise, are all that planners know of masses: who is
-richer before a service is so after it.
+Planners know masses only through such increasing affine maps of exp(v / g₀ Isp): more ΔV before a
+service means more after it.
 """
 
 import math
@@ -25,7 +25,7 @@ from ..core.compile import inlined
 
 
 class Loads(NamedTuple):
-    """What a chaser carries.
+    """Cargo of a chaser.
 
     Attributes
     ----------
@@ -34,16 +34,16 @@ class Loads(NamedTuple):
     takes : (bodies,) int64
         Kits that the service of each body takes.
     full : (most + 1,) float64
-        What a full tank is worth with so many kits aboard, with the slack of the model [m/s].
+        ΔV of a full tank by number of kits aboard, with the slack of the model [m/s].
     first : (most + 1,) float64
-        What there is of it at the start. The same, where the first leg pays for what is lacking.
+        ΔV at the start; equal to ``full`` where the first leg pays for the difference.
     scale, loss : (bodies, most + 1) float64
-        exp(v / g₀ Isp) becomes scale · exp(v / g₀ Isp) − loss by the service of a body with so many
-        kits aboard.
+        The service of a body turns exp(v / g₀ Isp) into scale · exp(v / g₀ Isp) − loss, by number
+        of kits aboard.
     heavy : bool
         Whether kits weigh anything.
     flown : (bodies,) float64
-        ΔV that the service of each body takes itself: of tows; it counts to the cost [m/s].
+        ΔV flown within the service of each body, as in a tow; part of the cost [m/s].
     """
 
     exhaust: float
@@ -57,12 +57,12 @@ class Loads(NamedTuple):
 
 
 NOT_ENOUGH = -1.0
-"""What is left where a service cannot be made."""
+"""Remaining ΔV that marks an infeasible service."""
 
 
 @inlined
 def full_tank(loads, budget, kits):
-    """What a full tank is worth with so many kits aboard [m/s]."""
+    """ΔV of a full tank with ``kits`` aboard [m/s]."""
     if loads is None:
         return budget
     return loads.full[kits]
@@ -70,7 +70,7 @@ def full_tank(loads, budget, kits):
 
 @inlined
 def first_tank(loads, budget, kits):
-    """What there is in the tank at the start with so many kits aboard [m/s]."""
+    """ΔV in the tank at the start with ``kits`` aboard [m/s]."""
     if loads is None:
         return budget
     return loads.first[kits]
@@ -78,7 +78,7 @@ def first_tank(loads, budget, kits):
 
 @inlined
 def after_service(loads, body, kits, left):
-    """What is left after a service, and how many kits.
+    """ΔV and kits remaining after a service.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def after_service(loads, body, kits, left):
 
 @inlined
 def flown_in_service(loads, body):
-    """ΔV that a service takes itself [m/s]."""
+    """ΔV flown within a service [m/s]."""
     if loads is None:
         return 0.0
     return loads.flown[body]
@@ -117,7 +117,7 @@ def flown_in_service(loads, body):
 
 @inlined
 def is_possible(loads, left):
-    """Whether a service could be made after which so much is left."""
+    """Whether a service is feasible, from the ΔV remaining after it."""
     if loads is None:
         return True
     return left >= 0.0
@@ -125,19 +125,19 @@ def is_possible(loads, left):
 
 @inlined
 def most_kits(loads):
-    """The most kits that it may take along."""
+    """Maximum number of kits aboard."""
     if loads is None:
         return 0
     return loads.full.size - 1
 
 
 KITS_BIT = 16
-"""Labels keep the number of kits aboard above so many bits of the number of services."""
+"""Number of low bits of a packed count that hold the services; the kits lie above them."""
 
 
 @inlined
 def with_kits(loads, services, kits):
-    """Services and kits in one number; the services alone where loads do not count."""
+    """Services and kits packed in one number; the services alone without loads."""
     if loads is None:
         return services
     return services + (kits << KITS_BIT)
@@ -145,7 +145,7 @@ def with_kits(loads, services, kits):
 
 @inlined
 def kits_in(loads, packed):
-    """The kits of such a number."""
+    """Number of kits in a packed count."""
     if loads is None:
         return 0
     return np.int64(packed) >> KITS_BIT
@@ -153,7 +153,7 @@ def kits_in(loads, packed):
 
 @inlined
 def services_in(loads, packed):
-    """The services of such a number."""
+    """Number of services in a packed count."""
     if loads is None:
         return packed
     return packed & ((1 << KITS_BIT) - 1)
@@ -161,9 +161,9 @@ def services_in(loads, packed):
 
 @inlined
 def may_stand_for(loads, kits, other):
-    """Whether a chaser with so many kits can do what one with ``other`` kits can.
+    """Whether a chaser with ``kits`` aboard can do everything that one with ``other`` kits can.
 
-    Of two that are as rich the one with fewer kits is the lighter one, and has fewer.
+    At equal remaining ΔV, fewer kits mean a lighter chaser, so that neither dominates.
     """
     if loads is None:
         return True

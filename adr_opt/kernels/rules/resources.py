@@ -1,4 +1,4 @@
-"""Resources of a partial route: how a leg changes them, and when one route dominates another.
+"""Resources of a partial route: their extension by a leg, and dominance between routes.
 
 The resources of the resource-constrained shortest paths that all planners look for. A leg with the
 service or refuelling that follows it extends them by :func:`extend`, and one set of them dominates
@@ -23,7 +23,7 @@ from ..core.compile import inlined, kernel
 from .loads import after_service, first_tank, full_tank, may_stand_for
 
 One = Any
-"""A number; where :func:`columns` hold those of many routes, an array of them."""
+"""A number, or an array of them in :func:`columns` of many routes."""
 
 
 class Resources(NamedTuple):
@@ -52,14 +52,14 @@ class Resources(NamedTuple):
 
 @inlined
 def at_start(ready, kits, loads, budget):
-    """What there is at the start, from a time on [s], with so many kits aboard."""
+    """Resources at the start, from a ready time [s] and a number of kits aboard."""
     nothing = np.int64(0)
     return Resources(ready, first_tank(loads, budget, kits), nothing, nothing, np.int64(kits))
 
 
 @inlined
 def extend(here, destination, refuels, delta_v, end, loads, budget):
-    """What is left after a leg and the service, or the refuelling, that follows it.
+    """Resource extension by a leg and the service or refuelling that follows it.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def extend(here, destination, refuels, delta_v, end, loads, budget):
 
 @inlined
 def dominates(one, other, loads):
-    """Whether a route can go on in every way in which another one can that is at the same body.
+    """Whether one route dominates another at the same body: it allows every continuation of it.
 
     It is free no later, which is enough since a chaser may wait, has no less left, has serviced no
     more of those that it may, and its kits will do for those of the other. Which targets are done
@@ -114,7 +114,7 @@ def dominates(one, other, loads):
 
 @kernel
 def columns(shape):
-    """Room for the resources of many routes, side by side: an array for each field."""
+    """Storage for the resources of many routes: an array for each field."""
     return Resources(
         np.empty(shape), np.empty(shape), np.empty(shape, np.int32), np.empty(shape, np.int32),
         np.empty(shape, np.int32),
@@ -123,7 +123,7 @@ def columns(shape):
 
 @inlined
 def at(held, place):
-    """The resources at a place of columns."""
+    """The resources at an index of such columns."""
     return Resources(
         held.time[place], held.left[place], np.int64(held.since[place]),
         np.int64(held.serviced[place]), np.int64(held.kits[place]),
@@ -132,7 +132,7 @@ def at(held, place):
 
 @inlined
 def put(held, place, resources):
-    """Write resources to a place of columns."""
+    """Write resources to an index of such columns."""
     held.time[place], held.left[place] = resources.time, resources.left
     held.since[place], held.serviced[place] = resources.since, resources.serviced
     held.kits[place] = resources.kits

@@ -1,4 +1,4 @@
-"""The mission rules: which moves are legal, and what one move does (docs/model.md section 5).
+"""Mission rules: legal moves and their effect (docs/model.md section 5).
 
 The one place where they stand. Everything that plans, and the environment, asks these kernels;
 only ``check`` states them a second time, on purpose.
@@ -28,7 +28,7 @@ from .resources import Resources
 
 
 class Rules(NamedTuple):
-    """A mission as the kernels see it.
+    """A mission as kernels see it.
 
     Bodies are numbered stations first, then the orbit of the start if that is no station's, then
     the targets.
@@ -87,7 +87,7 @@ class Rules(NamedTuple):
 
 
 class State(NamedTuple):
-    """Where a chaser is, and what it has left there."""
+    """Position and resources of a chaser."""
 
     body: int | np.int64
     resources: Resources
@@ -95,13 +95,13 @@ class State(NamedTuple):
 
 @inlined
 def beginning(rules):
-    """The state in which a mission begins, with all kits that may be taken along."""
+    """Initial state of a mission, with the maximum number of kits."""
     return beginning_with(rules, most_kits(rules.loads))
 
 
 @inlined
 def beginning_with(rules, kits):
-    """The state in which a mission begins with so many kits."""
+    """Initial state of a mission with a given number of kits."""
     return State(
         np.int64(rules.start),
         resource_kernels.at_start(rules.ready, kits, rules.loads, rules.budget),
@@ -110,13 +110,13 @@ def beginning_with(rules, kits):
 
 @inlined
 def looked_at(rules):
-    """At how many destinations of each body searches look."""
+    """Number of destinations that searches examine from each body."""
     return timetable.looked_at(rules.table, rules.service.size - rules.first_target)
 
 
 @inlined
 def destination(rules, body, time, place):
-    """One of the destinations that searches look at from a body: all targets, or the nearest then.
+    """A destination that searches examine from a body: any target, or one of the nearest at a time.
 
     Among the nearest there are stations, too.
     """
@@ -125,7 +125,7 @@ def destination(rules, body, time, place):
 
 @inlined
 def fits(rules, body, time, left, destination):
-    """What a move costs, and whether it fits ΔV and time.
+    """Cost of a move, and whether it fits the remaining ΔV and time.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def step(rules, state, destination):
 
 @kernel
 def _reaches_an_end(rules, body, time, left):
-    """Whether a chaser can still go to where the mission may end."""
+    """Whether a chaser can still reach a body where the mission may end."""
     for s in range(rules.stations):
         if rules.may_end[s] and s != body and fits(rules, body, time, left, s)[0]:
             return True
@@ -198,7 +198,7 @@ def _reaches_an_end(rules, body, time, left):
 
 @inlined
 def may_go(rules, state, visited, destination):
-    """Whether a body is another one, and no target that is done already, nor an orbit that is left.
+    """Whether a destination differs from the current body and is neither serviced nor a left orbit.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def may_go(rules, state, visited, destination):
 
 @inlined
 def has_way_back(rules, state):
-    """The guard: whether a chaser at a target can still refuel, or need not any more.
+    """Refuelling guard: whether a chaser at a target can still refuel, or no longer needs to.
 
     It need not when nothing could be serviced after refuelling, at any station, before the mission
     ends. A mission without stations knows no guard.
@@ -270,7 +270,7 @@ def legal_moves(rules, state, visited, mask):
 
 @kernel
 def replay(rules, sequence, state, visited, ends, lefts):
-    """Make the moves of a sequence one after the other as long as they are legal.
+    """Apply the moves of a sequence in order, as long as they are legal.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The best schedule of an order of bodies: labels along the order, over all connections.
+"""Best schedule of an order of bodies: labels along the order, over all connections.
 
 An order says where to go, not when: at each body the chaser may wait for any connection to the next
 one. A *label* is a way to have got so far: (ready, ΔV left, cost). One that is ready no later, has
@@ -29,10 +29,10 @@ from .resources import Resources, extend
 
 @kernel
 def _into(staircase_left, staircase_cost, names, size, left, cost, name):
-    """Put (left, cost) into a staircase, where more left costs more; its size then, or −1.
+    """Insert (left, cost) into a staircase where more ΔV left costs more; returns its size, or −1.
 
-    −1 says that a stair is as good. This is :func:`.resources.dominates`, and the cost, for labels
-    that come in order of the time ready and carry as much: halving finds the one stair to ask.
+    −1 means that a stair is at least as good. This is :func:`.resources.dominates`, with the cost,
+    for labels sorted by ready time and with equal cargo: bisection finds the one stair to compare.
     """
     low, high = 0, size
     while low < high:
@@ -68,7 +68,7 @@ def _into(staircase_left, staircase_cost, names, size, left, cost, name):
 
 @kernel
 def undominated(ready, left, cost, count):
-    """The labels that none dominates that is ready before.
+    """Labels that are not dominated by any earlier one.
 
     Of labels that are ready together a later one may beat an earlier one: harmless.
 
@@ -98,7 +98,7 @@ def undominated(ready, left, cost, count):
 
 
 class Visit(NamedTuple):
-    """A stop at the next body of an order.
+    """The next body of an order, as a stop.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""Timetables: which legs leave when, compiled."""
+"""Timetables: legs by departure event, compiled."""

@@ -1,6 +1,6 @@
-"""Rows on demand: what a timetable would hold for who is ready, worked out when somebody asks.
+"""Rows on demand: entries of a timetable, computed when a search first asks for them.
 
-A timetable of all pairs grows with the square of the bodies, and whoever plans on it asks for a
+A timetable of all pairs grows with the square of the bodies, and planning on it uses a
 thousandth of what it holds. Here nothing is held: of the departure events from a ready time on as
 many are looked at as can still win, which are a few, since every half period of waiting costs
 time.
@@ -28,7 +28,7 @@ from ..orbits.ephemeris import EPOCH_S, revolution_at
 
 
 class Source(NamedTuple):
-    """What transfers follow from.
+    """Data from which transfers are computed.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Source(NamedTuple):
     interval : float
         Between departure events of a pair, at least, where they are not [s].
     most : float
-        There what costs more is of no use to anybody [m/s].
+        Largest useful ΔV of a transfer there [m/s].
     """
 
     leaving: np.ndarray
@@ -66,16 +66,16 @@ class Source(NamedTuple):
 
 
 PATIENCE_S = 2.0 * DAY_S
-"""Where events are not regular nothing is found that leaves so long after one is ready."""
+"""Longest wait for a departure after a ready time, where events are irregular [s]."""
 
 TURNED, TURNED_M_S = 0.03, 10.0
-"""How much dearer a sequence may seem before it is settled, ε turns its plane a little: a share of
-its ΔV, and so much more [m/s]."""
+"""Largest overestimate of a sequence's cost before it is solved, as ε turns its plane a little: a
+share of its ΔV, plus the second [m/s]."""
 
 
 @kernel
 def chosen(source, i, j, ready):
-    """The connection chosen of all that leave when a chaser is ready at i, or later.
+    """The connection chosen among all that leave once a chaser is ready at i.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def chosen(source, i, j, ready):
 
 @kernel
 def _first_from(pair, steps, time):
-    """About the first event of a pair from a time on, of those that departures are spaced by."""
+    """Approximately the first event of a pair from a time on, among those that space departures."""
     first = precession.first_event(pair)
     alpha_i, alpha_j, _ = precession.line(pair, pair.lag + pair.lag_rate * time)
     alpha_i = precession.near(alpha_i, first.alpha_i)
@@ -145,9 +145,9 @@ def _first_from(pair, steps, time):
 
 @kernel
 def _later(pair, event, steps, spacing, apart, until):
-    """The next event before which planes cannot have come nearer by an angle.
+    """The next event before which planes cannot have approached each other by an angle.
 
-    They do so no faster than their nodes.
+    They approach no faster than their nodes.
     """
     number, rest = 1.0, until - event.time
     if apart > 0.0:
@@ -160,7 +160,7 @@ def _later(pair, event, steps, spacing, apart, until):
 
 @kernel
 def _of_listed(source, i, j, ready):
-    """The same where events are not regular."""
+    """The chosen connection where events are irregular."""
     rule, limits = source.rule, source.limits
     worth = rule.time_value
     best_delta_v, best_arrival, best_cost = math.inf, math.inf, math.inf
@@ -200,7 +200,7 @@ def _of_listed(source, i, j, ready):
 
 @kernel
 def _cheapest_met(source, pair, j, event, met, earliest, best):
-    """The best sequence so far, and those of an event that meet the target about a time."""
+    """The best sequence so far, or a better one of an event that meets the target near a time."""
     rule, limits = source.rule, source.limits
     best_delta_v, best_arrival, best_cost = best
     approach = rule.approach_revolutions * TURN_RAD / pair.rate_j
@@ -235,7 +235,7 @@ def _cheapest_met(source, pair, j, event, met, earliest, best):
 
 @kernel
 def shortest_sortie(source, stations, first_target):
-    """No departure from a station leads to the end of a service sooner than after this [s]."""
+    """Lower bound on the time from a station's departure to the end of a service [s]."""
     shortest = math.inf
     for s in range(stations):
         for j in range(first_target, source.arriving.shape[0]):

@@ -1,4 +1,4 @@
-"""Timetables side by side, for those who step hundreds of missions.
+"""Stacked timetables, for stepping hundreds of missions at once.
 
 They have a leading axis of slots, and the entries of one destination are packed, as a
 :class:`PackedColumn`.
@@ -15,7 +15,7 @@ from .timetable import Table, departure_at, entry_at, events
 
 
 class PackedColumn(NamedTuple):
-    """The entries of one destination, packed in half the memory.
+    """Entries of one destination, packed into half the memory.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class PackedColumn(NamedTuple):
 def allocate_slots(
     slots: int, bodies: int, most: int, *, regular: bool
 ) -> tuple[Table, PackedColumn]:
-    """Tables and columns side by side, without a departure event yet."""
+    """Stacked tables and columns, without departure events yet."""
     listed = 0 if regular else most
     return Table(
         first=np.zeros((slots, bodies, bodies)),
@@ -56,7 +56,7 @@ def allocate_slots(
 
 
 def put(tables: Table, slot: int, table: Table) -> None:
-    """Copy a table of all pairs into a slot that may have room for more bodies and events."""
+    """Copy a table of all pairs into a slot that may have space for more bodies and events."""
     bodies, most = table.entries.shape[:2]
     tables.first[slot, :bodies, :bodies] = table.first
     tables.spacing[slot, :bodies] = table.spacing
@@ -69,7 +69,7 @@ def put(tables: Table, slot: int, table: Table) -> None:
 
 @inlined
 def in_slot(tables, slot):
-    """One of the tables that stand side by side."""
+    """One of the stacked tables."""
     return Table(
         tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot],
         tables.departure[slot], tables.slot[slot], None,
@@ -78,7 +78,7 @@ def in_slot(tables, slot):
 
 @inlined
 def column_in_slot(columns, slot):
-    """One of the columns."""
+    """One of the stacked columns."""
     return PackedColumn(
         columns.first[slot], columns.total[slot], columns.entries[slot], columns.departure[slot]
     )
@@ -86,7 +86,7 @@ def column_in_slot(columns, slot):
 
 @kernel
 def fill_column(table, j, column):
-    """Pack the entries of a destination into a column, which may have room for more."""
+    """Pack the entries of a destination into a column that may have space for more."""
     for i in range(table.spacing.size):
         column.first[i], column.total[i] = 0.0, 0
         if i != j and events(table, i, j) > 0:
@@ -102,7 +102,7 @@ def fill_column(table, j, column):
 
 @inlined
 def lookup_in_column(column, table, i, ready):
-    """ΔV [m/s] and time [s] from ready to the arrival at the destination; +inf for no transfer."""
+    """ΔV [m/s] and time [s] from ready to arrival at the destination; +inf without a transfer."""
     if column.departure.shape[1] > 0:
         low, high = 0, column.total[i]
         while low < high:

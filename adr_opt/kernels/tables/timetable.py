@@ -1,6 +1,6 @@
-"""The timetable of a choice: the connection that is chosen at each departure event of each pair.
+"""The timetable: the connection chosen at each departure event of each pair.
 
-Who is ready for an event may take any connection that departs then or later. A *choice* settles
+A chaser ready for an event may take any connection that departs then or later. A *choice* settles
 which: the one of least ΔV + w · arrival, where w is the value of time (docs/model.md section 4).
 Between two events nothing depends on the time but the wait, so a table over events is exact. How
 events are spaced and where entries lie is known to this module alone, to the one that makes tables
@@ -10,8 +10,8 @@ planners ask :func:`next_event` and :func:`lookup`.
 The events of two-body motion are half a period apart, and are counted. Where nodes drift they are
 not; then a table holds when the connections depart that are ever chosen, and nothing else.
 
-A table need not hold all pairs. Those that it does not hold have no event. Where there are so many
-bodies that nobody has the memory for all pairs, each origin has room for its nearest destinations
+A table need not hold all pairs. Those that it does not hold have no event. With too many bodies
+for the memory of all pairs, each origin has room for its nearest destinations
 alone, and :attr:`Table.slot` tells their places; or it holds none at all (:mod:`.on_demand`).
 
 Hints are worked out for ready times a fixed step apart, see :func:`steps_begun`.
@@ -27,11 +27,11 @@ from ..core.events import counted_event, earliest_taken
 from . import on_demand
 
 LEAST_STEPS = 500
-"""Where events are not regular, the duration is divided into so many steps at least."""
+"""Least number of steps of the duration where events are irregular."""
 
 
 class Table(NamedTuple):
-    """Exact ΔV and arrival of the connection chosen at every departure event.
+    """ΔV and arrival of the connection chosen at every departure event, exactly.
 
     Attributes
     ----------
@@ -68,27 +68,27 @@ class Table(NamedTuple):
 
 
 NO_SLOTS = np.empty((0, 0), dtype=np.int16)
-"""Each destination has the slot of its number."""
+"""Slots equal to destination indices, for tables of all pairs."""
 
 NO_SLOTS.setflags(write=False)  # as in a finished table, or kernels would be compiled for both
 
 
 @inlined
 def slot_of(table, i, j):
-    """The slot of a destination at an origin; −1 for none."""
+    """Slot of a destination at an origin; −1 if there is none."""
     if table.slot.shape[0] > 0:
         return np.int64(table.slot[i, j])
     return np.int64(j)
 
 
 def source_of(table: Table) -> on_demand.Source | None:
-    """What rows are worked out from where the table holds nothing."""
+    """Source of rows on demand, or None for a filled table."""
     return table.source
 
 
 @inlined
 def asks(table):
-    """Whether the table holds nothing, and rows are worked out on demand."""
+    """Whether the table is empty and rows are computed on demand."""
     return _is_there(table.source)
 
 
@@ -99,7 +99,7 @@ def _is_there(source):
 
 @inlined
 def looked_at(table, targets):
-    """At how many destinations of each body searches look, be it at all targets."""
+    """Number of destinations that searches examine per body; all targets for a filled table."""
     return _ranks(table.source, targets)
 
 
@@ -112,7 +112,7 @@ def _ranks(source, targets):
 
 @inlined
 def destination(table, first_target, body, time, rank):
-    """One of them: a target by its number, or one of the nearest at a time, stations among them."""
+    """A destination by rank: a target by number, or one of the nearest bodies at a time."""
     return _ranked(table.source, first_target, body, time, rank)
 
 
@@ -125,28 +125,28 @@ def _ranked(source, first_target, body, time, rank):
 
 
 def size_of(bodies: int, most: int, slots: int) -> int:
-    """Bytes that such a table takes."""
+    """Size of a table [bytes]."""
     return bodies * slots * (16 * most + 12) + (2 * bodies**2 if slots < bodies else 0)
 
 
 def most_events(table: Table) -> int:
-    """For how many departure events of a pair there is room."""
+    """Maximum number of departure events per pair."""
     return int(table.entries.shape[-3])
 
 
 def most_steps(table: Table) -> int:
-    """For how many times hints are worked out: numbers of :func:`steps_begun` from 0 on."""
+    """Maximum number of hint times: values of :func:`steps_begun` from 0 on."""
     most = most_events(table)
     return most if is_regular(table) else max(most, LEAST_STEPS) + 1
 
 
 def is_regular(table: Table) -> bool:
-    """Whether events are a fixed time apart."""
+    """Whether events are equally spaced in time."""
     return int(table.departure.shape[-2]) == 0
 
 
 def count_entries(table: Table) -> int:
-    """How many departure events all pairs have."""
+    """Total number of departure events of all pairs."""
     return int(table.total.sum())
 
 
@@ -183,7 +183,7 @@ def entry_at(table, i, j, event):
 
 @inlined
 def _next_in(table, i, slot, ready):
-    """The event of a slot that a chaser takes."""
+    """Event of a slot taken by a chaser that is ready at a time."""
     earliest = earliest_taken(ready)
     if table.departure.shape[1] > 0:
         low, high = 0, table.total[i, slot]
@@ -199,14 +199,14 @@ def _next_in(table, i, slot, ready):
 
 @inlined
 def next_event(table, i, j, ready):
-    """The event that a chaser takes; :func:`events` of the pair if there is none left."""
+    """Event taken by a chaser ready at a time; :func:`events` of the pair if none is left."""
     slot = slot_of(table, i, j)
     return _next_in(table, i, slot, ready) if slot >= 0 else 0
 
 
 @inlined
 def lookup(table, i, j, time):
-    """The transfer of a chaser that is ready at body i at a time and wants body j.
+    """Transfer from body i to body j of a chaser that is ready at a time.
 
     Returns
     -------
@@ -233,28 +233,28 @@ def _looked_up(source, table, i, j, time):
 
 @inlined
 def steps_begun(table, i, time):
-    """How many steps of a body have begun at a time.
+    """Number of steps of a body begun by a time.
 
-    A step is its half period, from event to event of any pair; where events are not regular, the
-    same part of the mission for all bodies.
+    A step is its half period, from event to event of any pair; where events are irregular, it is
+    the same part of the mission for all bodies.
     """
     return math.ceil(time / table.spacing[i])
 
 
 @inlined
 def after_steps(table, i, number):
-    """When they have [s]."""
+    """Time after a number of steps of a body [s]."""
     return number * table.spacing[i]
 
 
 @kernel
 def transfer_exists(table):
-    """Whether a body can be reached at all, by index: from any body, at any event."""
+    """Mask of the bodies that can be reached at all, from any body at any event."""
     bodies = table.spacing.size
     found = np.zeros(bodies, dtype=np.bool_)
     for i in range(bodies):
         for j in range(bodies):
-            # Who is ready for the first event may wait for all others.
+            # A chaser ready for the first event may wait for all others.
             if not found[j] and events(table, i, j) > 0:
                 found[j] = math.isfinite(entry_at(table, i, j, 0)[0])
     return found
@@ -262,7 +262,7 @@ def transfer_exists(table):
 
 @kernel
 def sample(table, departures, delta_v, duration):
-    """Sample the table on a list of ready times, into arrays (departure, origin, destination)."""
+    """Sample the table at a list of ready times, into arrays (departure, origin, destination)."""
     bodies = table.spacing.size
     for d in range(departures.size):
         for i in range(bodies):

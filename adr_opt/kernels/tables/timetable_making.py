@@ -1,4 +1,4 @@
-"""How timetables are made: which pairs come when, and what is chosen of their connections."""
+"""Construction of timetables: the order of pairs, and the choice among their connections."""
 
 import math
 from typing import NamedTuple
@@ -17,7 +17,7 @@ from .timetable import LEAST_STEPS, NO_SLOTS, Table, slot_of
 
 
 class ServiceLimits(NamedTuple):
-    """What the mission says of the time at each body; the slack of the model is in it.
+    """Mission limits on the time at each body, with the slack of the model included.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class ServiceLimits(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """In which order pairs of bodies are worked out: the nearest first.
+    """Order in which pairs of bodies are computed: nearest first.
 
     Attributes
     ----------
@@ -54,12 +54,12 @@ class Pairs(NamedTuple):
 
 
 WAVE = 16
-"""So many destinations of all origins are worked out before the next ones of any."""
+"""Number of destinations computed for all origins before the next ones of any."""
 
 
 @kernel
 def pair_at(number, pairs):
-    """Origin, and rank of the destination, of a pair by its number: by waves, see :data:`WAVE`."""
+    """Origin and destination rank of a pair by its number, in waves of :data:`WAVE`."""
     bodies, ranks = pairs.near.shape
     wave = number // (bodies * WAVE)
     rest = number - wave * bodies * WAVE
@@ -69,7 +69,7 @@ def pair_at(number, pairs):
 
 @kernel
 def fill(first, last, pairs, inputs, limits, table):
-    """Fill the pairs from number ``first`` to before ``last``; all may be filled in parallel.
+    """Fill pairs from number ``first`` up to ``last``; ranges may be filled in parallel.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def fill(first, last, pairs, inputs, limits, table):
             if departure > limits.duration:
                 break
             if departure < earliest_taken(limits.ready):
-                # Before anybody is there; who asks waits for what leaves later.
+                # Before any chaser is available; one that asks waits for later departures.
                 table.entries[i, m, slot, 0] = math.inf
                 table.entries[i, m, slot, 1] = math.inf
                 m += 1
@@ -121,7 +121,7 @@ def fill(first, last, pairs, inputs, limits, table):
         for event in range(m, most):
             table.entries[i, event, slot, 0] = math.inf
             table.entries[i, event, slot, 1] = math.inf
-        # Who is ready may wait for what leaves later: the best of each event and all after it.
+        # A ready chaser may wait for later departures: the best of each event and all after it.
         for event in range(m - 2, -1, -1):
             here, later = table.entries[i, event, slot], table.entries[i, event + 1, slot]
             opens = limits.opens[j]
@@ -133,9 +133,9 @@ def fill(first, last, pairs, inputs, limits, table):
 
 @kernel
 def choose(found, limits, j, time_value, taken):
-    """The connections of a pair that are ever chosen, in order of departure; how many.
+    """The connections of a pair that are ever chosen, in order of departure; returns their number.
 
-    Whoever is ready between the departure before and that of a connection takes it. Nobody is
+    A chaser ready between the previous departure and that of a connection takes it. None is ready
     before the mission's time of that.
 
     Parameters
@@ -171,7 +171,7 @@ def choose(found, limits, j, time_value, taken):
 def pack(
     bodies: int, chosen: dict[tuple[int, int], ConnectionArrays], duration: float, slot: np.ndarray
 ) -> Table:
-    """A table whose events are not regular.
+    """A table with irregular events.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def pack(
 
 
 def slots_of(pairs: Pairs) -> np.ndarray:
-    """Where the destinations of each body lie, as :attr:`Table.slot` says."""
+    """Slots of each body's destinations, as in :attr:`Table.slot`."""
     bodies, ranks = pairs.near.shape
     if ranks >= bodies - 1:
         return NO_SLOTS
@@ -210,7 +210,7 @@ def slots_of(pairs: Pairs) -> np.ndarray:
 
 
 def allocate(bodies: int, most: int, slot: np.ndarray, *, regular: bool = True) -> Table:
-    """A table of so many bodies and at most so many events of each; nothing is in it yet."""
+    """An empty table for a number of bodies and a maximum number of events each."""
     slots = bodies if slot.size == 0 else int(slot.max()) + 1
     return Table(
         first=np.zeros((bodies, slots)),
@@ -223,7 +223,7 @@ def allocate(bodies: int, most: int, slot: np.ndarray, *, regular: bool = True) 
 
 
 def without_entries(bodies: int, source: Source) -> Table:
-    """A table that holds nothing: rows are worked out on demand."""
+    """A table without entries, whose rows are computed on demand."""
     return Table(
         first=np.empty((0, 0)),
         spacing=np.empty(bodies),
@@ -236,7 +236,7 @@ def without_entries(bodies: int, source: Source) -> Table:
 
 
 def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Table, ServiceLimits]:
-    """A table of all pairs, and its limits, for some of the bodies in an order of theirs.
+    """A table and its limits for a selection of bodies, in their order.
 
     What is chosen of a pair depends on no other body. The same arrays where it is all of them.
     """
@@ -256,7 +256,7 @@ def part_of(table: Table, limits: ServiceLimits, bodies: np.ndarray) -> tuple[Ta
 
 @kernel
 def space(bodies, table):
-    """Set the time between events, where they are regular, and that no body leads to itself."""
+    """Set the spacing of regular events, and remove legs from a body to itself."""
     for i in range(bodies.shape[0]):
         table.spacing[i] = 0.5 * revolution_at(bodies[i], EPOCH_S)
         if table.slot.shape[0] == 0:

@@ -1,4 +1,4 @@
-"""Fields drawn ahead, with their timetables, and shared by the environments of a process."""
+"""Pre-drawn fields with their timetables, shared by the environments of a process."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .fields import Fields, Limits
 
 
 def ready(instance: Instance) -> Mission:
-    """A mission with all that an episode needs, worked out on one thread."""
+    """A mission with everything an episode needs, computed on one thread."""
     mission = Mission(instance, threads=1)
     _ = mission.rules
     # What the table was chosen from takes many times its memory and is not needed here.
@@ -33,7 +33,7 @@ def _lowest_m(instance: Instance) -> float:
 
 
 def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExecutor) -> FieldPool:
-    """A pool of fields, one in each slot, with some room for fields of more departure events.
+    """A pool with one field per slot, and spare capacity for fields with more departure events.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
 
 
 class DrawnFields:
-    """Fields of a distribution with their timetables, the same for the same seed.
+    """Fields drawn from a distribution with their timetables, reproducible by seed.
 
     Where planes drift, connections depend on the tank, so each field comes with a budget and a
     duration of its own. Otherwise it is worked out for the longest mission, and every episode
@@ -94,7 +94,7 @@ class DrawnFields:
             self.pool = work_out(instances, fields.most_targets + 1, workers)
 
     def draw(self, rng: np.random.Generator) -> tuple[int, Instance, Limits]:
-        """Draw a slot of the pool, with its field and the limits of one mission on it."""
+        """Draw a slot of the pool, with its field and the limits of a mission on it."""
         slot = int(rng.integers(len(self.pool.instances)))
         field = self.pool.instances[slot]
         assert field is not None
@@ -113,7 +113,7 @@ _drawing = threading.Lock()
 
 
 def shared(fields: Fields, slots: int, seed: int) -> DrawnFields:
-    """The drawn fields that all environments of this process share, worked out on first use.
+    """The drawn fields shared by all environments of this process, computed on first use.
 
     They are dropped with the last environment that plays on them.
     """

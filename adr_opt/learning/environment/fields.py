@@ -1,4 +1,4 @@
-"""Which missions an environment draws: a family, and how far its numbers may vary."""
+"""Distributions of missions for environments: a family and ranges of its parameters."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ...problem.instance import Instance
 from ...sources.generator import family, generate
 
 FIRST_SEED, LAST_SEED = 1_000_000, 2**31 - 1
-"""Fields drawn at random have seeds from here, so that the instances of the library, and every
-seed below a million, remain unseen by a policy that was trained on random fields."""
+"""Seeds of fields drawn at random start here, so that library instances, and every seed below a
+million, remain unseen by policies trained on random fields."""
 
 
 Range = tuple[float, float]
@@ -134,7 +134,7 @@ class Fields:
 
     @classmethod
     def from_options(cls, options: dict[str, Any] | None, base: Fields) -> Fields:
-        """A distribution changed by a dictionary, as ``reset(options=…)`` brings it.
+        """A distribution changed by a dictionary, as passed to ``reset(options=…)``.
 
         Raises
         ------
@@ -149,7 +149,7 @@ class Fields:
 
     @property
     def most_targets(self) -> int:
-        """Most targets that a field can have."""
+        """Maximum number of targets of a field."""
         most = family(self.family).targets[1]
         if self.targets is None:
             return most
@@ -157,12 +157,12 @@ class Fields:
 
     @property
     def longest_s(self) -> float:
-        """Longest duration that a mission can have [s]."""
+        """Longest duration of a mission [s]."""
         return self._largest("duration_s")
 
     @property
     def largest_delta_v_m_s(self) -> float:
-        """Largest ΔV budget that a mission can have [m/s]."""
+        """Largest ΔV budget of a mission [m/s]."""
         return self._largest("delta_v_m_s")
 
     def _largest(self, name: str) -> float:
@@ -173,7 +173,7 @@ class Fields:
         return float(max(found))
 
     def draw_field(self, rng: np.random.Generator) -> Instance:
-        """A field for the longest mission with the largest budget; what is drawn is no more."""
+        """A random field for the longest mission with the largest budget."""
         seed = int(rng.integers(FIRST_SEED, LAST_SEED))
         targets = None
         if self.targets is not None and rng.random() >= self.share_of_family:
@@ -185,14 +185,14 @@ class Fields:
         return field.with_limits(duration_s=self.longest_s, delta_v_m_s=self.largest_delta_v_m_s)
 
     def draw_limits(self, rng: np.random.Generator) -> Limits:
-        """ΔV budget and duration of one mission."""
+        """Random ΔV budget and duration of one mission."""
         budgets, durations = self.draw_many_limits(rng, 1)
         return Limits(float(budgets[0]), float(durations[0]))
 
     def draw_many_limits(
         self, rng: np.random.Generator, count: int
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """ΔV budgets [m/s] and durations [s] of ``count`` missions, each of shape (count,)."""
+        """Random ΔV budgets [m/s] and durations [s] of missions, each of shape (count,)."""
         base = family(self.family)
         budgets = np.full(count, base.delta_v_m_s)
         durations = np.full(count, base.duration_s)
@@ -211,7 +211,7 @@ class Fields:
 
 
 def check_kind(given: Any) -> None:
-    """Refuse what is no distribution of missions.
+    """Refuse values that are not distributions of missions.
 
     Raises
     ------
@@ -237,5 +237,5 @@ VARIED = Fields(
     ),
     share_of_limits=0.75,
 )
-"""Domain randomisation over budget, duration and number of targets, the three benchmark families
-among them; what the ``set`` policy is trained on."""
+"""Domain randomisation over budget, duration and number of targets, including the three benchmark
+families; the ``set`` policy is trained on it."""

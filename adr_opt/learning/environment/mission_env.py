@@ -25,7 +25,7 @@ from .spaces import space
 MOST_REDRAWS = 100
 
 POOL = 32
-"""Number of fields that are drawn ahead, if the caller does not say."""
+"""Default number of fields drawn in advance."""
 
 NONE_BEGUN = "no mission has begun; call reset first"
 
@@ -169,7 +169,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         _check_kind(fixed)
         if fixed is not None and changes:
             raise InputError(
-                f"option {next(iter(changes))!r} changes what missions are drawn from, but an "
+                f"option {next(iter(changes))!r} changes the distribution of missions, but an "
                 "instance is given"
             )
         for _ in range(MOST_REDRAWS):
@@ -192,7 +192,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         )
 
     def _begin(self, instance: Instance) -> str:
-        """Begin a mission that has a timetable of its own; the name of its instance."""
+        """Begin a mission with its own timetable; returns the name of its instance."""
         if len(instance.targets) > self._targets:
             raise InputError(
                 f"{instance.name} has {len(instance.targets)} targets, more than the "
@@ -209,7 +209,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         return instance.name
 
     def _begin_drawn(self) -> str:
-        """Begin a mission on one of the fields drawn ahead; the name of the field."""
+        """Begin a mission on one of the drawn fields; returns the name of the field."""
         if self._drawn is None:
             self._drawn = shared(self.fields, *self._ahead)
         slot, field, limits = self._drawn.draw(self.np_random)
@@ -261,7 +261,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         return self._board.copy(0), reward, self._over, False, self._info()
 
     def action_masks(self) -> npt.NDArray[np.bool_]:
-        """Legal actions, shape (actions,): what sb3-contrib asks for.
+        """Legal actions, shape (actions,), as required by sb3-contrib.
 
         Raises
         ------
@@ -286,7 +286,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     @property
     def mission(self) -> Mission:
-        """The mission that is played, with its budget and duration.
+        """The current mission, with its budget and duration.
 
         For an episode on a field that was drawn ahead it is made when it is first asked for, and
         works out a timetable of its own when it is first planned with.

@@ -1,4 +1,4 @@
-"""Pictures of a mission under way."""
+"""Pictures of a running mission."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def sentence(mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bo
 def picture(
     mission: Mission, state: dict[str, Any], visited: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.uint8]:
-    """The orbital planes now as points, RAAN to the right and inclination upwards.
+    """Current orbital planes as points, with RAAN to the right and inclination upwards.
 
     ΔV is spent on the distance in this picture. Open targets are blue, serviced ones grey, the
     station green, the chaser has a red ring; bars below show time and ΔV left.

@@ -24,7 +24,7 @@ from .spaces import space
 MOST_REDRAWS = 1000
 
 FEW = 32
-"""So few missions are not worth a second thread."""
+"""Number of missions up to which a second thread does not pay."""
 
 
 class MissionVecEnv(VecEnv):
@@ -46,7 +46,7 @@ class MissionVecEnv(VecEnv):
     slots : int
         Fields in the pool.
     refresh_every : int
-        One field is replaced by a new one after so many steps of a single mission, counted over
+        One field is replaced after this number of steps of single missions, counted over
         all of them; 0 keeps the pool. A field leaves when the last mission on it is over, and one
         after the other, so it may take longer. The new one is worked out in the background while
         missions go on, and waited for if it is late, so that a seed determines everything.
@@ -115,7 +115,7 @@ class MissionVecEnv(VecEnv):
         self._begin(seed)
 
     def _begin(self, seed: int) -> None:
-        """Draw the pool and everything that follows from a seed."""
+        """Draw the pool and all other data that depend on a seed."""
         if self._coming is not None:
             self._coming.result()
         field_seed, episode_seed = np.random.SeedSequence(seed).spawn(2)
@@ -137,7 +137,7 @@ class MissionVecEnv(VecEnv):
     # -- what Stable-Baselines3 asks for ---------------------------------------------------------
 
     def reset(self) -> Observation:
-        """Begin all missions anew; after :meth:`seed` with another pool."""
+        """Restart all missions; after :meth:`seed`, with another pool."""
         if any(self._options):
             self._reset_options()
             raise InputError("a MissionVecEnv takes no options; make it with other fields instead")
@@ -152,7 +152,7 @@ class MissionVecEnv(VecEnv):
         return self._board.copy()
 
     def step_async(self, actions: npt.NDArray[np.int64]) -> None:
-        """Keep the actions for :meth:`step_wait`.
+        """Store the actions for :meth:`step_wait`.
 
         Raises
         ------
@@ -170,7 +170,7 @@ class MissionVecEnv(VecEnv):
         self._actions = np.ascontiguousarray(taken, dtype=np.int64)
 
     def step_wait(self) -> VecEnvStepReturn:
-        """Take the actions; finished missions begin anew.
+        """Take the actions; finished missions restart.
 
         The observations are those arrays that the kernels write; the step after the next one
         overwrites them.
@@ -192,7 +192,7 @@ class MissionVecEnv(VecEnv):
         return self._board.arrays, rewards, done, infos
 
     def _share(self, work: Callable[[int, int], None], count: int) -> None:
-        """Do a work for 0 to ``count`` − 1 in parts, one for each thread."""
+        """Split work on 0 to ``count`` − 1 among threads."""
         bounds = [count * part // self.threads for part in range(self.threads + 1)]
         others = [
             self._workers.submit(work, *part) for part in pairwise(bounds[1:]) if part[0] < part[1]
@@ -202,13 +202,13 @@ class MissionVecEnv(VecEnv):
             other.result()
 
     def _take(self, first: int, last: int) -> None:
-        """Act and look, in the order of the fields."""
+        """Act and observe, in the order of the fields."""
         board, pool = self._board, self.pool.arrays
         kernels.act(pool, self.episodes, first, last, self._actions, self._rewards, board.order)
         board.observe(pool, self.episodes, first, last)
 
     def _last_words(self, ended: npt.NDArray[np.int32], infos: list[dict[str, Any]]) -> None:
-        """What Stable-Baselines3 wants to know of episodes that have ended."""
+        """Add the information on ended episodes that Stable-Baselines3 expects."""
         episodes = self.episodes
         seen = self._board.copy(ended)
         serviced = episodes.serviced[ended].tolist()
@@ -243,13 +243,13 @@ class MissionVecEnv(VecEnv):
     # -- fields ----------------------------------------------------------------------------------
 
     def _renew(self, which: npt.NDArray[np.int32]) -> None:
-        """Begin missions on fields of the pool, drawn again if they have no legal first move."""
+        """Restart missions on fields of the pool, drawn again if they have no legal first move."""
         board = self._board
         for _ in range(MOST_REDRAWS):
             before = self.episodes.slot[which]
             np.subtract.at(self._users, before[before >= 0], 1)
             slots = self._rng.integers(self._slots, size=which.size)
-            # Nobody enters a field that is about to be replaced.
+            # No mission enters a field that is about to be replaced.
             slots[slots == self._retiring] = (self._retiring + 1) % self._slots
             np.add.at(self._users, slots, 1)
             budgets, durations = self.fields.draw_many_limits(self._rng, which.size)
@@ -275,7 +275,7 @@ class MissionVecEnv(VecEnv):
         self._share(look, which.size)
 
     def _refresh(self) -> None:
-        """Replace the oldest field when it is time and no mission is on it any more."""
+        """Replace the oldest field when due and once no mission uses it."""
         if not self._refresh_every:
             return
         self._steps += self.num_envs
@@ -286,7 +286,7 @@ class MissionVecEnv(VecEnv):
             self._coming = self._builder.submit(ready, self.fields.draw_field(self._field_rng))
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()
-            # A field with so many events that there is no room for them is passed over.
+            # A field with too many events for the pool is passed over.
             if self.pool.fits(mission):
                 self.pool.install(self._retiring, mission)
             self._next_slot = (self._retiring + 1) % self._slots
@@ -305,7 +305,7 @@ class MissionVecEnv(VecEnv):
         self._builder.shutdown(wait=True, cancel_futures=True)
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """An attribute, the same for every mission."""
+        """An attribute, common to all missions."""
         return [getattr(self, attr_name) for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:

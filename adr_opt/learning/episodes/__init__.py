@@ -1,4 +1,4 @@
-"""Many missions at once: fields side by side, states, observations.
+"""Many missions at once: stacked fields, states, observations.
 
 What the environment (:mod:`adr_opt.learning.environment`) and the learned planner stand on; needs
 NumPy and Numba alone.

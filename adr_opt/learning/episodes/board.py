@@ -1,4 +1,4 @@
-"""Observations by name, in the arrays that the kernels write."""
+"""Observations by name, in arrays that kernels fill."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
 
 OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
-"""``transfer`` is the quick one, ``lookahead`` knows more and takes longer, ``published`` is for
-comparison with the study. These see no prizes; the last two do, and are the first two otherwise."""
+"""``transfer`` is the fastest, ``lookahead`` has more information and takes longer, ``published``
+is for comparison with the study. These hide prizes; the last two show them, and are otherwise the
+first two."""
 
 MOVES, MISSION = "moves", "mission"
 
@@ -34,7 +35,7 @@ def check_observation(name: str) -> None:
 
 
 def move_fields(name: str) -> tuple[str, ...]:
-    """Names of the numbers of a move in an observation by moves."""
+    """Field names of a move in an observation by moves."""
     if not sees_prizes(name):
         return kernels.MOVE_FIELDS + (lookahead.CHAIN_FIELDS if follows_chains(name) else ())
     more = lookahead.CHAIN_PRIZE_FIELDS if follows_chains(name) else ()
@@ -42,17 +43,17 @@ def move_fields(name: str) -> tuple[str, ...]:
 
 
 def sees_prizes(name: str) -> bool:
-    """Whether an observation says what each target is worth."""
+    """Whether an observation shows the prize of each target."""
     return name.endswith("-prizes")
 
 
 def follows_chains(name: str) -> bool:
-    """Whether an observation says where moves lead."""
+    """Whether an observation looks ahead along chains of moves."""
     return name.startswith("lookahead")
 
 
 def published_size(targets: int) -> int:
-    """Numbers in the observation ``published``: visited, 2 globals, 6 elements of each body."""
+    """Size of the observation ``published``: visited, 2 globals, 6 elements of each body."""
     return 7 * targets + 8
 
 

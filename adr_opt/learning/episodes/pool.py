@@ -27,16 +27,16 @@ from ...problem.instance import Instance
 
 
 class FieldPool:
-    """Fields side by side in arrays that the kernels take.
+    """Stacked fields in arrays that kernels take.
 
     Parameters
     ----------
     slots : int
         Number of fields.
     bodies : int
-        Room for so many bodies, the station included.
+        Maximum number of bodies, the station included.
     events : int
-        Room for so many departure events of one body.
+        Maximum number of departure events of one body.
     regular : bool
         Whether the events of all fields are regular, as they are in two-body motion.
 
@@ -74,12 +74,12 @@ class FieldPool:
 
     @classmethod
     def for_one(cls, mission: Mission, bodies: int) -> FieldPool:
-        """An empty pool with one slot for a mission, and room for so many bodies."""
+        """An empty pool with one slot for a mission, and capacity for a number of bodies."""
         timetable = mission.timetable
         return cls(1, bodies, timetable.most_events, regular=not timetable.connecting.is_listed)
 
     def fits(self, mission: Mission) -> bool:
-        """Whether there is room for a mission, and its events are spaced as those of the others."""
+        """Whether a mission fits a slot, with events spaced as in the others."""
         tables = self.arrays.tables
         return (
             len(mission.names) <= self.arrays.is_station.size
@@ -142,26 +142,26 @@ def check_playable(mission: Mission) -> None:
         (rules.ready > 0.0, "begins later than t = 0"),
         (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
         (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
-        (any(each.is_limited for each in mission.instance.stations), "has stations that run empty"),
+        (any(each.is_limited for each in mission.instance.stations), "has limited stations"),
         (rules.returns, "must end at a station"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
         if odd:
             raise InputError(
                 f"{mission.instance.name} {what}, which the environment and its policies do not "
-                "know; plan this mission with another method"
+                "support; plan this mission with another method"
             )
 
 
 def playing_time_s(instance: Instance) -> float:
-    """How long an episode may last: until the mission or the chaser's availability ends [s]."""
+    """Longest duration of an episode: until the mission or the chaser's availability ends [s]."""
     end = instance.chaser.available_s[1]
     duration_s = instance.mission.duration_s
     return duration_s if end is None else min(duration_s, end)
 
 
 def in_mean_prizes(mission: Mission) -> npt.NDArray[np.float64]:
-    """Prize of every body in mean prizes of the targets that have one, shape (bodies,)."""
+    """Prize of every body in mean prizes of targets with a prize, shape (bodies,)."""
     prize = mission.rules.prize
     worth = prize[prize > 0.0]
     if not worth.size:
@@ -173,7 +173,7 @@ def in_mean_prizes(mission: Mission) -> npt.NDArray[np.float64]:
 
 
 def new_episodes(count: int, bodies: int) -> Episodes:
-    """Room for the states of ``count`` episodes; :func:`start` begins them."""
+    """Storage for the states of ``count`` episodes; :func:`start` begins them."""
     return Episodes(
         slot=np.zeros(count, dtype=np.int32),
         budget=np.zeros(count),

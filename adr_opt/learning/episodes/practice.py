@@ -1,4 +1,4 @@
-"""Play a little of a small mission, so that the kernels of the environment are compiled."""
+"""A short practice run on a small mission, which compiles the environment's kernels."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .pool import FieldPool, new_episodes, playing_time_s, start
 
 
 def practise() -> None:
-    """Compile what both environments call, with every observation."""
+    """Compile the kernels called by both environments, with every observation."""
     for drifts in (False, True):
         mission = practice_mission(drifts)
         bodies, budget = len(mission.names), mission.chaser.tank.delta_v_m_s

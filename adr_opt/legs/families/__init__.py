@@ -1,4 +1,4 @@
-"""Families of legs: how bodies are reached, a module for each, and the registry of all."""
+"""Families of legs, a module for each, and their registry."""
 
 from . import registry
 from .drift import DriftLegs

@@ -1,4 +1,4 @@
-"""Drift legs: a wait on an orbit whose node moves otherwise (docs/model.md section 3)."""
+"""Drift legs: a stay on an orbit with a different node rate (docs/model.md section 3)."""
 
 from __future__ import annotations
 

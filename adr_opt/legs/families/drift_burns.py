@@ -1,4 +1,4 @@
-"""How a long transfer is flown: the burns of a drift between two times (docs/model.md section 3).
+"""Burns of a drift leg between two times (docs/model.md section 3).
 
 The closed form of :mod:`adr_opt.kernels.legs.drift` says what a drift costs and which orbit it
 waits on. Here its burns are found. The chaser leaves its body at the line of nodes of its own plane
@@ -41,25 +41,25 @@ from ...plan.planes import Arcs, Plane, Turn, ahead, between, outward, turn_betw
 FloatArray = npt.NDArray[np.float64]
 
 TRIED = 12
-"""So many pairs of crossings are worked out exactly, and as many again and again while none is met:
-the last crossings of a target may turn out to be too late by minutes."""
+"""Number of pairs of crossings solved exactly, repeatedly until one succeeds: a target's last
+crossings may turn out to be minutes too late."""
 
 CLOSE_M, FARTHEST_M, MOST_STEPS = 1e-6, 5e3, 40
-"""A radius that misses by less is found; a step moves it no farther; and the most steps [m]."""
+"""Tolerance of a radius [m], its largest step [m], and the maximum number of steps."""
 
 PHASES = (HOHMANN_1, DRIFT, CO_ELLIPTIC, TERMINAL, TERMINAL, APPROACH, APPROACH)
-"""Phases that the burns of a drift begin; the second terminal burn and the second approach burn end
-theirs."""
+"""Phases begun by the burns of a drift leg; the second terminal burn and the second approach burn
+end theirs."""
 
 LEAST_CLIMB_M_S = 1e-3
-"""Where leaving the drift orbit takes less, two burns share the turn [m/s]."""
+"""Cost of leaving the drift orbit below which two burns share the turn [m/s]."""
 
 FREEDOM_S = (0.5 * DAY_S, DAY_S, 2.0 * DAY_S)
-"""The chaser may leave so much later, and arrive so much earlier: the first that is enough."""
+"""Delays of departure and advances of arrival to try; the first that suffices is used [s]."""
 
 
 class DriftBurns(NamedTuple):
-    """The burns of a drift in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
+    """Burns of a drift leg in time order: (burns,) [s] and (burns, 3) [m/s], inertial."""
 
     times: FloatArray
     vectors: FloatArray
@@ -73,7 +73,7 @@ class DriftBurns(NamedTuple):
 def flown(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
 ) -> DriftBurns:
-    """The burns of a transfer that drifts.
+    """The burns of a drift leg.
 
     Parameters
     ----------
@@ -106,13 +106,13 @@ def flown(
 def shape_m_s(
     orbit_i: FloatArray, orbit_j: FloatArray, rule: TransferRule, departure: float, arrival: float
 ) -> float:
-    """What the eccentricity vectors add to the ΔV of a transfer that drifts [m/s]."""
+    """ΔV that the eccentricity vectors add to a drift leg [m/s]."""
     pair = drift_pair.prepare(orbit_i, orbit_j, rule, ephemeris.EPOCH_S)
     return float(drift.shape_share(pair, departure, arrival))
 
 
 class CrossingPair(NamedTuple):
-    """A pair of crossings to leave at and to arrive at, as the closed form splits the leg.
+    """A pair of crossings for departure and arrival, with the split of the closed form.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class CrossingPair(NamedTuple):
 
 
 class Drifting:
-    """The drift of a pair between two times.
+    """The drift leg of a pair between two times.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ class Drifting:
     departure, arrival : float
         Of the connection: first and last moment of the transfer, approach included [s].
     freedom : float
-        The chaser may leave so much later and arrive so much earlier [s].
+        Largest delay of the departure, and advance of the arrival [s].
     held : bool
         Whether the drift orbit stays within the altitudes that zones were judged for.
     """
@@ -173,7 +173,7 @@ class Drifting:
         self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
     def flight(self) -> DriftBurns | None:
-        """The cheapest burns found; None if the phase is not met in any way that was tried."""
+        """The cheapest burns found; None if no attempt meets the phase."""
         best: DriftBurns | None = None
         for number, way in enumerate(self._ways()):
             if best is not None and number % TRIED == 0:
@@ -184,7 +184,7 @@ class Drifting:
         return best
 
     def _ways(self) -> list[CrossingPair]:
-        """Crossings to leave at and to arrive at, the cheapest by the closed form first."""
+        """Pairs of crossings for departure and arrival, cheapest in closed form first."""
         planned = drift.best_split(self._pair, self._departure, self._arrival)
         if not math.isfinite(planned.delta_v):
             return []
@@ -214,7 +214,7 @@ class Drifting:
         return ways
 
     def _allowed(self, radius: float) -> bool:
-        """Whether the drift orbit may have a radius: where there are zones, one that was judged."""
+        """Whether a radius is allowed for the drift orbit: with zones, only one already checked."""
         if self._held:
             margin = drift_pair.margin(self._planned - self._ri)
             if abs(radius - self._planned) > margin:
@@ -222,11 +222,11 @@ class Drifting:
         return bool(self._rule.min_radius <= radius <= self._rule.max_radius)
 
     def _radius(self, climb: float) -> float:
-        """Radius of the drift orbit that a change b_y leads to [m]."""
+        """Radius of the drift orbit reached by a change b_y [m]."""
         return float(drift_pair.radius_of(self._pair, climb))
 
     def _leaving(self, split: Split) -> tuple[Plane, Turn]:
-        """Plane of the drift orbit, its node counted from that of the origin, and the way there."""
+        """Plane of the drift orbit, its node relative to the origin's, and the way there."""
         linear = self._pair.linear
         inclination = self._inclination_i
         shift = split.along / (linear.speed * linear.sine) if linear.sine > 0.0 else 0.0
@@ -234,7 +234,7 @@ class Drifting:
         return plane, turn_between(Plane(inclination, 0.0), plane)
 
     def _closing(self, drifting: Plane, radius: float, start: float, stand_off: float) -> Turn:
-        """About the turn out of the drift orbit, whose arcs after it are short."""
+        """Approximate turn out of the drift orbit, whose remaining arcs are short."""
         gone = self._arcs.node_rate(radius, drifting.inclination) * (stand_off - start)
         return turn_between(
             Plane(drifting.inclination, self._node(self._i, start) + drifting.raan + gone),
@@ -242,7 +242,7 @@ class Drifting:
         )
 
     def _half_turns(self, way: CrossingPair, drifting: Plane, begun: float, last: Turn) -> int:
-        """Half turns from the line of nodes where the drift begins to that where it ends."""
+        """Half turns between the lines of nodes where the drift begins and ends."""
         radius, span = self._radius(way.split.climb), way.met + self._approach - way.start
         coasting = float(drift_arcs.coast(self._pair, span, radius).drift)
         gained = self._arcs.latitude_rate(radius, drifting.inclination) * coasting
@@ -255,13 +255,13 @@ class Drifting:
 
     @staticmethod
     def _crossing(orbit: FloatArray, latitude: float, near: float) -> float:
-        """When a body is at an argument of latitude, as near as possible to a time [s]."""
+        """Time at which a body is at an argument of latitude, nearest to a given time [s]."""
         then, rate = ephemeris.latitude_tangent(orbit, ephemeris.EPOCH_S)
         behind = latitude - then - rate * near
         return float(near + (behind - TURN_RAD * round(behind / TURN_RAD)) / rate)
 
     def _departures(self, first: Turn, begin: float, freedom: float) -> list[tuple[float, int]]:
-        """Crossings of the line of nodes by the chaser in a span of time, with their parity."""
+        """The chaser's crossings of the line of nodes in a time span, with parity."""
         period = float(ephemeris.revolution_at(self._i, begin))
         found = []
         for parity in (0, 1):
@@ -273,7 +273,7 @@ class Drifting:
         return found
 
     def _arrivals(self, last: Turn) -> list[tuple[float, int]]:
-        """Times at the stand-off that the target's crossings of the line allow, with parity."""
+        """Stand-off times allowed by the target's crossings of the line, with parity."""
         lead = self._rule.standoff / self._rj
         end = self._arrival - self._approach
         found = []
@@ -286,7 +286,7 @@ class Drifting:
         return found
 
     def _flown(self, way: CrossingPair) -> DriftBurns | None:
-        """The burns that leave about a time, drift for whole half turns and meet the target."""
+        """Burns that leave near a time, drift for whole half turns and meet the target."""
         arcs, rule, rj = self._arcs, self._rule, self._rj
         ri, inclination_j = self._ri, self._inclination_j
         lead = rule.standoff / rj
@@ -355,7 +355,7 @@ class Drifting:
         latitudes: tuple[float, float],
         shifts: tuple[float, float, float],
     ) -> DriftBurns:
-        """The burns as vectors.
+        """Burns as vectors.
 
         Parameters
         ----------
@@ -404,7 +404,7 @@ class Drifting:
 
 
 def _turned_by(radius: float, co_elliptic: float, target: float) -> tuple[float, float]:
-    """Shares of the turn out of the drift orbit that are made after its first and second burn.
+    """Shares of the turn out of the drift orbit made after its first and second burn.
 
     In proportion to what the three burns change of the speed, which makes their sum least.
     """

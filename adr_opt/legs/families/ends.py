@@ -1,4 +1,4 @@
-"""The ends of legs: all that the legs of the pairs of an instance follow from."""
+"""Ends of legs: data that determine the legs of all pairs of an instance."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .family import PairEnds
 
 
 class AllEnds:
-    """Those of all pairs of an instance.
+    """Ends of the legs of all pairs of an instance.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class AllEnds:
         self.latest_s = instance.mission.duration_s + SLACK_S
 
     def of(self, i: int, j: int) -> PairEnds:
-        """Those of a pair."""
+        """The ends of a pair."""
         return PairEnds(
             self.instance,
             i,
@@ -49,12 +49,12 @@ class AllEnds:
 
 
 def is_regular(instance: Instance) -> bool:
-    """Whether departure events are those of two-body motion, where connections are the model's."""
+    """Whether departure events are those of two-body motion, with the model's connections."""
     return instance.dynamics == "two-body" and instance.transfer.departure_spacing_s == 0.0
 
 
 def _times(instance: Instance) -> Times | None:
-    """When transfers may leave; None where events are regular or given: no such thing is needed."""
+    """Departure times of transfers; None where events are regular or connections are given."""
     settings = instance.transfer
     if is_regular(instance) or settings.given is not None:
         return None

@@ -1,4 +1,4 @@
-"""A family of legs: one way to reach bodies, as planning, judging and flying know it."""
+"""Interface of a family of legs, for planning, judging and flying."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class PairEnds(NamedTuple):
-    """The data that the legs of a pair of bodies follow from.
+    """Data that determine the legs of a pair of bodies.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ NO_MANOEUVRES = Manoeuvres(np.empty(0), np.empty((0, 3)), ())
 
 
 class FlownLeg(NamedTuple):
-    """How a connection is flown.
+    """The flight of a connection.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """Times [s] and phasing revolutions that a plan states of a leg."""
+    """Times [s] and phasing revolutions of a leg as stated in a plan."""
 
     departure: float
     arrival: float
@@ -90,7 +90,7 @@ class StatedLeg(NamedTuple):
 
 
 class RecomputedLeg(NamedTuple):
-    """A leg as stated, worked out again for a judge.
+    """A leg recomputed from its statement, for a judge.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class RecomputedLeg(NamedTuple):
 
 
 class Way(NamedTuple):
-    """A transfer: when it leaves and arrives [s], and what it costs [m/s].
+    """A transfer: departure and arrival [s], and ΔV [m/s].
 
     ``early`` is by how much another one may leave before it and still be as good [s].
     """
@@ -136,7 +136,7 @@ class LegFamily(ABC):
 
     @property
     def number(self) -> int:
-        """The number of the family in columns of connections."""
+        """Number of the family in columns of connections."""
         return leg_kinds().index(self.kind)
 
     @abstractmethod
@@ -144,14 +144,14 @@ class LegFamily(ABC):
         """Whether an instance may have such legs."""
 
     def claims(self, ends: PairEnds) -> bool:
-        """Whether a pair is reached by legs of this family only."""
+        """Whether a pair is reached only by legs of this family."""
         return False
 
     @abstractmethod
     def connections(
         self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float
     ) -> ConnectionArrays:
-        """Connections of a pair, together with those that other families have found.
+        """Connections of a pair, merged with those found by other families.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class LegFamily(ABC):
 
     @abstractmethod
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
-        """How a connection of the family is flown.
+        """The flight of a connection of the family.
 
         Raises
         ------
@@ -180,13 +180,13 @@ class LegFamily(ABC):
 
 
 class RegisteredFamily(LegFamily):
-    """A family of legs that does not come with the package, and so answers judges and bounds, too.
+    """A family of legs from outside the package, which also serves judges and bounds.
 
     Of the families of the package :mod:`adr_opt.judge` and the bounds know by code of their own.
     """
 
     def least(self, instance: Instance) -> tuple[float, float]:
-        """Time [s] and ΔV [m/s] that no leg of the family takes less than, for bounds.
+        """Lower bounds on time [s] and ΔV [m/s] of the family's legs.
 
         By default nothing, which is always true.
         """
@@ -194,7 +194,7 @@ class RegisteredFamily(LegFamily):
 
     @abstractmethod
     def recomputed(self, ends: PairEnds, stated: StatedLeg) -> RecomputedLeg:
-        """A leg worked out again as a plan states it, for ``check``.
+        """A leg recomputed from a plan's statement, for ``check``.
 
         Raises
         ------
@@ -204,7 +204,7 @@ class RegisteredFamily(LegFamily):
 
     @abstractmethod
     def ways(self, ends: PairEnds, after_s: float) -> Iterator[Way]:
-        """Legs that leave soon after a time [s], each of which connections have to match.
+        """Legs that leave soon after a time [s], all of which connections have to match.
 
         ``verify`` samples them.
         """

@@ -10,7 +10,7 @@ from .family import FlownLeg, LegFamily, PairEnds, StatedLeg
 
 
 class GivenLegs(LegFamily):
-    """Rows of the table of an instance."""
+    """Rows of an instance's table of given connections."""
 
     kind = GIVEN
 

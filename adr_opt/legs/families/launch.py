@@ -1,4 +1,4 @@
-"""Launches: a chaser that starts anywhere is put onto its first target, at once and for nothing."""
+"""Launches: a chaser without a start orbit is placed at its first target, instantly and free."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .merging import of_family
 
 
 class Launches(LegFamily):
-    """Launches of chasers that start anywhere."""
+    """Launches of chasers without a start orbit."""
 
     kind = LAUNCH
 

@@ -1,4 +1,4 @@
-"""Connections of several families in one list, without those that another one dominates."""
+"""Merging of the connections of several families, without dominated ones."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def of_family(
     delta_v: FloatArray,
     revolutions: npt.NDArray[np.int8],
 ) -> ConnectionArrays:
-    """Connections of one family, in any order; what they cross is for :func:`merged` to say.
+    """Connections of one family in any order, without crossings, which :func:`merged` adds.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def of_family(
 def merged(
     found: ConnectionArrays | None, more: ConnectionArrays, latest_s: float, resolution_m_s: float
 ) -> ConnectionArrays:
-    """Two lists of connections of a pair as one.
+    """Two lists of connections of a pair merged into one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The families of legs that there are, and how one more is registered."""
+"""Registry of families of legs."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ _registered: list[RegisteredFamily] = []
 
 
 def bring_along(*found: LegFamily) -> None:
-    """Make the families known that come with the package, whose kinds are known already."""
+    """Register the families of this package, whose kinds are already known."""
     _own.extend(found)
 
 
 def register(family: RegisteredFamily) -> None:
-    """Make a family known: its legs are planned, judged, flown and shown from then on.
+    """Register a family: its legs can then be planned, judged, flown and shown.
 
     An installed package has a function that does so in its entry points of the group
     ``adr_opt.leg_families``.
@@ -36,7 +36,7 @@ def register(family: RegisteredFamily) -> None:
 
 
 def unregister(family: RegisteredFamily) -> None:
-    """Forget the family that was registered last, as if it never had been.
+    """Unregister the family that was registered last.
 
     Raises
     ------
@@ -52,22 +52,22 @@ def unregister(family: RegisteredFamily) -> None:
 
 
 def families() -> tuple[LegFamily, ...]:
-    """All families; the place of each is its number."""
+    """All families, each at its number."""
     leg_kinds()  # those that installed packages register are known from here
     return (*_own, *_registered)
 
 
 def registered_of(instance: Instance) -> tuple[RegisteredFamily, ...]:
-    """Those that do not come with the package and that an instance may have legs of."""
+    """Families from outside the package whose legs an instance may have."""
     leg_kinds()
     return tuple(family for family in _registered if family.applies(instance))
 
 
 def families_of(instance: Instance) -> tuple[LegFamily, ...]:
-    """Those that an instance may have legs of, in the order in which they find connections."""
+    """Families whose legs an instance may have, in the order in which they find connections."""
     return tuple(family for family in families() if family.applies(instance))
 
 
 def has_only_short(instance: Instance) -> bool:
-    """Whether an instance has short legs alone."""
+    """Whether an instance has only short legs."""
     return [family.kind for family in families_of(instance)] == [SHORT]

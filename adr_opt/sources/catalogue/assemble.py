@@ -1,4 +1,4 @@
-"""From a catalogue to an instance."""
+"""Construction of an instance from a catalogue."""
 
 from __future__ import annotations
 
@@ -37,24 +37,24 @@ from .selection import named, nearest, within_limits
 from .station import densest, parse_orbit
 
 FAR_DAYS = 7.0
-"""Elements farther than this from the epoch are warned of: SGP4 loses kilometres a day."""
+"""Distance of elements from the epoch that causes a warning: SGP4 loses kilometres a day."""
 
 AT_ANOTHER_EPOCH = ("far-epoch", "sgp4-error")
-"""Why an object is left out that might be kept at another epoch."""
+"""Reasons for omitting an object that another epoch might avoid."""
 
 NO_FILTERS = ("malformed", "duplicate", "not-sgp4", "decayed", *AT_ANOTHER_EPOCH)
-"""Why objects are left out that no filter was asked for."""
+"""Reasons for omitting objects that are not due to a filter."""
 
 PLACED = "at the densest plane"
 LAUNCHED = "at the first target of each chaser"
 
 MANY_TARGETS = 1000
-"""More targets than this are warned of: the timetable grows with their square."""
+"""Number of targets that causes a warning: the timetable grows with its square."""
 
 
 @dataclass(frozen=True)
 class MissionOutline:
-    """The mission that is made of a catalogue, but for its bodies and chasers.
+    """The mission made from a catalogue, without its bodies and chasers.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class MissionOutline:
         Or some of its fields; what is left open follows from the mission under J2
         (:func:`adr_opt.problem.transfer_sizes.transfers_for`), else from the defaults of the file.
     refuelling : bool
-        Whether there is a station; else the chaser starts where it would be, and nobody refuels.
+        Whether there is a station; else the chaser starts in its place, without refuelling.
     """
 
     name: str | None = None
@@ -86,7 +86,7 @@ class MissionOutline:
             raise InputError(f"epoch {epoch.isoformat()}: must say its time zone; add Z for UTC")
 
     def transfer_settings(self, orbits: Sequence[Orbit]) -> TransferSettings:
-        """Transfer settings: as wanted, and what that leaves open by the mission."""
+        """Transfer settings: as requested, and otherwise derived from the mission."""
         wanted = self.transfer
         if isinstance(wanted, TransferSettings):
             return wanted
@@ -101,7 +101,7 @@ A_WEEK = MissionOutline()
 
 @dataclass(frozen=True)
 class Imported:
-    """An instance made of a catalogue, and the account of how.
+    """An instance made from a catalogue, with an account of its making.
 
     Attributes
     ----------
@@ -123,16 +123,16 @@ class Imported:
 
     @property
     def home(self) -> Orbit | None:
-        """The orbit of the station, or that in which the chaser starts; None if it is launched."""
+        """Orbit of the station, or of the chaser's start; None if the chaser is launched."""
         return None if 0 in self.instance.launches else self.instance.body_orbits[0]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Reason → how many were dropped for it."""
+        """Number of omitted objects by reason."""
         return dict(Counter(drop.reason for drop in self.dropped))
 
     def to_dict(self) -> dict[str, Any]:
-        """The account, for JSON; without the instance."""
+        """The account as JSON data, without the instance."""
         content = self.instance.model_dump(mode="json", include={"name", "epoch"})
         return {
             "instance": content["name"],
@@ -165,14 +165,14 @@ def to_instance(
     crew: Crew | None = None,
     demands: Demands | None = None,
 ) -> Imported:
-    """Propagate a catalogue to one epoch, filter it and make an instance of it.
+    """Propagate a catalogue to one epoch, filter it, and make an instance.
 
     Parameters
     ----------
     catalogue : Catalogue or records
     filters : Filters, optional
     max_targets : int, optional
-        Keep so many, those with planes nearest to the station's first.
+        Maximum number of targets, those with planes nearest to the station's first.
     station : str, optional
         ``ALTITUDE_KM,INCLINATION,RAAN[,U]``, or an object by number or name, which is then no
         target; by default the densest plane among the objects that pass the filters.
@@ -283,7 +283,7 @@ def _instance(
     crew: Crew,
     fields: Mapping[int, Mapping[str, Any]],
 ) -> Instance:
-    """The instance of a mission whose name and epoch are known."""
+    """The instance of a mission with a known name and epoch."""
     transfer = mission.transfer_settings(orbits)
     assert mission.name is not None
     assert mission.epoch is not None
@@ -320,7 +320,7 @@ def _instance(
 
 
 def _unique(labels: Sequence[str], taken: set[str]) -> list[str]:
-    """The labels, those that are taken with a count behind them."""
+    """Labels made unique by a trailing counter."""
     names = []
     for label in labels:
         name, count = label, 1

@@ -1,4 +1,4 @@
-"""Who goes to the objects of a catalogue.
+"""Chasers for the objects of a catalogue.
 
 An import makes one chaser, at the station or where that would be. A :class:`Crew` says otherwise:
 launches at intervals, a tank by mass, kits, tows.
@@ -26,19 +26,19 @@ from ...problem.chasers import (
 from ...problem.settings import Objective
 
 APART_S = 365.0 * DAY_S
-"""Between two launches, where nobody says how far apart they are."""
+"""Default interval between launches [s]."""
 
 
 @dataclass(frozen=True)
 class Crew:
-    """The chasers of an instance that is made of a catalogue.
+    """The chasers of an instance made from a catalogue.
 
     Attributes
     ----------
     tank : Tank or TankByMass
         Of each of them.
     launches : int
-        So many are launched onto their first targets; 0 is one chaser that is there already.
+        Number of chasers launched to their first targets; 0 is one chaser that is there already.
     apart_s : float
         From one launch to the next; the first is at the epoch [s].
     kits : int, optional
@@ -82,16 +82,16 @@ class Crew:
         if (self.towed_kg is None) != (self.disposal_altitude_m is None):
             raise InputError("a tow needs a mass and a disposal altitude; give both or none")
         if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
-            raise InputError("a tank that is counted in ΔV knows no masses, and cannot tow any")
+            raise InputError("a tow needs masses, but the tank is given in ΔV")
 
     @property
     def objective(self) -> Objective:
-        """What decides between plans that collect as much."""
+        """The tie-breaker between plans that collect equal prizes."""
         return Objective() if self.expense is None else Objective(cost="expense")
 
     @property
     def removal(self) -> Removal:
-        """What is done with each target."""
+        """The service of each target."""
         if self.towed_kg is not None:
             return "tow"
         return "visit" if self.kits is None else "kit"
@@ -99,7 +99,7 @@ class Crew:
     def chasers(
         self, home: AtStation | InOrbit, bodies: Collection[str], duration_s: float
     ) -> tuple[Chaser, ...]:
-        """The chasers.
+        """The chasers as parts of an instance.
 
         Parameters
         ----------

@@ -1,6 +1,6 @@
-"""Prizes by what a catalogue lets one suspect of an object: how much harm a break-up would do.
+"""Prizes by criticality: the likely harm of a break-up, as far as a catalogue shows it.
 
-Nobody can read a probability of collision off element sets, and this is none. It is a ranking in
+A probability of collision cannot be derived from element sets, and this is none. It is a ranking in
 the manner of the criticality indices of the literature (A. Rossi, G. B. Valsecchi, E. M. Alessi,
 "The criticality of spacecraft index", Advances in Space Research 56, 2015, 449-460), of what is at
 hand: the product of three numbers, each at most 1,
@@ -28,14 +28,14 @@ LARGEST = 100.0
 """Prize of the most critical target."""
 
 SIZE_KG = {"LARGE": 1000.0, "MEDIUM": 1000.0 / 10.0**1.5, "SMALL": 1.0}
-"""Where only the class of the cross-section is known. Classes are a factor of ten in area apart,
-and mass grows with the area to the power of 3/2; only the ratios matter."""
+"""Mass where only the class of the cross-section is known. Classes are a factor of ten in area
+apart, and mass grows with the area to the power of 3/2; only the ratios matter."""
 
 NEAR_M, BAND_DEG = 50e3, 2.5
-"""Half widths in semi-major axis and inclination within which objects crowd each other."""
+"""Half widths in semi-major axis and inclination of the neighbourhood that crowds an object."""
 
 HIGHEST_M = 1000e3
-"""Higher up fragments stay longer than anybody plans for, and it makes no more difference."""
+"""Altitude above which fragments outlast any planning horizon, and lifetimes count as equal."""
 
 AIR = (
     (200e3, 2.789e-10, 37_105.0), (250e3, 7.248e-11, 45_546.0), (300e3, 2.418e-11, 53_628.0),
@@ -52,7 +52,7 @@ def criticality(
     catalogue: Sequence[ElementSet],
     masses_kg: Mapping[int, float] | None = None,
 ) -> FLOAT:
-    """Prizes of targets by this ranking.
+    """Prizes of targets by criticality.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def criticality(
     catalogue : sequence of ElementSet
         All that is known to fly, targets included: what crowds.
     masses_kg : mapping of int to float, optional
-        Of targets by their number here, where somebody knows better than the records [kg].
+        Of targets by their number here, where better known than in the records [kg].
 
     Returns
     -------
@@ -78,7 +78,7 @@ def criticality(
 
 
 def masses(targets: Sequence[ElementSet], known_kg: Mapping[int, float]) -> FLOAT:
-    """Masses as far as they are known, or classes of size; else the median of the others [kg]."""
+    """Masses where known, or from size classes; else the median of the others [kg]."""
     found = np.full(len(targets), math.nan)
     for number, record in enumerate(targets):
         said = known_kg.get(number, record.mass_kg)
@@ -89,7 +89,7 @@ def masses(targets: Sequence[ElementSet], known_kg: Mapping[int, float]) -> FLOA
 
 
 def lasting(altitude_m: float) -> float:
-    """How long fragments stay at an altitude, over that at :data:`HIGHEST_M`; at most 1."""
+    """Lifetime of fragments at an altitude relative to that at :data:`HIGHEST_M`; at most 1."""
     if altitude_m >= HIGHEST_M:
         return 1.0
     base_m, density, scale_m = next((row for row in reversed(AIR) if altitude_m >= row[0]), AIR[0])

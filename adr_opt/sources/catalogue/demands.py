@@ -1,4 +1,4 @@
-"""What is asked of single objects of a catalogue: that they be targets or not, and which ones."""
+"""Requirements on single objects of a catalogue: whether they are targets, and of which kind."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TARGET = "one that is a target"
 
 
 class ObjectChoice(NamedTuple):
-    """Objects whatever filters say.
+    """Objects selected or excluded regardless of filters.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class ObjectChoice(NamedTuple):
 
 
 class TargetDemands(NamedTuple):
-    """What is asked of the targets.
+    """Requirements on the targets.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class TargetDemands(NamedTuple):
 
 @dataclass(frozen=True)
 class Demands:
-    """What is asked of single objects, each by its number, name or designator.
+    """Requirements on single objects, given by number, name or designator.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Demands:
                 raise InputError(f"--deadline {said}={deadline_s / DAY_S:g}: must be after day 0")
 
     def choice(self, records: Sequence[ElementSet], host: ElementSet | None) -> ObjectChoice:
-        """Which objects of a catalogue are targets whatever filters say, and which are not.
+        """Objects of a catalogue that are targets, or not, regardless of filters.
 
         Raises
         ------
@@ -110,7 +110,7 @@ class Demands:
     def of(
         self, targets: Sequence[ElementSet], catalogue: Sequence[ElementSet], musts: ObjectChoice
     ) -> TargetDemands:
-        """What is asked of targets.
+        """The requirements on given targets.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Demands:
         catalogue: Sequence[ElementSet],
         number_of: Mapping[int, int],
     ) -> int:
-        """Add the rows of tables to fields; how many are about objects that are no targets."""
+        """Add the rows of tables to fields; returns the number of rows about other objects."""
         if not self.wishes:
             return 0
         finder, rows, left_out = Finder(catalogue), dict[int, Wish](), 0
@@ -181,7 +181,7 @@ def check_musts(
     records: Iterable[ElementSet],
     dropped: Iterable[Dropped],
 ) -> None:
-    """Raise :class:`InputError` if an object that has to be a target is none."""
+    """Raise :class:`InputError` if an object that must be a target is not."""
     there = {id(record) for record in targets}
     for record in records:
         if id(record) in choice.musts and id(record) not in there:
@@ -199,7 +199,7 @@ def filled(
     *,
     by_criticality: bool,
 ) -> dict[int, dict[str, Any]]:
-    """What is asked, with masses and designators of the catalogue, and prizes by criticality.
+    """Requirements completed by masses and designators of the catalogue, and prizes by criticality.
 
     What a table asks for goes before either, and the mass that all are towed with before the
     catalogue's.
@@ -218,7 +218,7 @@ def filled(
 
 
 def told_masses(targets: Sequence[ElementSet], fields: Mapping[int, Mapping[str, Any]]) -> str:
-    """What prizes by criticality stand on, in a sentence."""
+    """A sentence on the basis of prizes by criticality."""
     known = [number for number, its in fields.items() if "mass_kg" in its]
     by_size = sum(bool(record.size) for number, record in enumerate(targets) if number not in known)
     return (
@@ -229,7 +229,7 @@ def told_masses(targets: Sequence[ElementSet], fields: Mapping[int, Mapping[str,
 
 
 def told_left_out(count: int) -> str:
-    """A warning of rows of a table about objects that are no targets."""
+    """A warning about table rows for objects that are not targets."""
     return f"{counted(count, 'row')} of --prizes: about objects that are not among the targets"
 
 
@@ -239,7 +239,7 @@ def targets_of(
     crew: Crew,
     asked: Mapping[int, Mapping[str, Any]],
 ) -> tuple[Target, ...]:
-    """The targets, each with its name and orbit and what is asked of it by its number."""
+    """The targets with their names, orbits and requirements."""
     return tuple(
         Target(
             **{

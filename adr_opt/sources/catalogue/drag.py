@@ -1,4 +1,4 @@
-"""How far drag moves objects along their track within a mission, which planning leaves out."""
+"""Along-track displacement by drag during a mission, which planning neglects."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from .propagation import FLOAT, satellite_of
 from .records import ElementSet
 
 MOST_KM = 100.0
-"""Along the track; objects that go farther than this are warned of."""
+"""Along-track displacement that causes a warning [km]."""
 
 DECAYS = math.inf
-"""Stands for how far an object is moved that comes down within the mission."""
+"""Displacement of an object that decays within the mission."""
 
 SHARES = np.linspace(0.0, 1.0, 9)
-"""Of the mission, at which the mean motion is asked for."""
+"""Shares of the mission at which the mean motion is sampled."""
 
 DEEP_SPACE = "d"
-"""What SGP4 calls its method for revolutions of 225 minutes and more."""
+"""SGP4's method for periods of 225 minutes and more."""
 
 LEAST_RADIUS = 1.0
-"""Of orbits, in radii of the Earth: below it an object has come down."""
+"""Semi-major axis below which an orbit has decayed [Earth radii]."""
 
 
 def along_track_km(record: ElementSet, epoch: datetime, duration_s: float) -> float:
-    """How far drag moves an object along its track from the epoch on [km].
+    """Along-track displacement of an object by drag since the epoch [km].
 
     The mean motion of the instance is that of the epoch and stays. What drag adds to it afterwards
     is worked out twice: by SGP4, from B*, and from the derivatives of the mean motion that the file
@@ -50,7 +50,7 @@ def along_track_km(record: ElementSet, epoch: datetime, duration_s: float) -> fl
 
 
 def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: float) -> str | None:
-    """A sentence on the objects that drag moves far, with the worst; None if there is none."""
+    """A sentence on the objects most displaced by drag; None if none is."""
     moved = [along_track_km(record, epoch, duration_s) for record in records]
     far = [abs(one) > MOST_KM for one in moved]
     if not any(far):
@@ -69,7 +69,7 @@ def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: flo
 
 
 def _by_bstar(record: ElementSet, epoch: datetime, duration_s: float) -> float | None:
-    """What SGP4 makes of B* [km]; None if the object comes down meanwhile."""
+    """Displacement by B* in SGP4 [km]; None if the object decays meanwhile."""
     times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
     axes = _axes(record, times)
     if axes is None:
@@ -86,7 +86,7 @@ def _by_bstar(record: ElementSet, epoch: datetime, duration_s: float) -> float |
 
 
 def _axes(record: ElementSet, times_s: FLOAT) -> FLOAT | None:
-    """Semi-major axes at times after the epoch of the elements, in radii of the Earth."""
+    """Semi-major axes at times after the epoch of the elements [Earth radii]."""
     satellite, axes = satellite_of(record), []
     for time_s in times_s:
         code, *_ = satellite.sgp4_tsince(float(time_s) / 60.0)
@@ -97,7 +97,7 @@ def _axes(record: ElementSet, times_s: FLOAT) -> FLOAT | None:
 
 
 def _by_derivatives(record: ElementSet, epoch: datetime, duration_s: float) -> float:
-    """What the derivatives of the mean motion make of it [km]."""
+    """Displacement by the derivatives of the mean motion [km]."""
     start, days = (epoch - record.epoch).total_seconds() / DAY_S, duration_s / DAY_S
     turns = record.mean_motion_dot_rev_day2 * days**2
     turns += record.mean_motion_ddot_rev_day3 * days**2 * (3.0 * start + days)

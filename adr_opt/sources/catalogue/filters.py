@@ -1,4 +1,4 @@
-"""Which objects of a catalogue become targets."""
+"""Filters that select targets from a catalogue."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WILD = "*?["
 
 @dataclass(frozen=True)
 class Filters:
-    """Limits on the mean orbit at the epoch of the instance; None lets everything pass.
+    """Limits on the mean orbit at the epoch of the instance; with None, everything passes.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Filters:
         return not self.names
 
     def outside(self, elements: npt.NDArray[np.float64]) -> dict[str, npt.NDArray[np.bool_]]:
-        """Which orbits each filter keeps out.
+        """Objects whose orbits each filter excludes.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ def _outside(values: npt.NDArray[np.float64], limits: Range) -> npt.NDArray[np.b
 
 
 def parse_range(text: str, option: str, *, open_ended: bool = True) -> Range:
-    """Two numbers as ``LO:HI``; one of them may be left out where ``open_ended``.
+    """Two numbers given as ``LO:HI``; one may be omitted if ``open_ended``.
 
     Raises
     ------

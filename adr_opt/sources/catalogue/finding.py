@@ -1,4 +1,4 @@
-"""Which object of a catalogue is meant by a number, a name or a designator."""
+"""Look-up of catalogue objects by number, name or designator."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ANY = "one of the catalogue"
 
 
 class Finder:
-    """Finds objects among some; many at once take no longer than a look at each object.
+    """Finds objects in a list; a batch of look-ups takes one pass over the objects.
 
     Parameters
     ----------
@@ -33,13 +33,13 @@ class Finder:
         return found or self._by_name.get(wanted, [])
 
     def one(self, text: str, option: str, instead: str = ANY) -> int:
-        """The place of the object that is meant.
+        """Index of the object that a text denotes.
 
         Parameters
         ----------
         text : str
         option, instead : str
-            Who asks, and what it takes, for the sentences of errors.
+            Name of the option, and its expected value, for the sentences of errors.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class Finder:
         return found[0]
 
     def listed(self, texts: Iterable[str], option: str) -> dict[int, str]:
-        """The places of objects that are given one by one or with commas, and how each is called.
+        """Indices of objects given singly or separated by commas, with the text of each.
 
         A text that is the name of an object is that object, commas and all.
 

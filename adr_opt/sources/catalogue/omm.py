@@ -1,4 +1,4 @@
-"""The fields of an OMM (CCSDS 502.0-B), however they are spelled, as a record.
+"""Fields of an OMM (CCSDS 502.0-B), in any spelling, as a record.
 
 Values are text or JSON numbers; unknown keys are ignored, because CelesTrak and Space-Track add
 their own. TLE-like OMMs without metadata are what their publishers say: SGP4, TEME, UTC.
@@ -28,7 +28,7 @@ UNITS = {
     "MEAN_MOTION_DDOT": "rev/day**3",
     "MASS": "kg",
 }
-"""The only units there are; a file may repeat them."""
+"""The only permitted units, which a file may repeat."""
 
 FIELDS = frozenset(UNITS) | {
     "OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "MEAN_ELEMENT_THEORY",
@@ -37,7 +37,7 @@ FIELDS = frozenset(UNITS) | {
 }  # fmt: skip
 
 USER_DEFINED = "USER_DEFINED_RCS_SIZE"
-"""How KVN writes the one field that is no keyword of the standard, and that is looked at."""
+"""KVN spelling of the one non-standard field that is used."""
 
 SIZES = ("SMALL", "MEDIUM", "LARGE")
 """Classes of the radar cross-section: below 0.1 m², up to 1 m², above."""
@@ -45,7 +45,7 @@ SIZES = ("SMALL", "MEDIUM", "LARGE")
 THEORIES = {"SGP4", "SGP/SGP4", "SGP4/SDP4", "SDP4", "SGP"}
 FRAMES = {"TEME", "TEMEOFEPOCH", "TEME OF EPOCH"}
 MU_KM3_S2 = 398600.8
-"""Of WGS-72, which SGP4 uses."""
+"""Gravitational parameter of WGS-72, as used by SGP4."""
 
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _INTEGER = re.compile(r"[+-]?\d{1,18}(?:\.0*)?", re.ASCII)
@@ -64,7 +64,7 @@ def read_message(
     fault: RowError | None = None,
     fault_line: int | None = None,
 ) -> ElementSet | Dropped:
-    """The record that the fields of one message make, or why they make none.
+    """The record made from the fields of one message, or the error.
 
     Parameters
     ----------
@@ -127,13 +127,13 @@ def _record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | No
 
 
 def label(fields: Mapping[str, Any]) -> str:
-    """The object of a message that makes no record, as far as it says."""
+    """Name of the object of an invalid message, as far as known."""
     parts = (fields.get("OBJECT_NAME"), fields.get("NORAD_CAT_ID") or fields.get("OBJECT_ID"))
     return " ".join(shown(part) for part in parts if part not in (None, ""))
 
 
 def check_unit(key: str, unit: str) -> None:
-    """Raise :class:`RowError` if a field is said to be in another unit than OMM's."""
+    """Raise :class:`RowError` if a field has another unit than OMM's."""
     if key in UNITS and unit.strip().lower() != UNITS[key]:
         raise RowError(f"field {key}: its unit is {shown(unit)!r}, not {UNITS[key]!r}")
 

@@ -1,4 +1,4 @@
-"""OMM as CSV: a line of keywords, then a line per object."""
+"""OMM as CSV: a header line of keywords, then a line per object."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""OMM as JSON: a list of objects, or one of them, as CelesTrak and Space-Track serve it."""
+"""OMM as JSON: a list of objects, or a single one, as served by CelesTrak and Space-Track."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _BLANK = re.compile(r"[ \t\r\n]*")
 
 
 class _Object(dict[str, Any]):
-    """A JSON object that remembers a keyword of OMM that it was given twice, in any spelling."""
+    """A JSON object that records OMM keywords given twice, in any spelling."""
 
     twice: str | None = None
 
     @classmethod
     def of(cls, pairs: list[tuple[str, Any]]) -> _Object:
-        """The object of the pairs that a file has, in their order."""
+        """The object made from key–value pairs in file order."""
         made, seen = cls(pairs), set[str]()
         for key, _ in pairs:
             keyword = key.strip().upper()

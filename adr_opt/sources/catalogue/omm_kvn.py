@@ -1,4 +1,4 @@
-"""OMM as KVN: lines ``KEYWORD = value [unit]``, one message after the other."""
+"""OMM as KVN: lines ``KEYWORD = value [unit]``, one message after another."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""OMM as XML, alone (``<omm>``) or in a list (``<ndm>``), by the parser of the standard library.
+"""OMM as XML, single (``<omm>``) or in a list (``<ndm>``), by the standard library's parser.
 
 The parser is used directly because it knows line numbers, and because a document type, which an
 OMM never has and which entity bombs need, can be refused as soon as it begins.
@@ -16,10 +16,9 @@ from .records import Dropped, ElementSet, RowError
 DEEPEST = 50
 LONGEST_TEXT = 1000
 LONGEST_TOKEN = 1 << 20
-"""Bytes of one tag with its attributes, or of one comment.
+"""Maximum length of a tag with its attributes, or of a comment [bytes].
 
-The parser begins such a token again with every chunk of it.
-"""
+The parser begins such a token again with every chunk of it."""
 
 CHUNK = 1 << 16
 

@@ -1,4 +1,4 @@
-"""Mean elements moved to an epoch by SGP4, and the states it gives.
+"""Mean elements propagated to an epoch by SGP4, and its states.
 
 What a two-body planner should start from are the singly averaged elements that SGP4 carries to the
 epoch by its secular rates (zonal harmonics and drag), not the osculating ones: those wiggle by some
@@ -27,13 +27,13 @@ ELEMENTS = (
 """Columns of mean elements; angles in radians."""
 
 LARGEST_DAYS = 3653.0
-"""Elements farther than ten years from the epoch say nothing about it, and are not propagated."""
+"""Largest distance of elements from the epoch; beyond it they are not propagated."""
 
 LARGEST_RISE = 1.1
-"""No atmosphere lifts an orbit by a tenth: what SGP4 then gives is its drag polynomial run wild."""
+"""Largest growth of a semi-major axis; beyond it, SGP4's drag polynomial has diverged."""
 
 J1950 = 2433281.5
-"""Julian date from which SGP4 counts the days of its epochs."""
+"""Julian date from which SGP4 counts days."""
 
 FLOAT = npt.NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def mean_elements(records: Sequence[ElementSet], epoch: datetime) -> tuple[FLOAT
 
 
 def _on_the_way(minutes: float) -> list[float]:
-    """Times at which to ask SGP4 on the way to an epoch, the epoch last.
+    """Times for SGP4 on the way to an epoch, ending there.
 
     Drag is a polynomial of degree four in SGP4. It takes a decaying orbit through the ground, with
     errors, and long after that out again, without. Between the two there is a factor of 2.8 in
@@ -99,7 +99,7 @@ def _on_the_way(minutes: float) -> list[float]:
 
 
 def satellite_of(record: ElementSet) -> Any:
-    """The `sgp4.api.Satrec` of a record, with the constants WGS-72 as published.
+    """The `sgp4.api.Satrec` of a record, with the published WGS-72 constants.
 
     Raises
     ------
@@ -186,7 +186,7 @@ def _unfit(record: ElementSet, epoch: datetime) -> tuple[str, str] | None:
 def _failure(
     code: int, numbers: tuple[float, ...], errors: dict[int, str]
 ) -> tuple[str, str] | None:
-    """Why a result of SGP4 must not be used: its error code, never passed over."""
+    """Reason for rejecting a result of SGP4, from its error code."""
     if code == 6:
         return "decayed", f"SGP4 error 6: {errors[6]}"
     if code:

@@ -1,4 +1,4 @@
-"""Read catalogue files: what format each is, its records and its bad rows, duplicates."""
+"""Catalogue files: format detection, records, bad rows and duplicates."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from .records import Catalogue, Dropped, ElementSet, shown
 from .tle import looks_like_tle, read_tle
 
 LARGEST_BYTES = 256 * 2**20
-"""Larger files are refused: all objects ever catalogued, as OMM XML, are about half of it."""
+"""Maximum file size: all objects ever catalogued, as OMM XML, take about half of it [bytes]."""
 
 MOST_BAD_ROWS = 100_000
-"""With more of them a file is no catalogue, whatever it began with."""
+"""Maximum number of bad rows; with more, the file is not a catalogue."""
 
 HEAD = 4096
-"""Bytes that are looked at to recognise a format."""
+"""Number of bytes examined to recognise a format."""
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
 
 def read(paths: Paths, *, skip_bad: bool = False) -> Catalogue:
-    """Read the element sets of one or more files, of any of the formats.
+    """Read element sets from one or more files of any of the formats.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def read(paths: Paths, *, skip_bad: bool = False) -> Catalogue:
 
 
 def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue:
-    """Read the element sets of the content of one file, without looking for duplicates.
+    """Read element sets from the content of one file, duplicates included.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def _load(path: str | os.PathLike[str]) -> bytes:
 
 
 def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dropped]]:
-    """The name of the format and its reader, at work on the data."""
+    """Name of the format, and its reader applied to the data."""
     if data.startswith((b"\x1f\x8b", b"PK\x03\x04", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd")):
         raise InputError(f"{source}: compressed; unpack it first")
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -172,7 +172,7 @@ def _lines(data: bytes) -> Iterator[str]:
 
 
 def _newest(records: list[ElementSet], skip_bad: bool) -> tuple[list[ElementSet], list[Dropped]]:
-    """The records without duplicates, and those that were older than another of their object."""
+    """Records without duplicates, and those older than another of the same object."""
     best: dict[tuple[object, ...], ElementSet] = {}
     older: list[Dropped] = []
     for record in records:

@@ -1,4 +1,4 @@
-"""What is read from a catalogue: element sets, and rows or objects that were left out."""
+"""Content of a catalogue: element sets, and rejected rows or objects."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from datetime import datetime
 from typing import Any
 
 LONGEST_NAME = 80
-"""Longer names of objects are cut."""
+"""Length beyond which names of objects are cut."""
 
 
 NO_DESIGNATOR = ("", "UNKNOWN", "TBA", "TBD", "NONE")
-"""What stands for the international designator where there is none."""
+"""Placeholders for a missing international designator."""
 
 
 @dataclass(frozen=True, slots=True)
 class ElementSet:
-    """One element set: mean elements of SGP4 in TEME at their epoch.
+    """An element set: mean elements of SGP4 in TEME at their epoch.
 
     Two records are equal if they say the same, wherever they were read.
 
@@ -84,7 +84,7 @@ class ElementSet:
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What makes two records the same object: the number, else the designator with the name.
+        """Identity of the object: its number, else the designator with the name.
 
         Number 0 and the designator UNKNOWN are of objects that are not catalogued yet. Without
         either, only a record that says the same is the same.
@@ -97,20 +97,20 @@ class ElementSet:
 
     @property
     def designator(self) -> str | None:
-        """The international designator as messages may hold it; None where there is none."""
+        """The international designator in printable form; None if there is none."""
         known = self.object_id.upper() not in NO_DESIGNATOR and self.object_id.isascii()
         return self.object_id if known else None
 
     @property
     def label(self) -> str:
-        """The object as an instance names it: its name and what tells it from namesakes."""
+        """Name of the object in an instance, with a number or designator to distinguish it."""
         identity = str(self.number) if self.number else self.object_id
         return " ".join(part for part in (self.name or "object", identity) if part)
 
 
 @dataclass(frozen=True, slots=True)
 class Dropped:
-    """A row or an object that was left out, and why.
+    """A rejected row or object, with the reason.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class Dropped:
 
     @classmethod
     def of(cls, record: ElementSet, reason: str, detail: str) -> Dropped:
-        """A record left out."""
+        """A rejected record."""
         return cls(record.source, record.line, record.label, reason, detail, record.ordinal)
 
     def __str__(self) -> str:
@@ -145,12 +145,12 @@ class Dropped:
         return ": ".join(part for part in (self.source, where, self.detail) if part)
 
     def to_dict(self) -> dict[str, Any]:
-        """The fields, for JSON."""
+        """The fields as JSON data."""
         return asdict(self)
 
 
 class RowError(ValueError):
-    """A row of a catalogue is wrong.
+    """An error in a row of a catalogue.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class RowError(ValueError):
 
 @dataclass(frozen=True)
 class Catalogue:
-    """What files held: the good records in their order, and the bad rows.
+    """The content of files: valid records in order, and bad rows.
 
     Attributes
     ----------
@@ -191,13 +191,13 @@ class Catalogue:
 
 
 def clean_name(text: str) -> str:
-    """A name that is safe to print: one line, no control characters, not too long."""
+    """A name that is safe to print: one line, no control characters, limited length."""
     if not (text.isascii() and text.isprintable()):
         text = "".join(letter if letter.isprintable() else "?" for letter in text)
     return " ".join(text.split())[:LONGEST_NAME].rstrip()
 
 
 def shown(value: Any, longest: int = 40) -> str:
-    """A value of a file as a sentence can quote it."""
+    """A value from a file, as quoted in messages."""
     text = clean_name(str(value)[: 2 * longest])
     return text if len(text) <= longest else text[: longest - 1] + "…"

@@ -1,4 +1,4 @@
-"""Which records of a catalogue become targets, and why the others do not."""
+"""Selection of targets from the records of a catalogue, with reasons for rejection."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def named(
     dropped: list[Dropped],
     choice: ObjectChoice,
 ) -> list[ElementSet]:
-    """The records whose names fit, without that of the station; the others go to ``dropped``."""
+    """Records with matching names, except the station's; the others go to ``dropped``."""
     named = []
     for record in records:
         if record is host:
@@ -45,7 +45,7 @@ def within_limits(
     dropped: list[Dropped],
     choice: ObjectChoice,
 ) -> ROWS:
-    """The rows that SGP4 found and the filters let pass; what these stop goes to ``dropped``."""
+    """Rows propagated by SGP4 and passed by the filters; the others go to ``dropped``."""
     keep = np.isfinite(elements[:, 0])
     free = np.array([id(record) not in choice.musts for record in candidates])
     for reason, outside in filters.outside(elements).items():
@@ -65,7 +65,7 @@ def nearest(
     dropped: list[Dropped],
     choice: ObjectChoice,
 ) -> ROWS:
-    """The rows whose planes are nearest to that of a place; the others go to ``dropped``.
+    """Rows whose planes are nearest to that of a place; the others go to ``dropped``.
 
     Raises
     ------

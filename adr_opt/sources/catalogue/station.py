@@ -1,4 +1,4 @@
-"""Where the station goes: as told, at an object of the catalogue, or at the densest plane."""
+"""Placement of the station: as given, at a catalogue object, or in the densest plane."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from .propagation import FLOAT
 from .records import shown
 
 NEIGHBOUR_RAD = math.radians(2.0)
-"""Planes nearer than this count as neighbours: some 260 m/s in low orbit."""
+"""Angle within which planes are neighbours: about 260 m/s in low orbit."""
 
 BLOCK = 1024
-"""Rows of angles between planes held at once."""
+"""Number of rows of plane angles computed at once."""
 
 
 def normals(elements: FLOAT) -> FLOAT:
@@ -35,7 +35,7 @@ def plane_angles(elements: FLOAT, inclination: float, raan: float) -> FLOAT:
 
 
 def densest(elements: FLOAT) -> FLOAT:
-    """A circular orbit in the midst of the densest planes.
+    """A circular orbit in the middle of the densest planes.
 
     The object with the most planes within :data:`NEIGHBOUR_RAD` is found (the first of several);
     the station gets the mean plane and the median semi-major axis of these, at the node.
@@ -73,7 +73,7 @@ def densest(elements: FLOAT) -> FLOAT:
 
 
 def parse_orbit(text: str) -> FLOAT | None:
-    """A circular orbit told as ``ALTITUDE_KM,INCLINATION,RAAN[,U]`` (degrees).
+    """A circular orbit given as ``ALTITUDE_KM,INCLINATION,RAAN[,U]`` (degrees).
 
     Returns
     -------

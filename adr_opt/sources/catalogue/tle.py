@@ -1,4 +1,4 @@
-"""Two-line and three-line element sets, by the columns of the format and their checksums."""
+"""Two-line and three-line element sets, read by column and verified by checksum."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from .records import Dropped, ElementSet, RowError, clean_name, shown
 LENGTH = 69
 LONGEST_LINE = 1000
 FRACTION_US = 864
-"""Microseconds in the last of the eight decimals of an epoch's day: a TLE epoch is exact."""
+"""Microseconds in the last of eight decimals of an epoch's day, so that TLE epochs are exact."""
 
 ALPHA_5 = "ABCDEFGHJKLMNPQRSTUVWXYZ"
-"""First letters of catalogue numbers from 100000 on; I and O are left out."""
+"""First letters of catalogue numbers from 100000 on, without I and O."""
 
 # Truncated and spoilt lines must look like element lines too, or they would pass for names; a name
 # has at most 24 characters.
@@ -36,12 +36,12 @@ _DIGITS = bytes(
 
 
 def looks_like_tle(lines: Iterable[str]) -> bool:
-    """Whether one of the lines could be an element line."""
+    """Whether any line could be an element line."""
     return any(_ELEMENT_LINE.match(line) for line in lines)
 
 
 def read_tle(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped]:
-    """The element sets among lines, in their order.
+    """Element sets among lines, in order.
 
     Blank lines and lines that begin with ``#`` are passed over. Text behind column 69 is ignored
     if a blank sets it off.
@@ -97,7 +97,7 @@ def _name(line: str) -> str:
 
 
 def checksum(line: str) -> int:
-    """The sum modulo 10 of the digits of the first 68 columns, a minus sign counting as 1."""
+    """Sum modulo 10 of the digits in the first 68 columns, with a minus sign as 1."""
     return sum(line[: LENGTH - 1].encode("latin-1", "replace").translate(_DIGITS)) % 10
 
 
@@ -122,10 +122,10 @@ def _check(line: str, which: int) -> str:
 def _record(first: str, second: str, name: str, source: str, line: int) -> ElementSet:
     one = _LINE_1.fullmatch(_check(first, 1))
     if one is None:
-        raise RowError("line 1 of the TLE has something else than its format in some column")
+        raise RowError("line 1 of the TLE breaks its format in some column")
     two = _LINE_2.fullmatch(_check(second, 2))
     if two is None:
-        raise RowError("line 2 of the TLE has something else than its format in some column")
+        raise RowError("line 2 of the TLE breaks its format in some column")
     if one[1] != two[1]:
         raise RowError(
             f"line 2 of the TLE is about object {two[1].strip()}, line 1 about {one[1].strip()}"
@@ -174,7 +174,7 @@ def catalogue_number(text: str) -> int:
 
 
 def _designator(columns: str) -> str:
-    """``97051C`` as OMM writes it, ``1997-051C``; anything else as it is."""
+    """``97051C`` in OMM's form ``1997-051C``; other texts unchanged."""
     if re.match(r"\d{5}[A-Z]", columns, re.ASCII):
         year = int(columns[:2])
         return f"{year + (1900 if year >= 57 else 2000)}-{clean_name(columns[2:])}"

@@ -1,4 +1,4 @@
-"""What a table asks of single objects: their prizes, windows, masses, and how they are removed.
+"""Tables of requirements on single objects: prizes, windows, masses and kinds of removal.
 
 CSV, a line for each object. The column ``object`` has its catalogue number, name or designator
 (``number`` or ``name`` will do as well); of the others, each as a field of a target, those that
@@ -36,7 +36,7 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Wish:
-    """What is asked of one object.
+    """Requirements on one object.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class Wish:
 
 
 def read_wishes(path: str | os.PathLike[str]) -> tuple[Wish, ...]:
-    """Read such a table.
+    """Read a table of requirements.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def _check_header(header: list[str], source: str) -> None:
         if name in header[:at]:
             raise InputError(f"{source}: two columns {name}; keep one")
     if sum(name in OBJECT for name in header) != 1:
-        raise InputError(f"{source}: one column has to say which object is meant; call it object")
+        raise InputError(f"{source}: exactly one column must name the objects; call it object")
 
 
 def _wish(cells: dict[str, str], source: str) -> Wish:

@@ -1,4 +1,4 @@
-"""Random instances: the families of the benchmark.
+"""Random instances: the benchmark families.
 
 Every number is drawn from raw PCG-64 output (whose stream NumPy guarantees) by IEEE arithmetic and
 rounded to the digits of the file, so one seed gives one file, byte for byte, on any machine.

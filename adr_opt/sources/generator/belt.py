@@ -1,4 +1,4 @@
-"""The field of the published study: circles in a narrow belt of altitudes and planes.
+"""Field of the published study: circular orbits in a narrow belt of altitudes and planes.
 
 The spread of the planes and of the phases is a *calibration*: the published study does not state
 it. It was chosen so that the published algorithms give the published numbers
@@ -20,12 +20,12 @@ STATION_INCLINATION_DEG = 96.0
 
 
 def circle(altitude_km: float, inclination_deg: float, raan_deg: float, u_deg: float) -> Orbit:
-    """A circular orbit in the digits of the file."""
+    """A circular orbit, rounded to the digits of the file."""
     return rounded(EARTH_RADIUS_M + 1e3 * altitude_km, 0.0, inclination_deg, raan_deg, 0.0, u_deg)
 
 
 def draw_circle(uniform: Uniform) -> Orbit:
-    """A target of the belt: everything uniform."""
+    """A target of the belt, uniform in all elements."""
     return circle(
         uniform(*ALTITUDE_KM), uniform(*INCLINATION_DEG), uniform(*RAAN_DEG), uniform(0.0, 360.0)
     )

@@ -1,4 +1,4 @@
-"""A fragmentation cloud: what sixteen years have left of a collision near 86.4° and 780 km.
+"""A fragmentation cloud: remnants of a collision near 86.4° and 780 km after sixteen years.
 
 Drawn, not copied: no object of a catalogue is in it. The numbers below were fitted to a public
 catalogue of April 2025, its 121 objects of the satellite Iridium 33, which collided in 2009
@@ -11,8 +11,8 @@ catalogue of April 2025, its 121 objects of the satellite Iridium 33, which coll
 * A rank correlation of c is drawn by sharing: with probability |c| two quantities take the same
   share of their populations (opposite shares for c < 0), else independent ones. That gives
   Spearman's correlation exactly and leaves each distribution as it is.
-* The catalogue's planes go all the way round. A degree of plane costs 130 m/s, so nobody would
-  serve them all in one mission: the field is the densest part, as wide as the 50 objects nearest to
+* The catalogue's planes go all the way round. A degree of plane costs 130 m/s, too much to
+    visit all in one mission: the field is the densest part, as wide as the 50 objects nearest to
   the densest plane, which lie within 23.4° of it. RAAN is drawn uniform there, and counted from
   that plane, in which the station is.
 * Argument of perigee and true anomaly are uniform. (Mean anomaly would be right; at these
@@ -40,7 +40,7 @@ RAAN_WITH_INCLINATION = 0.28
 STATION_ALTITUDE_KM = 720.0
 STATION_INCLINATION_DEG = 86.344
 STATION = circle(STATION_ALTITUDE_KM, STATION_INCLINATION_DEG, 0.0, 0.0)
-"""In the densest plane, near the median altitude and at the median inclination of the cloud."""
+"""Station in the densest plane, near the cloud's median altitude and at its median inclination."""
 
 
 def draw_fragment(uniform: Uniform) -> Orbit:
@@ -62,6 +62,6 @@ def draw_fragment(uniform: Uniform) -> Orbit:
 
 
 def _correlated(uniform: Uniform, other: float, probability: float) -> float:
-    """Another's share with a probability, else one of its own."""
+    """Another element's share with a probability, else an independent one."""
     own, chance = uniform(0.0, 1.0), uniform(0.0, 1.0)
     return other if chance < probability else own

@@ -1,4 +1,4 @@
-"""Orbits in the digits of the file, among them nearly circular ones of uniform elements."""
+"""Orbits rounded to the digits of the file, including near-circular ones with uniform elements."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def draw_ellipse(
     eccentricity: Range,
     raan_deg: Range,
 ) -> Orbit:
-    """An orbit from ranges of its elements.
+    """An orbit drawn from ranges of elements.
 
     Perigee and anomaly go all around. The altitude is that of the semi-major axis.
     """

@@ -1,4 +1,4 @@
-"""The families: everything about an instance but the seed."""
+"""Families of instances: everything but the seed."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Family:
         Least and largest number of targets; the seed draws it.
     duration_s, delta_v_m_s : float
     station : Orbit or None
-        None where nobody refuels.
+        None without refuelling.
     draw_target : callable
         From a source of uniform numbers to the orbit of a target.
     purpose : int
@@ -114,7 +114,7 @@ FAMILIES = {
 
 
 def family(name: str) -> Family:
-    """The family of a name.
+    """The family with a name.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What chasers are fitted with, and so do with targets, instead of what the family has."""
+"""Changed equipment of a family's chasers: tanks, kits, and tows of targets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ...problem.chasers import AnyTank
 from ...problem.instance import Instance
 
 SUFFIX = "-fitted"
-"""Ends the names of such instances, which say nothing of the numbers and are in no library."""
+"""Suffix of the names of such instances, which state no numbers and are in no library."""
 
 
 def fitted(
@@ -21,7 +21,7 @@ def fitted(
     towed_kg: float | None = None,
     disposal_altitude_m: float | None = None,
 ) -> Instance:
-    """The instance with other tanks, with kits, or with tows; itself where nothing is said.
+    """The instance with other tanks, with kits or with tows; unchanged without arguments.
 
     Parameters
     ----------

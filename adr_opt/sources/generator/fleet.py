@@ -1,4 +1,4 @@
-"""Stations and chasers: the family's own, and further ones, drawn besides the field."""
+"""Stations and chasers: a family's own, and additional random ones."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from .families import Family
 from .stream import Uniform, stream
 
 PURPOSE = 100
-"""Streams from this number on: further stations and starts do not change the field of a seed."""
+"""First stream of additional stations and starts, which leave the field of a seed unchanged."""
 
 
 def stations_of(kind: Family, seed: int, count: int) -> tuple[Station, ...]:
-    """The station of a family, and further ones where a target might be."""
+    """The station of a family, and additional ones at random target positions."""
     if kind.station is None or count == 0:
         return ()
     uniform = stream(seed, PURPOSE + kind.purpose)
@@ -27,7 +27,7 @@ def stations_of(kind: Family, seed: int, count: int) -> tuple[Station, ...]:
 def chasers_of(
     kind: Family, seed: int, count: int, first: Orbit | None, stations: tuple[Station, ...]
 ) -> tuple[Chaser, ...]:
-    """Equal chasers: at the stations in turn, or in orbits of their own, of which one is given.
+    """Identical chasers: at stations in turn, or in their own orbits, the first of which is given.
 
     Or those that the family draws.
     """

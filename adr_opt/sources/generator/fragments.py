@@ -1,4 +1,4 @@
-"""A large fragmentation cloud, long after: thousands of pieces whose planes go all the way round.
+"""A large old fragmentation cloud: thousands of pieces with planes all around the Earth.
 
 Drawn, not fitted: the numbers are round ones of the kind that is known of what the destruction of
 the satellite Fengyun 1C in 2007, near 865 km and 98.6°, has left after most of twenty years. Its
@@ -28,11 +28,11 @@ LOWEST_KM, HIGHEST_KM = 600.0, 1500.0
 INCLINATION_DEG, SPREAD_DEG = 98.6, 0.7
 
 STATION = circle(EVENT_KM, INCLINATION_DEG, 0.0, 0.0)
-"""Where the satellite was."""
+"""Station on the orbit of the destroyed satellite."""
 
 TRANSFER = TransferSettings().replace(departure_spacing_s=2.0 * HOUR_S, delta_v_resolution_m_s=0.5)
-"""Two months are too short for planes to drift together, and among so many pieces nobody waits for
-one: no long transfers."""
+"""Two months are too short for planes to drift together, and with thousands of pieces no wait for
+one pays: no long transfers."""
 
 
 def draw_piece(uniform: Uniform) -> Orbit:

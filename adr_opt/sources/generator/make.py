@@ -1,4 +1,4 @@
-"""From a family and a seed, or from a name, to an instance."""
+"""Instances from a family and a seed, or from a name."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from .zones import draw_zones
 
 EPOCH = datetime(2026, 1, 1, tzinfo=UTC)
 MOST = 10**6
-"""Largest number of targets and of zones."""
+"""Maximum number of targets and of zones."""
 
 MOST_CHASERS = 100
-"""Largest number of chasers and of stations."""
+"""Maximum number of chasers and of stations."""
 
 NAME = re.compile(
     r"(?P<family>[a-z-]+)-(?P<seed>\d{3,})(?:-n(?P<targets>\d+))?(?:-c(?P<chasers>\d+))?"
@@ -66,7 +66,7 @@ def generate(  # noqa: PLR0913
     tank : Tank or TankByMass, optional
         Of each chaser, instead of the family's.
     kits : int, optional
-        Each target takes a kit, and each chaser carries so many at most.
+        Each target takes a kit; this is the maximum number aboard each chaser.
     kit_mass_kg : float, optional
         Of each kit; needs a tank by mass [kg].
     towed_kg, disposal_altitude_m : float, optional
@@ -147,13 +147,13 @@ def _mission(kind: Family) -> MissionSettings:
 
 
 def family_of(name: str) -> str:
-    """The family that the name of an instance begins with."""
+    """The family at the beginning of an instance's name."""
     found = NAME.fullmatch(name)
     return "" if found is None else found["family"]
 
 
 def by_name(name: str) -> Instance:
-    """The instance that :func:`generate` gives a name, such as ``nominal-042`` or ``cloud-003-z6``.
+    """The instance from :func:`generate` by its name, such as ``nominal-042`` or ``cloud-003-z6``.
 
     Raises
     ------
@@ -163,8 +163,8 @@ def by_name(name: str) -> Instance:
     found = NAME.fullmatch(name)
     if found is None or found["family"] not in FAMILIES:
         raise InputError(
-            f"instance {name!r} is no name of a generated instance; use FAMILY-SEED such as "
-            f"nominal-042, with one of the families {', '.join(FAMILIES)}"
+            f"instance {name!r} is not the name of a generated instance; use FAMILY-SEED such "
+            f"as nominal-042, with one of the families {', '.join(FAMILIES)}"
         )
     counts: dict[str, Any] = {
         what: int(found[what])
@@ -173,5 +173,5 @@ def by_name(name: str) -> Instance:
     }
     made = generate(found["family"], int(found["seed"]), **counts)
     if made.name != name:
-        raise InputError(f"instance {name!r} is written {made.name!r}; write it so")
+        raise InputError(f"instance {name!r}: write it as {made.name!r}")
     return made

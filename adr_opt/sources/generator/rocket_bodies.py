@@ -1,11 +1,11 @@
-"""Rocket bodies: heavy upper stages that one launcher left on orbits all alike but for their nodes.
+"""Rocket bodies: heavy upper stages of one launcher in orbits that differ mainly by their nodes.
 
 Near 71° and 840 km some twenty upper stages of one kind remain, the objects that lists of what to
 remove first begin with. Altitudes, inclinations and eccentricities are drawn from limits like
 theirs; no object of a catalogue is in it. Their nodes go all around, and a degree of node costs
 123 m/s: hardly any two can be visited one after the other without waiting until their planes meet.
 
-Nobody refuels: the chaser is launched into a circle of the same kind, and there is no station.
+There is no refuelling: the chaser is launched into a circle of the same kind, without a station.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ RAAN_DEG = (0.0, 360.0)
 
 
 def draw_rocket_body(uniform: Uniform) -> Orbit:
-    """A target: everything uniform."""
+    """A target, uniform in all elements."""
     return draw_ellipse(uniform, ALTITUDE_KM, INCLINATION_DEG, ECCENTRICITY, RAAN_DEG)
 
 
 def draw_start(uniform: Uniform) -> Orbit:
-    """Where the chaser starts: a circle of the same kind."""
+    """Start of the chaser: a circular orbit of the same kind."""
     return draw_rocket_body(uniform).replace(eccentricity=0.0)

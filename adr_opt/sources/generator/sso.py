@@ -1,4 +1,4 @@
-"""Debris of one band of nearly sun-synchronous orbits, with a station in the middle of it.
+"""Debris in a band of near-sun-synchronous orbits, with a station at its centre.
 
 Sun-synchronous satellites are launched into few local times, those that suit their cameras, and
 what remains of them begins in such a band: the field is one, two hours of local time to either side
@@ -24,9 +24,9 @@ ECCENTRICITY = (0.0, 0.004)
 RAAN_DEG = (-30.0, 30.0)
 
 STATION = circle(750.0, 98.25, 0.0, 0.0)
-"""In the middle of all three."""
+"""Station at the centre of all three ranges."""
 
 
 def draw_debris(uniform: Uniform) -> Orbit:
-    """A target: everything uniform."""
+    """A target, uniform in all elements."""
     return draw_ellipse(uniform, ALTITUDE_KM, INCLINATION_DEG, ECCENTRICITY, RAAN_DEG)

@@ -1,4 +1,4 @@
-"""Uniform numbers that are the same on every machine."""
+"""Uniform random numbers, identical on every machine."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 LARGEST_SEED = 2**63 - 1
 
 Uniform = Callable[[float, float], float]
-"""Draws a number between two others."""
+"""Draws a number between two limits."""
 
 
 def stream(seed: int, purpose: int) -> Uniform:
-    """A source of uniform numbers; different purposes of one seed are independent.
+    """A source of uniform numbers, independent for different purposes of one seed.
 
     Raw PCG-64 output and IEEE arithmetic: NumPy's distributions may change between versions, and
     functions such as log and sin differ between machines.
@@ -27,7 +27,7 @@ def stream(seed: int, purpose: int) -> Uniform:
 
 
 def at_percentile(percentiles: Sequence[float], values: Sequence[float], share: float) -> float:
-    """The value below which a share of a population lies, linear between known percentiles.
+    """Quantile of a population at a share, linear between known percentiles.
 
     With a uniform ``share`` this draws from the population, by + − × / alone.
 

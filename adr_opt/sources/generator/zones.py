@@ -1,4 +1,4 @@
-"""Keep-out zones, drawn besides the field (docs/model.md section 6)."""
+"""Keep-out zones, drawn independently of the field (docs/model.md section 6)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from ...problem.settings import KeepOutZone
 from .stream import stream
 
 PURPOSE = 1
-"""Number of the stream: zones do not change the field of a seed."""
+"""Number of the stream: zones leave the field of a seed unchanged."""
 
 ZONE_ALTITUDE_KM = (680.0, 830.0)
 ZONE_THICKNESS_KM = (10.0, 25.0)

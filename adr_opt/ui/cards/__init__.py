@@ -1,4 +1,4 @@
-"""How objects show themselves: in one line at a prompt, as a small table in a notebook.
+"""Cards of objects: one line at a prompt, a small table in a notebook.
 
 A class that is :class:`adr_opt.common.card.Shown` is shown by the function that is named here for
 it, in the module ``of_…`` of its kind. Names come from files of others, so pages escape them.
@@ -33,11 +33,11 @@ VIEWS = {
     "Timetable": ("of_timetable", "of_timetable"),
     "Tradeoff": ("of_analysis", "of_tradeoff"),
 }
-"""Module and function by the name of a class."""
+"""Module and function by name of the class."""
 
 
 def view(shown: object) -> Card | None:
-    """The card of an object; None if none is made of its kind."""
+    """The card of an object; None for classes without one."""
     for kind in type(shown).__mro__:
         if kind.__name__ in VIEWS and kind.__module__.startswith("adr_opt."):
             module, function = VIEWS[kind.__name__]

@@ -1,4 +1,4 @@
-"""The cards of trade-offs, of orders that somebody wrote, of comparisons and of replanning."""
+"""Cards of trade-offs, priced orders, comparisons and replanning."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 MENDED = {
     "leave-out": "mended without",
-    "refuel": "mended by refuelling before",
-    "swap": "mended by going later to",
+    "refuel": "repaired by refuelling before",
+    "swap": "repaired by going later to",
 }
 MOST_MENDINGS = 3
 
 
 def of_tradeoff(made: Tradeoff) -> Card:
-    """The card of a trade-off: on a page its points, with the order of each."""
+    """The card of a trade-off; on a page, with its points and their orders."""
     varied = " and ".join(
         f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in made.axes
     )
@@ -62,7 +62,7 @@ def of_point(point: Point) -> Card:
 
 
 def of_priced_order(priced: PricedOrder) -> Card:
-    """The card of orders that were timed."""
+    """The card of priced orders."""
     facts = [f"prize {priced.objective:g}", "can be flown" if priced.holds else "breaks"]
     details = []
     for route in priced.routes:
@@ -77,7 +77,7 @@ def of_priced_order(priced: PricedOrder) -> Card:
 
 
 def of_priced_route(route: PricedRoute) -> Card:
-    """The card of what a chaser can fly of its order."""
+    """The card of the flyable part of a chaser's order."""
     facts = [f"{len(route.legs)} of {counted(len(route.order), 'leg')}"]
     facts.append("can be flown" if route.holds else f"leg {len(route.legs) + 1} {route.reason}")
     return Card(
@@ -86,7 +86,7 @@ def of_priced_route(route: PricedRoute) -> Card:
 
 
 def of_comparison(made: Comparison) -> Card:
-    """The card of plans side by side."""
+    """The card of a comparison of plans."""
     rows = [
         (
             side.name, side.method, side.status, f"{side.objective:g}", f"{side.visits}",
@@ -102,7 +102,7 @@ def of_comparison(made: Comparison) -> Card:
 
 
 def of_replanned(made: Replanned) -> Card:
-    """The card of the rest of a mission, planned anew."""
+    """The card of a replanned rest of a mission."""
     facts = [
         f"prize {made.prize_before:g} before, {made.prize_after:g} now",
         f"{counted(made.kept, 'leg')} kept", f"{made.runtime_s:.3g} s",

@@ -1,4 +1,4 @@
-"""The cards of connections, found or given."""
+"""Cards of connections, found or given."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def of_connections(found: Connections) -> Card:
-    """The card of the connections of a pair; on a page all of them."""
+    """The card of a pair's connections; on a page, with all of them."""
     count = int(found.departure.size)
     facts = [str(count) if count else "none"]
     if count:
@@ -31,7 +31,7 @@ def of_connections(found: Connections) -> Card:
 
 
 def of_all(found: AllConnections) -> Card:
-    """The card of the connections of all pairs."""
+    """The card of all pairs' connections."""
     pairs = len(set(zip(found.origin.tolist(), found.destination.tolist(), strict=True)))
     facts = [f"{len(found)}" if len(found) else "none", f"of {pairs} pairs"]
     if len(found):
@@ -40,7 +40,7 @@ def of_all(found: AllConnections) -> Card:
 
 
 def of_given(given: Given) -> Card:
-    """The card of connections that somebody gives."""
+    """The card of given connections."""
     facts = (
         counted(int(given.departure.size), "connection"),
         counted(len(given.names), "body", "bodies"),

@@ -1,4 +1,4 @@
-"""The card of an instance, and of what is planned on it."""
+"""Cards of instances, missions and problems."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COSTS = {"delta-v": "ΔV", "duration": "duration", "expense": "expense"}
 
 
 def facts_of(instance: Instance) -> tuple[str, ...]:
-    """What an instance holds, in a few words each."""
+    """Content of an instance, briefly."""
     facts = [
         counted(len(instance.targets), "target"),
         counted(len(instance.stations), "station"),
@@ -44,7 +44,7 @@ def of_instance(instance: Instance) -> Card:
         ("epoch", f"{instance.epoch:%Y-%m-%d %H:%M:%S} UTC"),
         ("sum of prizes", f"{prizes:g}"),
         ("required", ", ".join(required[:8]) + (" …" if len(required) > 8 else "") or "none"),
-        ("least of equal plans", _cost_of(instance)),
+        ("least, among equal plans", _cost_of(instance)),
         ("stations", ", ".join(instance.station_names) or "none: nobody refuels"),
     ]
     if instance.frame is not None:
@@ -60,7 +60,7 @@ def of_instance(instance: Instance) -> Card:
 
 
 def _cost_of(instance: Instance) -> str:
-    """The cost that decides, with a price of time that is stated."""
+    """The deciding cost, with a stated price of time."""
     price = instance.objective.time_m_s_per_day
     stated = "" if price is None else f", and {price:g} m/s a day"
     return f"{COSTS[instance.objective.cost]}{stated}"
@@ -79,7 +79,7 @@ def _chaser(chaser: Chaser) -> tuple[str, ...]:
 
 
 def of_problem(problem: Mission | Problem) -> Card:
-    """The card of a mission, or of those of all chasers."""
+    """The card of a mission, or of all chasers' missions."""
     instance = problem.instance
     facts = [
         *facts_of(instance),

@@ -1,4 +1,4 @@
-"""The cards of plans, their routes and legs."""
+"""Cards of plans, routes and legs."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def legs_table(routes: tuple[Route, ...]) -> CardTable:
 
 
 def certified(plan: Plan) -> tuple[str, ...]:
-    """What a plan collects, costs and is proven to be."""
+    """Prize, cost and proven quality of a plan."""
     bound = "" if plan.upper_bound is None else f" of at most {plan.upper_bound:g}"
     return (
         f"prize {plan.objective:g}{bound}",
@@ -54,7 +54,7 @@ def certified(plan: Plan) -> tuple[str, ...]:
 
 
 def details_of(plan: Plan) -> tuple[tuple[str, str], ...]:
-    """More of the same, for pages."""
+    """Further details of a plan, for pages."""
     details = [("order" if len(plan.routes) < 2 else route.chaser, order_words(names) or "stays")
                for route, names in zip(plan.routes, plan.orders.values(), strict=True)]  # fmt: skip
     if plan.cost_bound is not None:
@@ -84,7 +84,7 @@ def of_route(route: Route) -> Card:
 
 
 def of_leg(leg: Leg) -> Card:
-    """The card of a leg; on a page with its burns."""
+    """The card of a leg; on a page, with its burns."""
     facts = [
         leg.kind, f"leaves on day {days(leg.leaves_s)}", f"arrives on day {days(leg.arrival_s)}",
         f"{leg.spent_m_s:,.1f} m/s", f"{leg.delta_v_left_m_s:,.1f} m/s left",

@@ -1,4 +1,4 @@
-"""The cards of refined plans and of certificates."""
+"""Cards of refined plans and of certificates."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def of_refined(refined: RefinedPlan) -> Card:
-    """The card of a refined plan; on a page its legs, as planned and as flown."""
+    """The card of a refined plan; on a page, with planned and flown legs."""
     facts = (
         refined.status, counted(len(refined.legs), "leg"),
         f"planned {refined.planned_delta_v_m_s:,.1f} m/s",
@@ -35,7 +35,7 @@ def of_refined(refined: RefinedPlan) -> Card:
 
 
 def of_refined_result(made: RefinedResult) -> Card:
-    """The card of a plan that was refined until it holds."""
+    """The card of a plan refined until it holds."""
     facts = ["it holds" if made.holds else made.reason, counted(len(made.rounds), "round")]
     if made.plan is not None:
         facts.append(f"prize {made.plan.objective:g}")

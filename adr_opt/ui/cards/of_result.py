@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def of_result(result: Result) -> Card:
-    """The card of a result: what is collected and proven, and the order by names."""
+    """The card of a result: prize, proof, and the order by names."""
     plan, bounded = result.plan, math.isfinite(result.upper_bound)
     facts = []
     if plan is not None:

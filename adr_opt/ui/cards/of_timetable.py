@@ -1,4 +1,4 @@
-"""The cards of timetables, and of what is sampled of them."""
+"""Cards of timetables and of samples from them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def of_timetable(timetable: Timetable) -> Card:
 
 
 def of_matrices(matrices: Matrices) -> Card:
-    """The card of matrices; on a page the ΔV at the first departure, as far as there is room."""
+    """The card of matrices; on a page, with ΔV at the first departure as far as it fits."""
     facts = [
         counted(len(matrices.departures), "departure"),
         counted(len(matrices.names), "body", "bodies"),
@@ -46,5 +46,5 @@ def of_matrices(matrices: Matrices) -> Card:
     rows = [
         (name, *(f"{value:,.0f}" for value in row)) for name, row in zip(names, costs, strict=True)
     ]
-    details.append(("below", f"ΔV in m/s for who is ready on day {days(float(first))}"))
+    details.append(("below", f"ΔV [m/s] when ready on day {days(float(first))}"))
     return Card("Matrices", "", tuple(facts), tuple(details), (CardTable(("from", *names), rows),))

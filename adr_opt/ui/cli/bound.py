@@ -42,7 +42,7 @@ def command(
 ) -> int:
     """Prove how much any plan of INSTANCE can collect.
 
-    Ctrl-C asks for the best bound so far; twice, it aborts. Exit status 1: infeasible.
+    Ctrl-C stops with the best bound so far; a second one aborts. Exit status 1: infeasible.
     """
     from ...common.wording import status_words
     from ...plan.plan import load_plan

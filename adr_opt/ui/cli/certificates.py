@@ -1,4 +1,4 @@
-"""``--certificate``: write what a proof rests on, beside a plan or a bound."""
+"""``--certificate``: write the evidence for a plan or a bound."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 certificate_option = take.file(
     "--certificate",
-    "Certificate file to write, for 'verify'; FILE.gz for a packed one.",
+    "Certificate file to write, for 'verify'; FILE.gz is compressed.",
     name="certificate_path",
 )
 
@@ -32,7 +32,7 @@ def check_certificate(
     refine: bool = False,
     group: str | None = None,
 ) -> None:
-    """Raise :class:`InputError` before any work if there could be no certificate.
+    """Raise :class:`InputError` in advance if no certificate is possible.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def check_certificate(
     if margin or refine:
         what = "--margin" if margin else "--refine"
         raise InputError(
-            f"--certificate: with {what} nothing is proven of the instance as it is; leave out one"
+            f"--certificate: with {what} nothing is proven about the instance itself; leave out one"
         )
     group = group or PLANNERS
     able = spec(method, group).shows_evidence or (
@@ -69,7 +69,7 @@ def check_certificate(
     if not able:
         known = [name for name in names(group) if spec(name, group).shows_evidence]
         raise InputError(
-            f"--certificate: {method!r} does not say what its bound rests on; use one of: "
+            f"--certificate: {method!r} gives no evidence for its bound; use one of: "
             f"{', '.join(known)}"
         )
     refuse_unknown(instance)

@@ -1,4 +1,4 @@
-"""``check``: judge a plan, independently of every planner."""
+"""``check``: judge a plan, independently of all planners."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .parameters import about, mission_of
 if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
 
-VIOLATED, UNASKED = "it has violations", "nobody asked for it"
-"""Why there is no flight."""
+VIOLATED, UNASKED = "it has violations", "not requested"
+"""Reasons for not flying."""
 
 
 @click.command("check")
@@ -27,9 +27,9 @@ VIOLATED, UNASKED = "it has violations", "nobody asked for it"
 def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> int:
     """List all violations of PLAN on INSTANCE.
 
-    A plan without any is flown in mean motion on the true orbits, unless it says that it was
-    refined when it was made; what that came to is said and changes no verdict. Exit status 1: there
-    are violations.
+    A plan without violations is flown in mean motion on the true orbits, unless it states that it
+    was refined when made; the outcome is printed and does not change the verdict. Exit status 1:
+    there are violations.
     """
     from ...judge.check.verdict import check
 
@@ -60,11 +60,11 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
         legs = counted(len(plan.legs), "leg")
         emit(f"{plan_path}: no violations, objective {plan.objective:g}, {legs}")
         if refined is not None:
-            emit(f"{plan_path}: as it says of itself, {refined}")
+            emit(f"{plan_path}: according to the plan, {refined}")
         elif not isinstance(flight, str):
             emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
         else:
             emit(f"{plan_path}: neither flown nor refined: {flight}")
         if plan.flown is not None and plan.own_flight is None:
-            emit(f"{plan_path}: what it says of a flight is of other legs")
+            emit(f"{plan_path}: the flight that it records is of other legs")
     return 1 if violations else 0

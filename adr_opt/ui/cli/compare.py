@@ -1,4 +1,4 @@
-"""``compare``: plans of one instance side by side, and their differences leg by leg."""
+"""``compare``: compare plans of one instance, leg by leg."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...analysis.comparison import Difference
 
 
-@click.command("compare", short_help="Lay plans side by side, leg by leg.")
+@click.command("compare", short_help="Compare plans, leg by leg.")
 @take.instance
 @click.argument(
     "plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...", shell_complete=complete.files
@@ -36,7 +36,7 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Lay two or more PLANs of INSTANCE side by side, and each against the first leg by leg.
+    """Compare two or more PLANs of INSTANCE, each with the first, leg by leg.
 
     Exit status 1: a plan has violations.
     """
@@ -65,7 +65,7 @@ def command(
 
 
 def _called(path: str, paths: tuple[str, ...]) -> str:
-    """What a plan is called: the name of its file, where that is no other one's too."""
+    """Name of a plan: that of its file, if unique."""
     name = os.path.basename(path)
     alone = sum(os.path.basename(other) == name for other in paths) == 1
     return name if alone else path

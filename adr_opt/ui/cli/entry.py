@@ -1,4 +1,4 @@
-"""The entry: run a verb, and turn whatever goes wrong into one sentence and an exit status."""
+"""Entry point: run a verb, and turn any error into one sentence and an exit status."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _sentence(error: click.ClickException) -> str:
-    """A click error as one sentence that says where to look."""
+    """A click error as one sentence with a pointer to the help."""
     said = " ".join(error.format_message().split()).rstrip(".")
     said = re.sub(r"\.? \(?Did you mean (.*)\?\)?$", r" (did you mean \1?)", said)
     said = said[:1].lower() + said[1:].replace(". ", "; ")
@@ -93,7 +93,7 @@ def _sentence(error: click.ClickException) -> str:
 
 
 def _can_say_everything(stream: TextIO | None) -> None:
-    """See that no name and no ΔV is a UnicodeEncodeError: JSON is UTF-8 by its standard.
+    """Ensure that printing never fails with UnicodeEncodeError; JSON is UTF-8 by its standard.
 
     What no encoding can say, as the name of a file in another one, is escaped as JSON does it.
     """
@@ -105,7 +105,7 @@ def _can_say_everything(stream: TextIO | None) -> None:
 
 
 def _let_go(stream: TextIO | None) -> None:
-    """Point a broken stream to nowhere, or the interpreter complains when it flushes at exit."""
+    """Redirect a broken stream to nowhere, so that the interpreter can flush it at exit."""
     with suppress(OSError, ValueError, AttributeError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())  # type: ignore[union-attr]

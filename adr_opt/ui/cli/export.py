@@ -1,4 +1,4 @@
-"""``export``: write the flight of a plan in a format of other programs."""
+"""``export``: write the flight of a plan in another program's format."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ if TYPE_CHECKING:
     "--format",
     "format_",
     type=click.Choice(["oem", "opm", "czml", "script"]),
-    help="Whatever the suffix of the file.",
+    help="Format, regardless of the file's suffix.",
 )
 @click.option(
     "--frame",
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="Turn all to this frame from that of INSTANCE; where it names none, call it so. By "
-    "default its own, else EME2000.",
+    help="Frame to rotate to, or the name of the frame if INSTANCE states none; by default its "
+    "own, or else EME2000.",
 )
 @take.number(
     "--step",
     "S",
-    "Longest time between two states of .oem and .czml; by default 60, and 300 on arcs of "
-    "more than a day.",
+    "Longest time between states in .oem and .czml; by default 60, or 300 on arcs longer than a "
+    "day.",
     name="step_s",
 )
-@take.count("--leg", "N", "Only this leg, counted from 1.")
-@take.word("--body", "NAME", "Of a refined plan: this visited body instead of the chaser.")
-@take.word("--chaser", "NAME", "Whose flight; needed where there are several, but for .czml.")
+@take.count("--leg", "N", "Only this leg, counting from 1.")
+@take.word("--body", "NAME", "For a refined plan: a visited body instead of the chaser.")
+@take.word("--chaser", "NAME", "Chaser to write; required if there are several, except for .czml.")
 @take.word(
     "--object-id",
     "ID",
-    "International designator of what is written, like 2026-001A; else UNKNOWN, or that "
-    "which INSTANCE has of a --body.",
+    "International designator of the object, like 2026-001A; by default UNKNOWN, or for a --body "
+    "that in INSTANCE.",
 )
 @take.as_json
 @take.quiet
@@ -69,8 +69,8 @@ def command(
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    Of a refined plan, an OEM, OPM or script file of its osculating states is written. Where there
-    are several chasers, a file holds the flight of one of them, but that a CZML file may hold all.
+    A refined plan is written as an OEM, OPM or script file of its osculating states. With several
+    chasers, a file holds the flight of one; only a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
@@ -90,7 +90,7 @@ def command(
         )
     else:
         if body is not None:
-            raise InputError(f"--body {body}: only of a refined plan bodies are exported")
+            raise InputError(f"--body {body}: bodies are exported from refined plans only")
         instance, plan = mission_of(instance_path, plan_path)
         with about(plan_path):
             written = flown(instance, plan, step_s, leg, chaser, together=file.format in TOGETHER)
@@ -115,14 +115,14 @@ def command(
 
 
 def _frame(axes: Axes) -> dict[str, Any]:
-    """What --json says of the frame of the file."""
+    """The frame of the file, for --json."""
     told: dict[str, Any] = axes.frame.model_dump(mode="json")
     told = {"frame": told.pop("name"), **told}
     return told | {"instance_frame": None if axes.own is None else axes.own.name}
 
 
 def _in_frame(axes: Axes) -> str:
-    """The same in words."""
+    """The frame of the file, in words."""
     if axes.own is None:
         return f"called {axes.frame}: the instance names no frame"
     turned = "" if axes.frame == axes.own else f", turned from {axes.own}"
@@ -140,7 +140,7 @@ def _refined(
     body: str | None,
     chaser: str | None,
 ) -> tuple[Instance, Axes, dict[str, Any]]:
-    """Write a refined plan, and what --json says of it."""
+    """Write a refined plan; returns its part of --json."""
     from ...export.flights.refined_oem import write_refined
     from ...export.flights.write import axes_in
     from ...fly.refine import load_refined

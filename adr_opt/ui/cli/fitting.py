@@ -1,4 +1,4 @@
-"""What ``generate`` and ``import`` have for tanks, kits and tows."""
+"""Options of ``generate`` and ``import`` for tanks, kits and tows."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ if TYPE_CHECKING:
 
 
 def fitting_options(usual: str) -> Callable[[take.Function], take.Function]:
-    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank that nobody speaks of."""
+    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
     return take.together(
         take.number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
-        take.number("--dry-mass", "KG", "Instead: mass without it,"),
-        take.number("--propellant", "KG", "what a full tank holds,"),
-        take.number("--isp", "S", "and its specific impulse."),
-        take.count("--kits", "K", "A kit for each target, at most K aboard."),
-        take.number("--kit-mass", "KG", "Of each kit; 0."),
-        take.number("--tow", "KG", "Mass of each target, which is towed,"),
-        take.number("--disposal-altitude", "KM", "down to a circle there."),
+        take.number("--dry-mass", "KG", "For a tank by mass: mass without propellant."),
+        take.number("--propellant", "KG", "For a tank by mass: propellant when full."),
+        take.number("--isp", "S", "For a tank by mass: specific impulse."),
+        take.count("--kits", "K", "Each target needs a kit; at most K aboard."),
+        take.number("--kit-mass", "KG", "Mass of a kit; default 0."),
+        take.number("--tow", "KG", "Mass of each target, which is to be towed."),
+        take.number(
+            "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
+        ),
     )
 
 
 class Fitting(NamedTuple):
-    """These options as they were given; None is for what was not."""
+    """Values of these options; None if not given."""
 
     delta_v: float | None
     dry_mass: float | None
@@ -41,16 +43,16 @@ class Fitting(NamedTuple):
 
     @property
     def disposal_altitude_m(self) -> float | None:
-        """In metres."""
+        """The disposal altitude [m]."""
         return None if self.disposal_altitude is None else 1e3 * self.disposal_altitude
 
     def check(self, *, kits: bool = False, by_mass: bool = False) -> None:
-        """Refuse what is out of range, or of no use without another option.
+        """Refuse values out of range, or without effect unless another option is given.
 
         Parameters
         ----------
         kits, by_mass : bool
-            Whether there are kits, and tanks by mass, where nobody speaks of them.
+            Whether there are kits, and tanks by mass, by default.
 
         Raises
         ------
@@ -58,38 +60,38 @@ class Fitting(NamedTuple):
         """
         check_positive(**self._asdict())
         if self.kit_mass is not None and self.kits is None and not kits:
-            raise InputError("--kit-mass: there are no kits; say how many with --kits")
+            raise InputError("--kit-mass: there are no kits; give their number with --kits")
         masses = (self.dry_mass, self.propellant, self.isp)
         counted = self.delta_v is not None or not by_mass
         self._check_tow(knows_masses=masses != (None, None, None) or not counted)
         if self.kit_mass is not None and masses == (None, None, None) and counted:
             raise InputError(
-                "--kit-mass: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--kit-mass: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 
     def _check_tow(self, *, knows_masses: bool) -> None:
         if self.tow is None and self.disposal_altitude is not None:
-            raise InputError("--disposal-altitude: nothing is towed; say what mass with --tow")
+            raise InputError("--disposal-altitude: nothing is towed; give the mass with --tow")
         if self.tow is None:
             return
         if self.disposal_altitude is None:
-            raise InputError("--tow: where to is not said; give --disposal-altitude")
+            raise InputError("--tow: no disposal orbit; give --disposal-altitude")
         if self.kits is not None:
             raise InputError("--tow: a target takes a kit or is towed; leave --kits or --tow out")
         if not knows_masses:
             raise InputError(
-                "--tow: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--tow: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp"
             )
 
     def tank(self) -> AnyTank | None:
-        """The tank that was asked for; None if nobody speaks of it.
+        """The requested tank; None if not given.
 
         Raises
         ------
         InputError
-            It is said by half, or twice.
+            It is incomplete, or given twice.
         """
         from pydantic import ValidationError
 
@@ -113,14 +115,14 @@ class Fitting(NamedTuple):
 
 
 def check_positive(**given: float | None) -> None:
-    """Raise :class:`InputError` for an option that is given and is no positive number."""
+    """Raise :class:`InputError` for a given option that is not a positive number."""
     for name, value in given.items():
         if value is not None and not 0.0 < value < math.inf:
             raise InputError(f"{_option(name)} = {value:g}: must be a positive number")
 
 
 def check_not_negative(**given: float | None) -> None:
-    """Raise :class:`InputError` for an option that is given and is negative or not finite."""
+    """Raise :class:`InputError` for a given option that is negative or not finite."""
     for name, value in given.items():
         if value is not None and not 0.0 <= value < math.inf:
             raise InputError(f"{_option(name)} = {value:g}: must be a finite number of at least 0")

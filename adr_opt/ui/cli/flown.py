@@ -1,4 +1,4 @@
-"""The line on the flight of a plan, for ``solve`` and ``check``."""
+"""Output on the flight of a plan, for ``solve`` and ``check``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ no_fly_option = take.flag("--no-fly", "Do not fly the plan in mean motion on the
 
 
 def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
-    """The flight of a plan in mean motion, or why there is none.
+    """The flight of a plan in mean motion, or the reason why there is none.
 
     Ctrl-C or SIGTERM ends the flight and nothing else.
     """
@@ -41,19 +41,19 @@ def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
 
 
 def was_refined(plan: Plan) -> PlanFlight | None:
-    """What a plan says of having been refined when it was made, with just these legs."""
+    """A plan's record of its refinement, if it concerns exactly these legs."""
     said = plan.own_flight
     return said if said is not None and said.how == "refined" else None
 
 
 def flown_plan(instance: Instance, plan: Plan) -> tuple[Plan, MeanFlight | str]:
-    """The plan with what came of flying it, and its flight, or why there is none."""
+    """The plan with its flight recorded, and the flight, or the reason why there is none."""
     flight = flight_of(instance, plan)
     return (plan if isinstance(flight, str) else plan.replace(flown=flight.record)), flight
 
 
 def flight_line(flight: MeanFlight | str) -> str:
-    """What a flight came to, in one line."""
+    """The outcome of a flight, on one line."""
     if isinstance(flight, str):
         return NOT_FLOWN + flight
     said = str(flight)
@@ -61,7 +61,7 @@ def flight_line(flight: MeanFlight | str) -> str:
 
 
 def tanks_told(flight: Flight | RefinedFlight) -> list[str]:
-    """The tanks that break, or how near the worst one comes to it; nothing where none is used."""
+    """Tanks that break, or else the fullest use; empty if no tank is used."""
     if flight.broken_tanks or not flight.tanks:
         return [str(tank) for tank in flight.broken_tanks]
     worst = max(flight.tanks, key=lambda tank: tank.over_m_s or 0.0)
@@ -69,7 +69,7 @@ def tanks_told(flight: Flight | RefinedFlight) -> list[str]:
 
 
 def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
-    """The result of ``solve --refine`` with what refining came to in its plan."""
+    """The result of ``solve --refine`` with the refinement recorded in its plan."""
     from ...fly.flight.mean_flight import families_of, tanks_left
     from ...fly.flight.tanks import tanks_of
     from ...plan.plan_flight import PlanFlight

@@ -20,16 +20,16 @@ if TYPE_CHECKING:
     from ...plan.plan import Plan
 
 MOTIONS = {"two-body": "two-body motion", "j2": "mean motion under J2"}
-"""What the dynamics of an instance are called."""
+"""Names of an instance's dynamics."""
 
 FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items()}
-"""How the note begins that ``--out`` puts into a plan, so that the next one takes its place."""
+"""Beginnings of the notes written by ``--out``, which replace each other."""
 
 
 @click.command("fly", short_help="Fly the burns of PLAN and measure the misses.")
 @take.instance
 @take.plan
-@take.file("--out", "Write the plan again with the result in its notes.")
+@take.file("--out", "Plan file to write, with the result in its notes.")
 @error_options
 @take.as_json
 @take.quiet
@@ -38,15 +38,15 @@ def command(
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
-    Legs with an eccentric orbit are flown on the true orbits as well, with their burns aimed anew.
-    In two-body motion it is said where they lead as they are, too, and what a corrected last arc
-    costs: a Lambert arc to the true stand-off. Exit status 1: with what the burns that are flown
-    take, those of legs that drift among them, some tank is not enough.
+    Legs with an eccentric orbit are also flown on the true orbits, with retargeted burns. In
+    two-body motion, the output also states where the original burns lead, and the cost of a
+    corrected last arc: a Lambert arc to the true stand-off. Exit status 1: a tank does not suffice
+    for the flown burns, those of drift legs included.
 
-    A refined plan is flown in true dynamics, by another integrator than the one it was made with.
-    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, a leg is missing, or a tank is not
-    enough. With --samples it is flown again with errors of burns and of navigation, corrected on
-    the way. Exit status 1 also where a tank is not enough for 95 % of those flights.
+    A refined plan is flown in true dynamics, by a different integrator from the one that made it.
+    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, a leg is missing, or a tank does
+    not suffice. With --samples it is flown again with burn and navigation errors and corrections.
+    Exit status 1 also if a tank does not suffice for 95 % of those flights.
     """
     from ...plan.refined_plan import is_refined
     from .fly_refined import fly_and_tell
@@ -87,7 +87,7 @@ def command(
 
 
 def annotated(plan: Plan, flight: Flight) -> Plan:
-    """The plan with a note of what its flight measured, in place of such a note from before."""
+    """The plan with a note on its flight, replacing any earlier one."""
     note = f"{FLOWN[flight.dynamics]}worst miss {flight.worst_miss_m:.2g} m"
     if flight.drifts:
         note += f"; {_drifts(flight)}"
@@ -103,7 +103,7 @@ def _truth(flight: Flight) -> str:
     planned = sum(leg.planned_delta_v_m_s for leg in legs)
     told = (
         f"{counted(len(legs), 'leg')} planned with {planned:.1f} m/s, and flown with "
-        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by burns aimed anew"
+        f"{_or_unknown(flight.true_delta_v_m_s, '.1f')} m/s by retargeted burns"
     )
     if flight.eccentric:
         miss = _or_unknown(flight.worst_true_miss_m, ".4g")
@@ -117,7 +117,7 @@ def _truth(flight: Flight) -> str:
 
 
 def _drifts(flight: Flight) -> str:
-    """What the legs that drift were planned with, and what they burn."""
+    """Planned and burnt ΔV of drift legs."""
     legs = flight.drifts
     planned = sum(leg.planned_delta_v_m_s for leg in legs)
     burned = sum(leg.burns_delta_v_m_s for leg in legs)

@@ -1,4 +1,4 @@
-"""``fly --samples``: the options, and what is printed of flights with errors."""
+"""``fly --samples``: options and output of flights with errors."""
 
 from __future__ import annotations
 
@@ -16,18 +16,23 @@ if TYPE_CHECKING:
     from .bars import Show
 
 OPTIONS = (
-    ("--samples", int, "N", "Fly a refined plan N times with errors as well."),
-    ("--seed", int, "N", "Of the errors; 0 by default. Same seed, same flights."),
-    ("--corrections", int, "N", "Burns for corrections alone after each burn; 2 by default."),
-    ("--burn-magnitude-error", float, "SHARE", "1-sigma, of each burn's size; 0.005 by default."),
-    ("--burn-pointing-error", float, "DEG", "1-sigma, about each axis; 0.5 by default."),
-    ("--navigation-position-error", float, "M", "1-sigma, per axis at departure; 10 by default."),
-    ("--navigation-velocity-error", float, "M_S", "1-sigma, likewise; 0.01 by default."),
+    ("--samples", int, "N", "Also fly a refined plan N times with errors."),
+    ("--seed", int, "N", "Seed of the errors; default 0."),
+    ("--corrections", int, "N", "Number of pure correction burns after each burn; default 2."),
+    ("--burn-magnitude-error", float, "SHARE", "1-sigma error of each burn's size; default 0.005."),
+    ("--burn-pointing-error", float, "DEG", "1-sigma error about each axis; default 0.5."),
+    ("--navigation-position-error", float, "M", "1-sigma error per axis at departure; default 10."),
+    (
+        "--navigation-velocity-error",
+        float,
+        "M_S",
+        "1-sigma error per axis at departure; default 0.01.",
+    ),
 )
 
 
 class Sampling(NamedTuple):
-    """What the command line says about errors; None where it says nothing."""
+    """Error options of the command line; None if not given."""
 
     samples: int | None
     seed: int | None
@@ -38,15 +43,15 @@ class Sampling(NamedTuple):
     navigation_velocity_error: float | None
 
     def refuse_stray(self) -> None:
-        """Raise :class:`InputError` for errors that nothing is flown with."""
+        """Raise :class:`InputError` for error options without flights."""
         if self.samples is not None:
             return
         for (name, *_), value in zip(OPTIONS, self, strict=True):
             if value is not None:
-                raise InputError(f"{name} goes with --samples N: say how many flights")
+                raise InputError(f"{name} needs --samples N, the number of flights")
 
     def refuse_unrefined(self, plan_path: str) -> None:
-        """Raise :class:`InputError` where flights with errors are asked of a plan as solved."""
+        """Raise :class:`InputError` if flights with errors are requested of an unrefined plan."""
         if self.samples is not None:
             raise InputError(
                 f"{plan_path}: flights with errors are those of a refined plan; make one with "
@@ -54,7 +59,7 @@ class Sampling(NamedTuple):
             )
 
     def fly(self, instance: Instance, refined: RefinedPlan, show: Show) -> Dispersion:
-        """Fly as often as was asked for."""
+        """Fly the requested number of times."""
         from ...fly.dispersion import FlightErrors, sample_flights
 
         assert self.samples is not None
@@ -79,14 +84,14 @@ error_options = take.together(
 
 
 def tell(dispersion: Dispersion) -> None:
-    """Print what flights with errors came to."""
+    """Print the outcome of flights with errors."""
     _tell_legs(dispersion)
     for sentence in said(dispersion):
         emit(sentence)
 
 
 def said(dispersion: Dispersion) -> list[str]:
-    """What came of them, in sentences."""
+    """The outcome of flights with errors, in sentences."""
     from ...fly.flight.result import tank_name
 
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
@@ -141,5 +146,5 @@ def _tell_legs(dispersion: Dispersion) -> None:
             ("waits\n%", lambda leg: f"{100.0 * leg.waits_share:.1f}"),
         ),
         whose(dispersion.tanks),
-        f"with errors; {asked} of the flights take, and miss the stand-off by, no more than",
+        f"with errors; upper limits of ΔV and stand-off miss in {asked} of the flights",
     )

@@ -1,4 +1,4 @@
-"""``fly`` of a refined plan: what is printed, and the exit status."""
+"""``fly`` of a refined plan: output and exit status."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...fly.flight import RefinedFlight
 
 FLOWN = "flown in true dynamics"
-"""How the note begins that ``--out`` writes, so that the next one takes its place."""
+"""Beginning of the note written by ``--out``, which replaces an earlier one."""
 
 
 def fly_and_tell(
@@ -25,7 +25,7 @@ def fly_and_tell(
     quiet: bool,
     sampling: Sampling,
 ) -> int:
-    """Fly a refined plan and say where it leads; the parameters are those of ``fly``."""
+    """Fly a refined plan and report its misses; the parameters are those of ``fly``."""
     from ...fly.flight import fly_refined
     from ...fly.refine import load_refined
     from ...problem.instance import load
@@ -61,7 +61,7 @@ def fly_and_tell(
 
 
 def said(flight: RefinedFlight) -> str:
-    """What came of it, in a sentence."""
+    """The outcome in a sentence."""
     parts = [
         f"worst miss {flight.worst_miss_m:.2g} m and {flight.worst_miss_m_s:.2g} m/s over "
         f"{counted(len(flight.legs), 'leg')} in the field {flight.gravity}, planned with "

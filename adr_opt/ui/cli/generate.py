@@ -16,12 +16,12 @@ from .parameters import check_out
 @click.command("generate", short_help="Draw an instance of a family.")
 @click.argument("family", shell_complete=complete.families)
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same file.")
-@take.count("--targets", "N", "Targets, instead of the family's.")
-@take.count("--zones", "N", "Keep-out zones to draw.", default=0)
-@take.count("--chasers", "N", "Chasers, instead of the family's.")
-@take.count("--stations", "M", "Stations, instead of the family's.")
-@fitting_options("the family's")
-@take.file("--out", "Instance file to write; else it is printed.")
+@take.count("--targets", "N", "Number of targets; by default the family's.")
+@take.count("--zones", "N", "Number of keep-out zones.", default=0)
+@take.count("--chasers", "N", "Number of chasers; by default the family's.")
+@take.count("--stations", "M", "Number of stations; by default the family's.")
+@fitting_options("by default the family's")
+@take.file("--out", "Instance file to write; by default it is printed.")
 @take.as_json
 @take.quiet
 def command(
@@ -38,9 +38,9 @@ def command(
 ) -> int:
     """Draw an instance of FAMILY.
 
-    One of tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large,
-    sso, rocket-bodies, removal and fragment-cloud. With other tanks than the family's, with kits
-    or with tows the same field is drawn, and the name ends in -fitted.
+    FAMILY is tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large, sso,
+    rocket-bodies, removal or fragment-cloud. With other tanks, kits or tows the same field is
+    drawn, and its name ends in -fitted.
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass

@@ -1,4 +1,4 @@
-"""``import``: make an instance of a catalogue of real objects."""
+"""``import``: make an instance from a catalogue of real objects."""
 
 from __future__ import annotations
 
@@ -23,28 +23,30 @@ if TYPE_CHECKING:
     from ...sources.catalogue import Imported
 
 LEAST_STEP_DAYS = 0.01
-"""Of the grid of long transfers: finer ones are typing errors."""
+"""Least step of the grid of long transfers; smaller ones are taken for typing errors."""
 
 MOST_LISTED = 20
-"""Bad rows listed on standard error; --json lists all."""
+"""Maximum number of bad rows listed on standard error; --json lists all."""
 
 FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
-"""Reasons that the user asked for, which are counted and not listed."""
+"""Reasons due to user-requested filters, which are counted but not listed."""
 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
 @take.file("--out", "Instance file to write.", required=True)
-@take.word("--epoch", "TIME", "ISO, UTC; else the latest of the elements.", name="epoch_text")
-@take.word("--altitude", "LO:HI", "Mean altitudes to keep, km.")
-@take.word("--inclination", "LO:HI", "Inclinations to keep, degrees.")
-@take.word("--raan", "LO:HI", "RAANs to keep, degrees; 350:10 goes through 0.")
-@take.many("--name", "PATTERN", "Names to keep; may be repeated.", name="names")
-@take.count("--max-targets", "N", "Keep N, nearest planes first.")
+@take.word(
+    "--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.", name="epoch_text"
+)
+@take.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
+@take.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
+@take.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
+@take.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
+@take.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
 @take.word(
     "--station",
     "ORBIT|OBJECT",
-    "ALTITUDE_KM,INCLINATION,RAAN[,U] or a number or name; else the densest plane.",
+    "ALTITUDE_KM,INCLINATION,RAAN[,U], or an object; by default the densest plane.",
 )
 @click.option(
     "--duration-days", type=float, default=7.0, show_default=True, help="Mission duration."
@@ -55,15 +57,21 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
     type=click.Choice(["j2", "two-body"]),
     default="j2",
     show_default=True,
-    help="How planes move: with J2 they drift.",
+    help="Motion of planes; with j2 they drift.",
 )
-@take.flag("--no-refuelling", "No station: the chaser starts where it would be.")
-@take.number("--drift-step-days", "D", "Grid of long transfers, instead of a 150th.")
-@take.number("--max-drift-days", "D", "Longest of them, 0 for none; the mission's.")
+@take.flag("--no-refuelling", "No station; the chaser starts in its place.")
+@take.number(
+    "--drift-step-days", "D", "Time step of long transfers; by default 1/150 of the mission."
+)
+@take.number(
+    "--max-drift-days",
+    "D",
+    "Maximum duration of long transfers, 0 for none; by default the mission's.",
+)
 @take.number("--departure-spacing-days", "D", "Least time between departures.")
-@take.number("--resolution", "M_S", "Transfers that save less are left out, m/s.")
-@take.flag("--criticality", "Prizes by mass, altitude and crowding, from 1 to 100: a ranking.")
-@take.flag("--skip-bad", "Keep the good rows and objects, list the rest.")
+@take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
+@take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
 @take.as_json
 @take.quiet
 def command(
@@ -89,10 +97,10 @@ def command(
     quiet: bool,
     **crew_given: Any,
 ) -> int:
-    """Make an instance of the objects in FILE..., by SGP4, at one epoch.
+    """Make an instance of the objects in FILE..., propagated by SGP4 to one epoch.
 
-    TLE, three-line, OMM as XML, KVN, JSON or CSV, recognised by content. The orbits are mean
-    elements in TEME.
+    Formats are recognised by content: TLE, three-line sets, and OMM as XML, KVN, JSON or CSV.
+    Orbits are mean elements in TEME.
     """
     from ...common.files import write_text
     from ...common.records import LARGEST_DURATION_S
@@ -153,7 +161,7 @@ def _transfer(
     departure_spacing_days: float | None,
     resolution: float | None,
 ) -> dict[str, float | None]:
-    """The transfer settings that a call names; the others, None, follow from the mission.
+    """Transfer settings given in the call; the others, None, are derived from the mission.
 
     Raises
     ------
@@ -174,7 +182,7 @@ def _transfer(
         ):  # fmt: skip
             if value:
                 raise InputError(
-                    f"{option} = {value:g}: nothing drifts in two-body motion; leave it out, or "
+                    f"{option} = {value:g}: no plane drifts in two-body motion; leave it out, or "
                     "--dynamics two-body"
                 )
     return {
@@ -190,7 +198,7 @@ def _seconds(days: float | None) -> float | None:
 
 
 def parse_epoch(text: str) -> datetime:
-    """A time in ISO 8601, UTC unless it says another zone.
+    """A time in ISO 8601, UTC unless it states another zone.
 
     Raises
     ------
@@ -235,7 +243,7 @@ def _tell(made: Imported, out: str) -> None:
 
 
 def _placed(made: Imported, orbit: Orbit) -> str:
-    """Where the station is, or where the chaser starts."""
+    """Position of the station, or of the chaser's start."""
     altitude_km = (orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1e3
     return (
         f"{'station' if made.instance.stations else 'start'} {made.station}: altitude "

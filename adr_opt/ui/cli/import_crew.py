@@ -1,4 +1,4 @@
-"""What ``import`` has for chasers and single objects: launches, expenses, deadlines."""
+"""Options of ``import`` for chasers and single objects: launches, expenses, deadlines."""
 
 from __future__ import annotations
 
@@ -16,47 +16,47 @@ if TYPE_CHECKING:
     from ...sources.catalogue import Crew, Demands
 
 DELTA_V_M_S = 3000.0
-"""A full tank, where nobody says what is in it."""
+"""Default ΔV of a full tank."""
 
 
 crew_options = take.together(
-    fitting_options(f"{DELTA_V_M_S:g}"),
-    take.count("--launches", "N", "N chasers, each onto its first target."),
+    fitting_options(f"default {DELTA_V_M_S:g}"),
+    take.count("--launches", "N", "Launch N chasers, each to its first target."),
     take.number(
-        "--launch-every", "DAYS", "Between two launches; 365. 0 for all chasers on one rocket."
+        "--launch-every", "DAYS", "Interval between launches; default 365; 0 for a shared rocket."
     ),
     take.number(
         "--launch-separation",
         "DAYS",
-        "Between two launches at least, each as soon as it is worth it.",
+        "Least interval between launches, whose times are then optimised.",
     ),
     take.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",
-        "Of each chaser that is used; of equal plans the least expense is best.",
+        "Cost of each chaser used; the least total decides between equal plans.",
     ),
     take.number(
-        "--service-days", "D", "How long each service takes; else one revolution of the target."
+        "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
     take.many(
         "--deadline",
         "OBJECT=DAYS",
-        "When its service has to be over; may be repeated.",
+        "Latest end of its service; repeatable.",
         name="deadlines",
     ),
     take.many(
         "--require",
         "OBJECT",
-        "Has to be serviced; refused if filters leave it out. Repeatable.",
+        "Must be serviced; an error if filters omit it; repeatable.",
         name="required",
     ),
     take.many(
-        "--must", "OBJECT[,OBJECT...]", "The same, but kept whatever the filters say.", name="musts"
+        "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
     ),
     take.many(
         "--exclude",
         "OBJECT[,OBJECT...]",
-        "One that is to be no target; may be repeated.",
+        "Not to be a target; repeatable.",
         name="excluded",
     ),
     take.file(
@@ -67,7 +67,7 @@ crew_options = take.together(
 
 
 class CrewOptions(NamedTuple):
-    """These options as they were given; None is for what was not."""
+    """Values of these options; None if not given."""
 
     fitting: Fitting
     launches: int | None
@@ -83,7 +83,7 @@ class CrewOptions(NamedTuple):
 
     @classmethod
     def of(cls, given: dict[str, Any]) -> CrewOptions:
-        """The options as the command line gives them."""
+        """The options from the command line."""
         fitting = Fitting(**{name: given.pop(name) for name in Fitting._fields})
         return cls(fitting=fitting, **given)
 
@@ -147,13 +147,13 @@ class CrewOptions(NamedTuple):
             raise InputError(f"--expense {self.expense!r}: {sentence(error)}") from None
         if expense.counts_mass and not isinstance(tank, TankByMass):
             raise InputError(
-                "--expense: a tank that is counted in ΔV knows no masses; give --dry-mass, "
+                "--expense: the tank is given in ΔV, without masses; give --dry-mass, "
                 "--propellant and --isp, or one number"
             )
         return expense
 
     def demands(self) -> Demands:
-        """What is asked of single objects.
+        """Requirements on single objects.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class CrewOptions(NamedTuple):
 
 
 def told(instance: Instance) -> str | None:
-    """The launches of an instance in a sentence; None if there are none."""
+    """A sentence on the launches of an instance; None if there are none."""
     if not instance.launches:
         return None
     days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())

@@ -1,4 +1,4 @@
-"""The live line: how far a method is, on a terminal."""
+"""The live line: progress of a method, on a terminal."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ...common.clock import now_s
 
 
 def wanted(as_json: bool, quiet: bool) -> bool:
-    """Whether somebody looks: standard error is a terminal, and nobody asked for silence."""
+    """Whether to show it: standard error is a terminal, and neither option forbids it."""
     return not as_json and not quiet and sys.stderr is not None and sys.stderr.isatty()
 
 
 @contextmanager
 def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], None]]:
-    """A line on standard error, gone at the end; yields what updates it.
+    """Show a line on standard error until the end; yields its update function.
 
     The function takes incumbent, bound, the share of the timetable that is built, and whether
     a kernel is being compiled, for which the clock stands still. Without ``shown`` it does nothing.

@@ -1,4 +1,4 @@
-"""``matrix``: write the timetable, sampled or whole, into a file that other programs read."""
+"""``matrix``: write the timetable, sampled or whole, in another program's format."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 MOST_BYTES = 2**34
-"""Larger matrices are refused before the system runs out of memory."""
+"""Size above which matrices are refused, before memory runs out."""
 
 
 @click.command("matrix", short_help="Write ΔV and duration matrices of INSTANCE.")
 @take.instance
-@take.number("--every", "S", "Ready times, S apart, from 0.", name="every_s")
+@take.number("--every", "S", "Ready times at this interval, from 0.", name="every_s")
 @take.number("--at", "S", "Ready time; repeatable.", name="at_s", multiple=True)
 @click.option(
     "--quantity",
     type=click.Choice(["delta_v", "duration"]),
     default="delta_v",
     show_default=True,
-    help="Weights of .tsp, .vrp and .oplib; the others hold both.",
+    help="Weights in .tsp, .vrp and .oplib; other formats hold both.",
 )
 @take.word(
     "--choose",
     "HOW",
-    "At ready times, of all transfers that a chaser may wait for: 'earliest', 'cheapest', or "
-    "m/s that an hour is worth. By default 75 of those, and service in time.",
+    "Transfer chosen at a ready time among all departures: 'earliest', 'cheapest', or by the value "
+    "of an hour in m/s; by default 75 m/s, with service in time.",
 )
 @click.option(
     "--scale", type=float, help="Weight of one m/s or one second in .tsp, .vrp and .oplib."
@@ -115,7 +115,7 @@ def command(
 
 
 def _announce(instance: Instance) -> None:
-    """Say how large the timetable is going to be, if that is much."""
+    """Announce the size of a large timetable."""
     from ...legs.connection_finder import estimate
 
     size = estimate(instance)
@@ -124,7 +124,7 @@ def _announce(instance: Instance) -> None:
 
 
 def _departures(instance: Instance, every_s: float | None, at_s: tuple[float, ...]) -> FloatArray:
-    """The ready times asked for [s]."""
+    """The requested ready times [s]."""
     import numpy as np
 
     end_s = instance.mission.duration_s

@@ -1,4 +1,4 @@
-"""``methods``: list the planners and bounds that are installed."""
+"""``methods``: list the installed planners and bounds."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .output import emit, emit_json
 def command(name: str | None, as_json: bool) -> int:
     """List the installed planners and bounds with their options and defaults.
 
-    With NAME, that method alone, and of each option what it means and what it may be.
+    With NAME, explain that method alone: the meaning and allowed values of each option.
     """
     from ...run.methods import BOUNDS, PLANNERS, names
 
@@ -52,7 +52,7 @@ def command(name: str | None, as_json: bool) -> int:
 
 
 def _explained(option: dict[str, Any]) -> list[str]:
-    """What an option may be and what it means, as lines."""
+    """Allowed values and meaning of an option, as lines."""
     unit = f"[{option['unit']}]" if option["unit"] else ""
     allowed = f"{option['allowed']} {unit}"
     return [

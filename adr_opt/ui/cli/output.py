@@ -1,4 +1,4 @@
-"""What verbs print: results on standard output, everything else on standard error."""
+"""Output of verbs: results on standard output, everything else on standard error."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     from rich.segment import Segment
 
 WIDEST = 10_000
-"""Columns that rich may use: tables are made to fit before they are printed, and never cut."""
+"""Maximum width for rich: tables are fitted before printing, and never cut."""
 
 
 UNSAID = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
-"""What moves a cursor, clears a screen or turns text round, where a name of a file holds it."""
+"""Characters in names that move the cursor, clear the screen or reverse text direction."""
 
 
 def harmless(text: str) -> str:
-    """Text without control characters, but for ends of lines and tabs; JSON stays the same JSON."""
+    """Text without control characters other than newlines and tabs; JSON keeps its meaning."""
     return UNSAID.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
@@ -54,7 +54,7 @@ def _plain(value: Any) -> Any:
 
 
 def terminal_width() -> int | None:
-    """Columns of the terminal; None where nobody looks at one, and tables may be of any width."""
+    """Width of the terminal; None without one, when tables may have any width."""
     from rich.console import Console
 
     console = Console(file=sys.stdout)
@@ -62,7 +62,7 @@ def terminal_width() -> int | None:
 
 
 def emit_rich(*renderables: RenderableType) -> None:
-    """Print tables on standard output, with colour on a terminal only."""
+    """Print tables on standard output, coloured on a terminal only."""
     from rich.console import Console
 
     # Rendered first and printed by :func:`emit`: rich itself leaves the process on a closed pipe.
@@ -75,23 +75,23 @@ def emit_rich(*renderables: RenderableType) -> None:
 
 
 class Harmless:
-    """A table whose cells are rid of control characters once it is laid out."""
+    """A table whose cells lose control characters once it is laid out."""
 
     def __init__(self, renderable: RenderableType) -> None:
         self._renderable = renderable
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Segment]:
-        """What the table is printed as."""
+        """The printed form of the table."""
         for segment in console.render(self._renderable, options):
             yield segment._replace(text=harmless(segment.text))
 
 
 ENDS = {ord("\n"): "\\n", ord("\t"): "\\t"}
-"""How a message says what would end its line."""
+"""Escapes for characters that would break a message's line."""
 
 
 def say(message: str, *, unless: bool = False) -> None:
-    """Print a message on standard error, ``unless`` so; if nobody can hear it, so be it."""
+    """Print a message on standard error unless ``unless``; ignore a closed stream."""
     if unless:
         return
     with suppress(OSError):

@@ -1,4 +1,4 @@
-"""Parameters that several verbs share."""
+"""Parameters shared by several verbs."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
 run_options = take.together(
     take.seed,
-    take.count("--iterations", "N", "Most iterations, as the method counts."),
+    take.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
     take.number(
-        "--margin", "SHARE", "Share of each tank to keep back, as 0.1 for a tenth.", default=0.0
+        "--margin", "SHARE", "Share of each tank to hold in reserve, such as 0.1.", default=0.0
     ),
-    take.count("--jobs", "N", "Cores to use; 0 for all."),
-    take.word("--start", "PLAN", "A plan to begin from.", name="start_path"),
+    take.count("--jobs", "N", "Number of cores; 0 for all."),
+    take.word("--start", "PLAN", "Plan to start from.", name="start_path"),
     take.many(
         "--option",
         "NAME=VALUE",
-        "An option of the method, see 'methods'; may be repeated.",
+        "Option of the method, see 'methods'; repeatable.",
         name="assignments",
     ),
 )
@@ -35,7 +35,7 @@ run_options = take.together(
 
 
 def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
-    """The instance and the plan that a verb is called with."""
+    """The instance and the plan given to a verb."""
     from ...plan.plan import load_plan
     from ...problem.instance import load
 
@@ -44,7 +44,7 @@ def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
 
 @contextmanager
 def about(path: str) -> Iterator[None]:
-    """Have an :class:`InputError` begin with the file that it is about.
+    """Prefix an :class:`InputError` with the file that it concerns.
 
     A package that is missing is no fault of the file.
     """
@@ -57,7 +57,7 @@ def about(path: str) -> Iterator[None]:
 
 
 def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, Any]:
-    """The values of ``--option NAME=VALUE``, by the types of the method's defaults.
+    """Values of ``--option NAME=VALUE``, by the types of the method's defaults.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def parse_assignments(method: Planner, assignments: Iterable[str]) -> dict[str, 
 
 
 def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None] = ()) -> None:
-    """Raise :class:`InputError` before any work if the result could not be written to ``out``.
+    """Raise :class:`InputError` in advance if the result could not be written to ``out``.
 
     ``inputs`` are what the call reads, and ``results`` what else it writes; these need not be there
     yet.
@@ -97,7 +97,7 @@ def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None
 
 
 def is_same_file(one: str, other: str) -> bool:
-    """Whether two paths lead to one file, which links may hide and which need not exist."""
+    """Whether two paths lead to the same file, which may be linked or absent."""
     first, second = Path(one), Path(other)
     if first.exists() and second.exists():
         return first.samefile(second)

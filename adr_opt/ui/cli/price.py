@@ -1,4 +1,4 @@
-"""``price``: time an order of one's own, and say where it breaks and what would mend it."""
+"""``price``: time a given order; if it breaks, report where, with remedies."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from ...analysis.mending import Mending, Shortfall
 
 
-@click.command("price", short_help="Time an order of bodies, and say what would mend it.")
+@click.command("price", short_help="Time an order of bodies, and suggest repairs.")
 @take.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
-@take.file("--file", "The order instead: a name a line.", name="file_path")
-@take.word("--out", "PLAN", "Plan file to write, if the order can be flown.")
+@take.file("--file", "File with the order, one name per line.", name="file_path")
+@take.word("--out", "PLAN", "Plan file to write if the order can be flown.")
 @take.as_json
 @take.quiet
 def command(
@@ -33,10 +33,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Time the bodies NAME... of INSTANCE in their order, each by its name or catalogue number.
+    """Time the bodies NAME... of INSTANCE in this order, given by name or catalogue number.
 
-    Of several chasers CHASER: before the names that are for one. Exit status 1: the order cannot
-    be flown as it is.
+    With several chasers, CHASER: precedes the names of each. Exit status 1: the order cannot be
+    flown as it is.
     """
     from ...analysis import orders_of, price, read_orders
     from ...problem.instance import load
@@ -87,7 +87,7 @@ def _made(route: PricedRoute) -> str:
 
 
 def _verdict(route: PricedRoute, *, several: bool) -> Iterator[str]:
-    """What is wrong with an order, and what would mend it, in lines."""
+    """The obstacle to an order, and its remedies, as lines."""
     if route.holds:
         return
     whose = f"{route.chaser}: " if several else ""

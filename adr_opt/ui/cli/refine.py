@@ -24,24 +24,24 @@ FREEDOMS = ("free", "planned")
 gravity_option = click.option(
     "--gravity",
     type=click.Choice(GRAVITIES),
-    help="Field to fly in, with zonal harmonics up to this one; by default that of INSTANCE.",
+    help="Gravity field, with zonal harmonics up to this one; by default that of INSTANCE.",
 )
 freedom_option = click.option(
     "--burns",
     "freedom",
     type=click.Choice(FREEDOMS),
-    help="free: least ΔV, at any times; planned: the plan's own, kept near what they were. By "
-    "default free, and planned where there are keep-out zones.",
+    help="free: least ΔV at any times; planned: the plan's own burns, changed little; by default "
+    "free, or planned where there are keep-out zones.",
 )
 
 
-@click.command("refine", short_help="Lead the legs of PLAN to their stand-offs in true dynamics.")
+@click.command("refine", short_help="Turn PLAN into a trajectory in true dynamics.")
 @take.instance
 @take.plan
 @take.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
-@take.count("--jobs", "N", "Cores to use; 0 for all.")
+@take.count("--jobs", "N", "Number of cores; 0 for all.")
 @take.cluster
 @take.as_json
 @take.quiet
@@ -56,10 +56,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Lead each leg of PLAN to its stand-off and its target in numerically integrated motion.
+    """Guide each leg of PLAN to its stand-off and its target in numerically integrated motion.
 
-    Ctrl-C writes the legs that are done. Exit status 1: some leg is missing, because it was not
-    reached in time or no trajectory was found.
+    Ctrl-C stops and writes the finished legs. Exit status 1: a leg is missing, for lack of time or
+    of a trajectory.
     """
     from ...fly.refine import refine
     from .bars import counting_bar
@@ -103,7 +103,7 @@ def _is_free(refined: RefinedPlan) -> bool:
 
 
 def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
-    """What the legs of each of several chasers take."""
+    """ΔV of the legs of each of several chasers."""
     for chaser in dict.fromkeys(leg.chaser for leg in refined.legs if leg.chaser is not None):
         legs = [leg for leg in refined.legs if leg.chaser == chaser]
         yield (

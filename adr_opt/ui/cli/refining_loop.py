@@ -1,4 +1,4 @@
-"""What ``solve --refine`` has beyond ``solve``."""
+"""Additional options and output of ``solve --refine``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Refining(NamedTuple):
-    """The options of ``solve`` that speak of refining; None is for what was not given."""
+    """Options of ``solve`` on refinement; None if not given."""
 
     refine: bool
     refined_out: str | None
@@ -30,7 +30,7 @@ class Refining(NamedTuple):
     spend_savings: bool
 
     def check(self, instance_path: str, out: str | None) -> None:
-        """Raise :class:`InputError` if some of them do not go together with the other options."""
+        """Raise :class:`InputError` for options that exclude each other."""
         from .parameters import check_out
 
         for name, value in (
@@ -46,13 +46,13 @@ class Refining(NamedTuple):
 
 
 refine_options = take.together(
-    take.flag("--refine", "Refine the plan, and plan again until it holds in true dynamics."),
+    take.flag("--refine", "Refine the plan, and replan until it holds in true dynamics."),
     take.file("--refined-out", "Refined plan file to write."),
     gravity_option,
     freedom_option,
-    take.count("--rounds", "N", "Times to plan, at most, with --refine; 10."),
+    take.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
     take.flag(
-        "--spend-savings", "With --refine: spend what flown legs save; 'check' may refuse the plan."
+        "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
     ),
 )
 """The options of refining, for ``solve``."""
@@ -68,7 +68,7 @@ def run_refined(
     stop: Stop,
     wanted: RunOptions,
 ) -> RefinedResult:
-    """Plan, refine and plan again; each round is said when it is over."""
+    """Plan and refine in turns, reporting each round at its end."""
     from ...fly.refine.loop import MOST_ROUNDS, solve_refined
 
     return solve_refined(
@@ -82,7 +82,7 @@ def run_refined(
 
 
 def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
-    """Write the refined plan, if there is one and somebody wants it."""
+    """Write the refined plan, if there is one and a file is given."""
     if path is None or looped.refined is None:
         return
     looped.refined.save(path)
@@ -91,7 +91,7 @@ def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:
 
 
 def tell_refined(looped: RefinedResult, as_json: bool) -> None:
-    """Whether the plan holds, and what it costs."""
+    """Print whether the plan holds, and its cost."""
     refined, plan = looped.refined, looped.plan
     planned = None if refined is None else refined.planned_delta_v_m_s
     flown = None if refined is None else refined.flown_delta_v_m_s

@@ -1,4 +1,4 @@
-"""``replan``: plan the rest of a mission anew, from where its chasers are."""
+"""``replan``: plan the rest of a mission from its chasers' current states."""
 
 from __future__ import annotations
 
@@ -26,19 +26,25 @@ Key = TypeVar("Key", int, str)
 UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
-@click.command("replan", short_help="Plan the rest of a mission anew.")
+@click.command("replan", short_help="Replan the rest of a mission.")
 @take.instance
 @take.plan
-@take.word("--at", "TIME", "Days after the epoch; 36h, 900s; ISO.", name="at_text", required=True)
-@take.file("--zones", "JSON: new keep-out zones, a list.", name="zones_path")
-@take.many("--lost", "NAME[,NAME...]", "A target that is none any more.")
-@take.count("--failed", "LEG", "A leg that does not begin when planned.")
-@take.many("--missed", "NAME[,NAME...]", "A target come to, not serviced.")
-@take.flag("--retry", "What was missed may be tried again.")
+@take.word(
+    "--at",
+    "TIME",
+    "Time of replanning: days after the epoch, 36h, 900s, or ISO.",
+    name="at_text",
+    required=True,
+)
+@take.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
+@take.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
+@take.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
+@take.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
+@take.flag("--retry", "Allow missed targets to be tried again.")
 @take.many(
     "--service-took",
     "NAME=DAYS",
-    "How long a service, or the attempt, took; 36h, 900s.",
+    "Actual duration of a service or an attempt; also 36h, 900s.",
     name="services",
 )
 @take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
@@ -75,10 +81,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Take the state of PLAN on INSTANCE at a time, and plan what is left of it anew.
+    """Take the state of PLAN on INSTANCE at a time, and plan the rest of the mission.
 
-    Legs that have begun are finished. What is written is the rest: an instance that begins where
-    the chasers are then, and its plan. Exit status 1: there is no plan of the rest.
+    Legs that have begun are finished. The output is the rest: an instance that begins with the
+    chasers' states at that time, and its plan. Exit status 1: the rest has no plan.
     """
     from ...analysis.orders import BodyNames
     from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
@@ -130,7 +136,7 @@ def command(
 
 
 def parse_time(text: str, instance: Instance) -> float:
-    """A time as seconds after the epoch: days, or with a unit, or a date.
+    """A time in seconds after the epoch, from days, a number with a unit, or a date.
 
     Raises
     ------
@@ -152,13 +158,13 @@ def parse_time(text: str, instance: Instance) -> float:
 
 
 def _span_s(text: str) -> float | None:
-    """Days, or with a unit, as seconds; None for something else."""
+    """A duration in seconds, from days or a number with a unit; None for other texts."""
     found = re.fullmatch(r"([+-]?\d+\.?\d*(?:e[+-]?\d+)?) *([dhs]?)", text.strip(), re.IGNORECASE)
     return None if found is None else float(found[1]) * UNITS[found[2].lower()]
 
 
 def parse_span(text: str, option: str) -> float:
-    """A time that something takes as seconds: days, or with a unit.
+    """A duration given for an option, in seconds, from days or a number with a unit.
 
     Raises
     ------
@@ -172,7 +178,7 @@ def parse_span(text: str, option: str) -> float:
 
 
 def parse_cost(text: str) -> tuple[int, float]:
-    """The number of a leg and what it took [m/s].
+    """Number of a leg and its actual ΔV [m/s].
 
     Raises
     ------
@@ -197,7 +203,7 @@ def _pair_of(option: str, form: str) -> Callable[[str], tuple[str, str]]:
 
 
 def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
-    """A value for each key.
+    """One value for each key.
 
     Raises
     ------
@@ -207,13 +213,13 @@ def _once(pairs: Iterable[tuple[Key, float]]) -> dict[Key, float]:
     found = dict[Key, float]()
     for key, value in pairs:
         if key in found:
-            raise InputError(f"{key}: {found[key]:g} and {value:g} are told of it; tell one")
+            raise InputError(f"{key}: both {found[key]:g} and {value:g} are given; give one")
         found[key] = value
     return found
 
 
 def read_zones(path: str) -> tuple[KeepOutZone, ...]:
-    """The keep-out zones of a file: a list of them, or an instance.
+    """Keep-out zones from a file: a list of them, or an instance.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""``report``: a mission as one page for people."""
+"""``report``: a mission as one HTML page."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 @take.file("--out", "HTML file to write.", required=True)
 @take.file(
     "--refined",
-    "PLAN as 'refine' has written it: what its legs take is told beside what was planned.",
+    "PLAN as refined by 'refine': flown ΔV is shown beside planned ΔV.",
     name="refined_path",
 )
 @take.flag(
     "--fly",
-    "Fly PLAN, and the refined one, as 'fly' does, and tell where each leg leads ([astro]).",
+    "Fly PLAN, and its refined version, as 'fly' does, and show the miss of each leg ([astro]).",
     name="wants_flight",
 )
 @take.as_json
@@ -46,10 +46,10 @@ def command(
 ) -> int:
     """Write PLAN on INSTANCE as one self-contained HTML page: charts, tables, bound and gap.
 
-    A plan with violations is reported too: they head the page and are counted here. So are tanks
-    that break when flown, on the true orbits or under J2; with --refined those alone that break
-    with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a leg or,
-    with --fly, misses.
+    A plan with violations is reported too: they head the page and are counted in the output. So are
+    tanks that break when flown, on the true orbits or under J2; with --refined, only those that
+    break with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a
+    leg or, with --fly, misses.
     """
     from ...plan.refined_plan import load_refined
     from ..report import write_report
@@ -108,7 +108,7 @@ def command(
 def _flown(
     instance: Instance, plan: Plan, refined: RefinedPlan | None
 ) -> tuple[Flight, RefinedFlight | None]:
-    """The flight of a plan, and that of the refined one by another integrator."""
+    """Flight of a plan, and of its refined version by another integrator."""
     from ...fly.flight import fly, fly_refined
 
     return fly(instance, plan), None if refined is None else fly_refined(instance, refined)

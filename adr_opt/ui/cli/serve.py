@@ -1,4 +1,4 @@
-"""``serve``: the report page live, for whoever plans at it."""
+"""``serve``: the report page, live, for interactive planning."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .output import emit, emit_json, say
 from .signals import Aborted, signals_to
 
 PATIENCE_S = 60.0
-"""A planner that was told to stop may take so long [s]."""
+"""Longest wait for a stopped planner [s]."""
 
 
-@click.command("serve", short_help="Plan on a page of this machine, live.")
+@click.command("serve", short_help="Plan interactively on a local web page.")
 @take.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
@@ -36,10 +36,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Serve a page on which INSTANCE is edited and planned, beside the report of its plan.
+    """Serve a page to edit and plan INSTANCE, beside the report of its plan.
 
-    To this machine only, and to whoever has the address that is printed. No file is written but in
-    the working folder: the last plan with its instance. Ctrl-C ends it.
+    The page is served to this machine only, and only at the printed address. Files are written only
+    in the working folder: the latest plan and its instance. Ctrl-C ends it.
     """
     try:
         from ..serve.server import Server, listening

@@ -1,4 +1,4 @@
-"""SIGINT and SIGTERM: the first one is heard, the second one aborts."""
+"""SIGINT and SIGTERM: the first requests an end, the second aborts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from types import FrameType
 
 
 class Aborted(KeyboardInterrupt):
-    """The user asked a second time: leave at once.
+    """The user asked a second time: exit at once.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Aborted(KeyboardInterrupt):
 
 @contextmanager
 def signals_to(interrupt: Callable[[], None]) -> Iterator[None]:
-    """Let the first SIGINT or SIGTERM call something; a second one raises :class:`Aborted`."""
+    """Let the first SIGINT or SIGTERM call a function; a second raises :class:`Aborted`."""
     heard = False
 
     def hear(number: int, frame: FrameType | None) -> None:

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 @click.command("solve")
 @take.instance
 @take.method
-@take.number("--time-limit", "S", "Wall time, the timetable included; 10 s.")
+@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
 @run_options
 @take.number(
     "--memory",
     "GIB",
-    "Most memory of the timetable; beyond it, the nearest pairs alone. 2 GiB.",
+    "Maximum memory for the timetable; beyond it, only the nearest pairs are used; default 2 GiB.",
     name="memory_gib",
 )
 @take.file("--policy", "Short for --option policy=FILE.")
@@ -73,11 +73,11 @@ def command(
 ) -> int:
     """Plan the mission of INSTANCE and show its timeline.
 
-    When it ends, the plan is flown in mean motion on the true orbits, after the time limit: the
-    last line says what its legs took and what each tank has left.
+    After the time limit, the plan is flown in mean motion on the true orbits: the last line gives
+    the ΔV of its legs and the remainder of each tank.
 
-    Ctrl-C asks for the best plan so far; twice, it aborts. Exit status 1: no plan, or with --refine
-    none that holds.
+    Ctrl-C stops with the best plan so far; a second one aborts. Exit status 1: no plan, or with
+    --refine none that holds.
     """
     from ...analysis.grids import grid_advice
     from ...mission.problem import problem_of
@@ -185,7 +185,7 @@ def _save_plan(plan: Plan, out: str | None, quiet: bool) -> None:
 
 
 def _first_trouble(*steps: Callable[[], None]) -> InputError | None:
-    """Take all steps, and tell what was wrong with the first one with which something was."""
+    """Run all steps, and raise the first error at the end."""
     trouble: InputError | None = None
     for step in steps:
         try:

@@ -15,7 +15,7 @@ from .output import emit_rich, terminal_width
 ARROW = " → "
 ROUTE, PLACE = f"origin{ARROW}destination", "destination"
 SHORT_NAME = 10
-"""Characters of a name that are kept however narrow the terminal is."""
+"""Minimum width of a name, however narrow the terminal."""
 
 
 class Row(NamedTuple):
@@ -29,7 +29,7 @@ class Row(NamedTuple):
 
 
 class _Flown(Protocol):
-    """A leg that says its number."""
+    """A leg with its number."""
 
     @property
     def leg(self) -> int: ...
@@ -45,7 +45,7 @@ Told = TypeVar("Told", bound=_Flown)
 def leg_table(
     headings: Sequence[str], rows: Iterable[Row], width: int | None, title: str | None = None
 ) -> Table:
-    """Legs with their number, their bodies, and columns of numbers.
+    """A table of legs: number, bodies, and columns of numbers.
 
     Where there is too little room, the frame goes, then parts of the names, then the origins: the
     row before says where the chaser is. A table that is still too wide stays so.
@@ -56,7 +56,7 @@ def leg_table(
         Of the columns of numbers.
     rows : iterable of Row
     width : int or None
-        Columns of the terminal; None for as many as it takes.
+        Columns of the terminal; None for no limit.
     title : str, optional
     """
     rows = list(rows)
@@ -94,7 +94,7 @@ def emit_legs(
     title: str | None = None,
     bold: Callable[[Told], bool] = lambda leg: False,
 ) -> None:
-    """Print legs as a table, or as one for each chaser where there are several.
+    """Print legs as one table, or as one per chaser if there are several.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def number_table(
     first: str | None = None,
     last: str | None = None,
 ) -> Table:
-    """Columns of numbers under their headings, between columns of words if these have one."""
+    """A table of numbers under headings, with optional columns of words on either side."""
     table = Table(title=title, title_justify="left")
     if first is not None:
         table.add_column(first, no_wrap=True)
@@ -141,7 +141,7 @@ def number_table(
 
 
 class _Part(Protocol):
-    """Legs in a row that one chaser flies."""
+    """Consecutive legs of one chaser."""
 
     @property
     def chaser(self) -> str | None: ...
@@ -152,7 +152,7 @@ class _Part(Protocol):
 
 
 def whose(parts: Iterable[_Part]) -> dict[int, str]:
-    """The chaser of each leg of some parts of a plan, by its number; empty where there is one."""
+    """Name of the chaser of each leg by number, for parts of a plan; empty if there is only one."""
     return {
         number: part.chaser
         for part in parts
@@ -162,7 +162,7 @@ def whose(parts: Iterable[_Part]) -> dict[int, str]:
 
 
 def _fitted(rows: Sequence[Row], room: int) -> list[str]:
-    """The routes in so many columns, after their heading."""
+    """Routes fitted into a width, under their heading."""
     each = (room - len(ARROW)) // 2
     if each >= SHORT_NAME:
         short = shortened((name for row in rows for name in row[1:3]), each)

@@ -1,4 +1,4 @@
-"""What verbs take: options by their kinds, and arguments and options that several verbs share."""
+"""Arguments and options of verbs: constructors by type, and those shared by several verbs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def word(
     sign: str, metavar: str, text: str, name: str = "", **more: Any
 ) -> Callable[[Function], Function]:
-    """An option that takes what its ``metavar`` says, and is known by ``name`` if not by itself."""
+    """An option with a value; ``metavar`` describes it, and ``name`` is its parameter if given."""
     names = (sign, name) if name else (sign,)
     more.setdefault("shell_complete", complete.BY_METAVAR.get(metavar))
     return click.option(*names, metavar=metavar, help=text, **more)
@@ -25,21 +25,21 @@ def word(
 number = partial(word, type=float)
 count = partial(word, type=int)
 many = partial(word, multiple=True)
-"""One that may be repeated."""
+"""A repeatable option."""
 
 
 def file(sign: str, text: str, name: str = "", **more: Any) -> Callable[[Function], Function]:
-    """An option that names a file, as a plain string: who reads and writes has the sentences."""
+    """An option that names a file, as a plain string: errors are raised on reading or writing."""
     return word(sign, "FILE", text, name, **more)
 
 
 def flag(sign: str, text: str, name: str = "") -> Callable[[Function], Function]:
-    """An option that takes nothing."""
+    """An option without a value."""
     return click.option(*((sign, name) if name else (sign,)), is_flag=True, help=text)
 
 
 def together(*options: Callable[[Any], Any]) -> Callable[[Function], Function]:
-    """Several options as one, in the order in which ``--help`` lists them."""
+    """Several options combined, in the order in which ``--help`` lists them."""
 
     def add(function: Function) -> Function:
         for option in reversed(options):
@@ -55,7 +55,7 @@ as_json = flag("--json", "Print one JSON object and nothing else.", name="as_jso
 cluster = word(
     "--cluster",
     "dask://HOST:PORT",
-    "Work on the workers of a Dask scheduler, in the place of --jobs.",
+    "Use the workers of a Dask scheduler instead of --jobs.",
 )
 quiet = flag("--quiet", "No messages and no progress.")
 method = word(

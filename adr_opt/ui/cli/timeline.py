@@ -1,4 +1,4 @@
-"""A plan for people: one line per leg and a summary."""
+"""A plan as text: one line per leg, and a summary."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 LONG_S = 2.0 * DAY_S
-"""Longer spans are told in days."""
+"""Length beyond which spans are given in days."""
 
 
 def clock(time_s: float) -> str:
@@ -37,7 +37,7 @@ def span(duration_s: float) -> str:
 
 
 def timelines(instance: Instance, plan: Plan, width: int | None = None) -> list[Table]:
-    """The legs of each chaser that flies as a table of at most ``width`` columns, names cut."""
+    """A table of at most ``width`` columns for each flying chaser's legs, with names shortened."""
     title = f"{instance.name}: {plan.method}, {status_words(plan.status)}"
     if not several(instance):
         return [timeline(instance, enumerate(plan.legs, start=1), width, title)]
@@ -51,7 +51,7 @@ def timelines(instance: Instance, plan: Plan, width: int | None = None) -> list[
 def timeline(
     instance: Instance, legs: Iterable[tuple[int, Leg]], width: int | None, title: str
 ) -> Table:
-    """The legs of a chaser, each after its number, as a table of at most ``width`` columns."""
+    """A table of at most ``width`` columns for a chaser's numbered legs."""
     rows = []
     for number, leg in legs:
         refuels = leg.destination in instance.station_names
@@ -72,7 +72,7 @@ def timeline(
 
 
 def by_chaser(instance: Instance, plan: Plan) -> Iterator[str]:
-    """What each chaser comes to and carries, and why targets are left out.
+    """Totals and cargo of each chaser, and the reasons for targets left out.
 
     Nothing of one chaser alone that carries nothing and takes nothing.
     """
@@ -90,7 +90,7 @@ def by_chaser(instance: Instance, plan: Plan) -> Iterator[str]:
 
 
 def _comes_to(instance: Instance, flown: Flown) -> str:
-    """The targets of a chaser, its time, and each of its tanks."""
+    """Targets of a chaser, its time, and each of its tanks."""
     if not flown.legs:
         return "does not fly"
     visits = len(flown.legs) - flown.refuellings(instance)
@@ -105,7 +105,7 @@ def _comes_to(instance: Instance, flown: Flown) -> str:
 
 
 def _carries(instance: Instance, flown: Flown) -> str | None:
-    """What a chaser has aboard at the start and at the end; None where nothing is counted."""
+    """Cargo of a chaser at the start and at the end; None if nothing is tracked."""
     load, each = flown.carried(instance), flown.chaser.kit_mass_kg
     kits = counted(load.kits, "kit") + (f" of {each:g} kg" if each > 0.0 else "")
     if load.mass_kg is None or load.propellant_kg is None or load.end_mass_kg is None:
@@ -120,7 +120,7 @@ def _carries(instance: Instance, flown: Flown) -> str | None:
 
 
 def _takes(instance: Instance, flown: Flown) -> str:
-    """The expense of a chaser, and what it goes by."""
+    """Expense of a chaser, and its basis."""
     expense = f"expense {expense_of(instance, flown.chaser, flown.spent):,.6g}"
     carried = carried_kg(instance, flown.chaser, flown.spent)
     if carried is None:
@@ -129,7 +129,7 @@ def _takes(instance: Instance, flown: Flown) -> str:
 
 
 def left_out(plan: Plan) -> Iterator[str]:
-    """The targets that a plan leaves out, by reason."""
+    """Targets left out of a plan, by reason."""
     from ...plan.palette import REASONS
 
     for reason, meaning in REASONS.items():
@@ -142,7 +142,7 @@ def left_out(plan: Plan) -> Iterator[str]:
 
 
 def summary(instance: Instance, plan: Plan) -> str:
-    """What a plan comes to, in one line; of bound and gap only where there is a bound."""
+    """Totals of a plan on one line, with bound and gap if there is a bound."""
     refuellings = sum(name in instance.station_names for name in plan.destinations)
     used = max(flown.end_s for flown in routes_of(instance, plan))
     proven: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""``tradeoff``: what budgets and durations buy, as a curve or a surface of plans and bounds."""
+"""``tradeoff``: the value of budgets and durations, as a curve or surface of plans and bounds."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 @take.many(
     "--vary",
     "NAME=LO:HI:STEP",
-    "delta-v, m/s, propellant, kg, or duration, days; or values with commas; repeatable.",
+    "Range of delta-v [m/s], propellant [kg] or duration [d]; or VALUE,VALUE...; repeatable.",
     name="varied",
 )
 @take.file(
     "--frontier",
-    "CSV: least ΔV against the last day, at the most prize; needs no --vary.",
+    "CSV file of least ΔV against the last day, at the largest prize; needs no --vary.",
     name="frontier_path",
 )
 @take.method
-@take.number("--time-limit", "S", "Wall time of each run; 10 s.")
+@take.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
 @take.seed
-@take.count("--jobs", "N", "Processes; 0 for all cores.", default=1)
-@take.file("--out", "CSV; from an earlier call, it goes on with it.")
+@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@take.file("--out", "CSV file to write, or to resume from an earlier call.")
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
 @take.cluster
@@ -59,10 +59,10 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Plan INSTANCE for every budget or duration, and prove how good that is.
+    """Plan INSTANCE for a range of budgets or durations, and prove bounds.
 
-    Plans count for all larger points and bounds for all smaller ones. Ctrl-C asks for what there
-    is so far; with --out the same call goes on later. Exit status 1: a point has no plan.
+    Plans also count for all larger points, and bounds for all smaller ones. Ctrl-C stops with the
+    results so far; with --out the same call resumes later. Exit status 1: a point has no plan.
     """
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.frontier import check_frontier, write_frontier

@@ -28,12 +28,12 @@ from .output import emit_json, say
 @take.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
 @take.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--jobs", type=int, default=1, show_default=True, help="Threads.")
-@click.option("--device", default="cpu", show_default=True, help="Of PyTorch: cpu or cuda.")
+@click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
+@click.option("--device", default="cpu", show_default=True, help="PyTorch device: cpu or cuda.")
 @take.count(
     "--evaluate-every",
     "N",
-    "Steps between evaluations on held fields.",
+    "Steps between evaluations on held-out fields.",
     default=200_000,
     show_default=True,
 )
@@ -61,7 +61,7 @@ def command(
 ) -> int:
     """Train a policy into DIR, from its last checkpoint if DIR holds one.
 
-    Ctrl-C ends the training with a checkpoint; the same command goes on.
+    Ctrl-C ends the training with a checkpoint; the same command resumes it.
     """
     from ...learning.trainer import get
 

@@ -1,4 +1,4 @@
-"""The progress of a training, on a terminal or as lines."""
+"""Progress of a training run, on a terminal or as lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Show = Callable[[int, Mapping[str, float]], None]
 
 @contextmanager
 def training_bar(live: bool, quiet: bool, steps: int | None) -> Iterator[Show]:
-    """Yields what hears of the steps done and of evaluations.
+    """Yield a callback for finished steps and evaluations.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def training_bar(live: bool, quiet: bool, steps: int | None) -> Iterator[Show]:
 
 
 class _Clock:
-    """Steps per second since the first report: a resumed training did not make the others."""
+    """Steps per second since the first report, without those before a resumption."""
 
     def __init__(self) -> None:
         self._first: tuple[int, float] | None = None

@@ -1,4 +1,4 @@
-"""The verbs, each found in the module of its name."""
+"""The verbs, each in the module of its name."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ VERBS = (
 
 
 class Verbs(click.Group):
-    """A group whose verbs are imported when they are asked for."""
+    """A group whose verbs are imported on use."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """All verbs, in the order in which they are mostly used."""
+        """All verbs, in their usual order of use."""
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:

@@ -1,4 +1,4 @@
-"""``verify``: find out whether a plan is as good as its certificate says."""
+"""``verify``: verify a plan's quality by its certificate."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from .output import emit, emit_json
 from .parameters import about
 
 MOST_CONNECTIONS = 1_000_000
-"""As :mod:`adr_opt.judge.verify` has it, which takes long to import."""
+"""As in :mod:`adr_opt.judge.verify`, which takes long to import."""
 
 
 TOLD = (
     "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
     "reasons",
 )  # fmt: skip
-"""What --json says of a verdict, by the same names."""
+"""Fields of a verdict printed by --json under the same names."""
 
 
 @click.command("verify")
@@ -28,9 +28,9 @@ TOLD = (
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1, shell_complete=complete.files)
 @click.option(
     "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
-    help="Connections to fly again by the physics of 'check'; 1000.",
+    help="Number of connections to fly again by the physics of 'check'; default 1000.",
 )  # fmt: skip
-@click.option("--seed", type=click.IntRange(0), default=0, help="Which connections; 0.")
+@click.option("--seed", type=click.IntRange(0), default=0, help="Seed of their choice; default 0.")
 @take.as_json
 def command(
     instance_path: str, paths: tuple[str, ...], connections: int | None, seed: int, as_json: bool
@@ -69,21 +69,21 @@ def command(
     elif math.isfinite(verdict.upper_bound):
         proven = f"no plan collects more than {verdict.upper_bound:.15g}"
     else:
-        proven = "nothing was shown"
+        proven = "nothing was proven"
     for reason in verdict.reasons:
         emit(f"{path}: refused: {reason}")
     effort = counted(verdict.legs, "leg") if verdict.legs else counted(verdict.labels, "label")
     emit(f"{path}: {'verified: ' if verdict.verified else ''}{proven} ({effort})")
     if verdict.connections:
         emit(
-            f"  {counted(verdict.connections, 'connection')} flown again, and at "
-            f"{counted(verdict.departures, 'departure')} looked for better ones"
+            f"  {counted(verdict.connections, 'connection')} flown again; better ones "
+            f"searched at {counted(verdict.departures, 'departure')}"
         )
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
             emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")
         if plan.cost_bound is not None:
-            emit("  what is said of the least cost is in no certificate, and was not looked at")
+            emit("  the bound on cost is in no certificate, and was not verified")
     return 0 if verdict.verified else 1
 
 

@@ -1,4 +1,4 @@
-"""Run a method where it can be watched and interrupted."""
+"""Runs of a method that can be watched and interrupted."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ POLL_S = 0.1
 
 
 class Watch:
-    """A progress that remembers the best incumbent and bound it has heard of."""
+    """A progress callback that records the best incumbent and bound."""
 
     def __init__(self) -> None:
         self.incumbent = -math.inf
@@ -35,7 +35,7 @@ class Watch:
         self.size: Size | None = None
 
     def sizing(self, size: Size) -> None:
-        """Hear of the size of a large timetable before it is built."""
+        """Receive the size of a large timetable before it is built."""
         self.size = size
 
     def building(self, share: float) -> None:
@@ -43,14 +43,14 @@ class Watch:
         self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of an incumbent and a bound; the timetable is there, or as much as will be."""
+        """Receive an incumbent and a bound; the timetable is as complete as it will be."""
         self.built = 1.0
         self.incumbent = max(self.incumbent, incumbent)
         self.bound = min(self.bound, bound)
 
 
 def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Found:
-    """Run a method in a thread, so that signals and the live line do not wait for kernels.
+    """Run a method in a thread, so that signals and the live line need not wait for kernels.
 
     The first Ctrl-C (or SIGTERM) asks the method to return what it has; the second aborts.
 
@@ -97,14 +97,14 @@ def work(task: Callable[[Stop, Watch], Found], *, live: bool, quiet: bool) -> Fo
                 say(f"building {watch.size}")
                 sized = True
             if stop.is_set and not told and not quiet:
-                say("interrupted: waiting for the best result so far; once more to abort")
+                say("interrupted: waiting for the best result so far; interrupt again to abort")
                 told = True
     if trouble() is not None and not quiet:
         say(f"compiled kernels cannot be kept: {trouble()}")
     if errors:
         raise errors[0]
     if stop.is_set and not quiet:
-        say("interrupted: this is the best result until then")
+        say("interrupted: this is the best result so far")
     return results[0]
 
 
@@ -158,7 +158,7 @@ def run_method(
     as_json: bool,
     quiet: bool,
 ) -> Result:
-    """Run a planner or a bound, and say its notes."""
+    """Run a planner or a bound, and print its notes."""
     from ...run import front
 
     result = work(
@@ -173,12 +173,12 @@ def run_method(
 
 
 def say_notes(result: Result, quiet: bool) -> None:
-    """Say the notes of a result, each in a line."""
+    """Print the notes of a result, one per line."""
     for note in result.notes:
         say(f"note: {note}", unless=quiet)
 
 
 def emit_result(instance: Instance, margin: float, result: Result) -> None:
-    """Print a result as one JSON object, with what it is of."""
+    """Print a result as one JSON object, with its instance and settings."""
     reference = {"name": instance.name, "sha256": instance.sha256}
     emit_json({"instance": reference, "margin": margin, **result.to_dict()})

@@ -1,4 +1,4 @@
-"""Pictures for notebooks: each function takes a matplotlib axis, adds one thing and returns it.
+"""Plots for notebooks: each function takes a matplotlib axis, adds one thing and returns it.
 
 The axis is a ``matplotlib.axes.Axes``, and an ``Axes3D`` for what lies in space. It is returned, so
 that calls can be put into each other. Nothing is cleared, no legend, title or figure is made: those

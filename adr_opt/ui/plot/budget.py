@@ -1,4 +1,4 @@
-"""ΔV left against time."""
+"""Remaining ΔV against time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LEFT = "ΔV left"
 
 @dataclass(frozen=True)
 class Budget:
-    """How the ΔV left goes down with every burn and up with every refuelling.
+    """Remaining ΔV as a step function, with every burn and every refuelling.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Budget:
 
 
 def budgets(instance: Instance, plan: Plan) -> dict[str, Budget]:
-    """ΔV left after every burn of a plan, for each chaser by its name.
+    """Remaining ΔV after every burn of a plan, by name of the chaser.
 
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
     A drift costs what its closed form says, and its burns take their shares of that.
@@ -49,7 +49,7 @@ def budgets(instance: Instance, plan: Plan) -> dict[str, Budget]:
 
 
 def budget(instance: Instance, plan: Plan) -> Budget:
-    """The same where there is one chaser."""
+    """Remaining ΔV after every burn, for an instance with one chaser."""
     return budgets(instance, plan)[instance.chaser.name]
 
 
@@ -74,7 +74,7 @@ def _of_chaser(instance: Instance, flown: Flown) -> Budget:
 
 
 def budget_chart(instance: Instance, plan: Plan) -> Chart:
-    """ΔV left [m/s] against days, a line for each chaser, and a mark at every refuelling."""
+    """Remaining ΔV [m/s] against days: a line per chaser, and a mark at every refuelling."""
     colours, found = chaser_colours(instance), budgets(instance, plan)
     lines = [
         Line(
@@ -100,5 +100,5 @@ def budget_chart(instance: Instance, plan: Plan) -> Chart:
 
 
 def delta_v_left(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the ΔV left [m/s] against time [days], refuellings marked; a line for each chaser."""
+    """Add remaining ΔV [m/s] against time [days], with refuellings marked; a line per chaser."""
     return draw(ax, budget_chart(instance, plan))

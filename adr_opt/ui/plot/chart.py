@@ -1,4 +1,4 @@
-"""What a chart shows, as plain data: the model that matplotlib, plotly and SVG are drawn from.
+"""Charts as plain data: the model drawn by matplotlib, plotly and SVG.
 
 Each chart is made once, in the module of its name, and drawn by :func:`.draw.draw` on an axis of
 matplotlib, by :func:`adr_opt.ui.report.figures.parts.figure` for plotly, and by
@@ -24,7 +24,7 @@ Values = Sequence[float] | npt.NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Series:
-    """What is drawn as one and has one entry in the legend.
+    """Data drawn together, with one entry in the legend.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Series:
     legs : sequence of int, optional
         The leg of each point, 0 where none has begun; None where points belong to none.
     of : sequence
-        What points stand for, for who says more about them.
+        What points stand for, for hover texts and the like.
     phase : str, optional
         One of :data:`.PHASES`, or "zone".
     in_legend : bool, optional
@@ -103,12 +103,12 @@ class Bars(Series):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Columns(Series):
-    """Columns from 0 up to ``y``, those of several series side by side."""
+    """Columns from 0 up to ``y``, side by side for several series."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Box(Series):
-    """A rectangle behind the others, from the first to the second ``x`` and ``y``."""
+    """A background rectangle, from the first to the second ``x`` and ``y``."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ DAYS = ChartAxis("days since the epoch", 6)
 
 @dataclass(frozen=True)
 class Chart:
-    """Series on two axes, in the order in which they are drawn."""
+    """Series on two axes, in drawing order."""
 
     series: tuple[Series, ...]
     x: ChartAxis

@@ -1,4 +1,4 @@
-"""ΔV leg by leg: what the plan counts with, and what its burns add up to."""
+"""ΔV by leg: the plan's figure, and the sum of its burns."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-
 
 
 def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
-    """The ΔV [m/s] of each leg: planned, in burns and, if the plan is refined, as it is flown then.
+    """ΔV [m/s] of each leg: planned, in burns and, for a refined plan, as flown.
 
     Where connections are given there are no burns to be shown.
     """

@@ -1,4 +1,4 @@
-"""Charts on an axis of matplotlib, by the methods of the axis alone."""
+"""Drawing of charts on a matplotlib axis, through the axis's own methods alone."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ BAND = 0.18
 """Opacity of a band below a line."""
 
 COLUMNS = 0.8
-"""Of the room of a value, taken by the columns of all series."""
+"""Width of all columns at a value, as a share of the available width."""
 
 
 def draw(ax: Any, chart: Chart) -> Any:
-    """Add a chart to an axis, label it unless somebody has, and return it."""
+    """Add a chart to an axis, label the axis unless already labelled, and return it."""
     columns = [one for one in chart.series if isinstance(one, Columns)]
     known: set[str] = set()
     for one in chart.series:
@@ -43,7 +43,7 @@ def draw(ax: Any, chart: Chart) -> Any:
 
 
 def add(ax: Any, one: Series, said: str | None) -> None:
-    """Add a series that stands by itself, under a name in the legend."""
+    """Add a single series, under a name in the legend."""
     about: dict[str, Any] = {"color": one.colour, "label": said}
     if isinstance(one, Line):
         about["linewidth"] = POINT_PX * one.width
@@ -62,12 +62,12 @@ def add(ax: Any, one: Series, said: str | None) -> None:
 
 
 def plain(name: str) -> str:
-    """A name for matplotlib: `$` would begin mathematics."""
+    """A name for matplotlib, with `$` escaped, as it would begin mathematics."""
     return name.replace("$", r"\$")
 
 
 def label(ax: Any, *titles: str) -> Any:
-    """Label the axes x, y and, in space, z unless somebody has, and return ``ax``."""
+    """Label the axes x, y and, in space, z unless already labelled, and return ``ax``."""
     for axis, title in zip("xyz", titles, strict=False):
         if not getattr(ax, f"get_{axis}label")():
             getattr(ax, f"set_{axis}label")(title)

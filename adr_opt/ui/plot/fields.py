@@ -1,4 +1,4 @@
-"""Targets by their planes, and costs between all of them."""
+"""Targets by orbital plane, and costs between all of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .draw import draw, label
 
 
 def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """RAAN of the bodies without a jump between them, shape (bodies,) [deg].
+    """RAAN of the bodies, unwrapped to avoid jumps, shape (bodies,) [deg].
 
     Within half a turn of the first body's, so that planes near 0° and near 360° are side by side.
     """
@@ -31,7 +31,7 @@ def raan_deg(instance: Instance) -> np.ndarray[Any, np.dtype[np.float64]]:
 
 
 def way(instance: Instance, flown: Flown) -> tuple[list[int], list[int]]:
-    """The bodies that a chaser goes to from its start on, as numbers, each after its leg or 0."""
+    """Numbers of the bodies that a chaser visits from its start, each with its leg or 0."""
     index = {name: number for number, name in enumerate(instance.names)}
     home = [] if flown.chaser.is_launched else [(0, flown.chaser.start_name)]
     there = [*home, *((number, leg.destination) for number, leg in flown.legs)]
@@ -71,7 +71,7 @@ def planes_chart(instance: Instance, plan: Plan | None) -> Chart:
 
 
 def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
-    """Add the orbital planes as points, RAAN across and inclination up [deg].
+    """Add the orbital planes as points, with RAAN across and inclination up [deg].
 
     With a plan, targets that it visits differ from the others, and a line follows each chaser from
     plane to plane.

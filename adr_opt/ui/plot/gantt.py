@@ -15,7 +15,7 @@ from .segments import Segment, segments
 
 
 def phase_bars(found: Iterable[Segment], row_of: Callable[[int], int]) -> list[Bars]:
-    """The segments of each phase as bars, in the row of their leg."""
+    """Segments of each phase as bars, in the row of their leg."""
     of_phase: dict[str, list[Segment]] = {phase: [] for phase in PHASES}
     for segment in found:
         of_phase[segment.phase].append(segment)
@@ -31,7 +31,7 @@ def phase_bars(found: Iterable[Segment], row_of: Callable[[int], int]) -> list[B
 
 
 def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:
-    """One row per leg, named by its destination, the first on top, with a bar for each phase.
+    """One row per leg, named by its destination, first on top, with a bar for each phase.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:
 
 
 def gantt(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add one row per leg, its phases as bars against time [days]; the first leg is on top.
+    """Add one row per leg, first on top, with its phases as bars against time [days].
 
     Where there are several chasers, the first leg of each has its name beside the destination.
 

@@ -21,7 +21,7 @@ ALTITUDES = ChartAxis("altitude [km]")
 def altitude_chart(
     instance: Instance, plan: Plan, tracks: tuple[Track, ...], *, by_chaser: bool
 ) -> Chart:
-    """Altitudes of the flown arcs [km] against days; ``by_chaser`` as :func:`.strands` has it."""
+    """Altitudes of flown arcs [km] against days; ``by_chaser`` as in :func:`.strands`."""
 
     def course(track: Track) -> Array:
         return np.column_stack([days(track.times_s), track.altitudes_m / KM_M])

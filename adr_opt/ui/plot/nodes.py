@@ -1,4 +1,4 @@
-"""Nodes against time: how the planes drift, and how the chaser goes from one to the next."""
+"""Nodes against time: the drift of planes, and the chaser's way between them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ TURN_DEG = 360.0
 
 @dataclass(frozen=True)
 class Nodes:
-    """RAANs less the drift that the bodies have in common, without which all lines are steep.
+    """RAANs relative to the bodies' common drift, without which all lines would be steep.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Nodes:
     low_deg: float
 
     def line(self, times_s: Array, raans_deg: Array) -> tuple[Array, Array]:
-        """A node that moves evenly between two times, with a row of NaN where it goes around.
+        """A node moving uniformly between two times, with a row of NaN where it wraps around.
 
         Parameters
         ----------
@@ -68,28 +68,28 @@ class Nodes:
 
 
 def nodes_of(instance: Instance) -> Nodes:
-    """How the nodes of an instance are shown: about that of its first body."""
+    """Display of an instance's nodes, centred on that of its first body."""
     rates = np.degrees(elements.node_rates(instance.orbits(), EPOCH_S))
     home = float(raan_deg(instance)[0]) if rates.size else 0.0
     return Nodes(float(np.median(rates)) if rates.size else 0.0, home - 0.5 * TURN_DEG)
 
 
 def of_body(instance: Instance, shown: Nodes, body: int, until_s: float) -> tuple[Array, Array]:
-    """The node of a body from the epoch until a time, as :meth:`Nodes.line` gives it."""
+    """Node of a body from the epoch until a time, as from :meth:`Nodes.line`."""
     row = instance.orbits()[body]
     ends = np.array([0.0, until_s])
     return shown.line(ends, np.degrees(elements.nodes(row, ends)))
 
 
 def of_track(shown: Nodes, track: Track) -> tuple[Array, Array]:
-    """The node of the chaser's orbit on an arc, as :meth:`Nodes.line` gives it."""
+    """Node of the chaser's orbit on an arc, as from :meth:`Nodes.line`."""
     return shown.line(track.times_s[[0, -1]], track.nodes_deg)
 
 
 def nodes_chart(
     instance: Instance, plan: Plan | None, tracks: tuple[Track, ...], *, by_chaser: bool
 ) -> Chart:
-    """RAAN [°] against days, less the common drift: bodies thin, flown arcs thick."""
+    """RAAN [°] against days, relative to the common drift: bodies thin, flown arcs thick."""
     shown = nodes_of(instance)
     missed, visited = "target", set[str]()
     if plan is not None:
@@ -122,7 +122,7 @@ def nodes_chart(
 
 
 def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
-    """Add RAAN [deg] against time [days], less the drift that the bodies have in common.
+    """Add RAAN [deg] against time [days], relative to the bodies' common drift.
 
     Targets are thin lines. With a plan, those that it visits differ from the others, and thick
     lines, one colour per phase, follow the chaser: on a drift orbit its node crosses to the next.

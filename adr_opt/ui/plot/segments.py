@@ -1,4 +1,4 @@
-"""A plan cut into phases: what the chaser is doing, from when to when."""
+"""A plan as phases: activities of the chaser with start and end."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class Segment:
 
     @property
     def duration_s(self) -> float:
-        """How long the phase takes [s]."""
+        """Duration of the phase [s]."""
         return self.end_s - self.start_s
 
 
 def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
-    """The phases of a plan in time order, those that take no time left out.
+    """Phases of a plan in time order, without those of zero duration.
 
     Read off the plan as it is: a burn begins its phase, which lasts until the next burn; without
     burns, where connections are given, the transfer is one phase. A chaser that has docked before a

@@ -29,7 +29,7 @@ def earth(ax: Any) -> Any:
 
 
 def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
-    """Places on a spherical Earth [km], the three coordinates first."""
+    """Points on a spherical Earth [km], as three coordinates."""
     x, y = (
         np.cos(latitude_rad) * np.cos(longitude_rad),
         np.cos(latitude_rad) * np.sin(longitude_rad),
@@ -38,7 +38,7 @@ def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
 
 
 def orbits(ax: Any, instance: Instance) -> Any:
-    """Add the orbits of the stations and of all targets [km], as the circles planned with."""
+    """Add the orbits of the stations and of all targets [km], as planning circles."""
     rings = (
         rings_of(instance, "targets", [target.name for target in instance.targets], UNVISITED, 0.5),
         rings_of(instance, "station", list(instance.station_names), STATION, 1.6),
@@ -60,7 +60,7 @@ def in_km(points_m: Array) -> Array:
 def path_lines(
     instance: Instance, plan: Plan, tracks: tuple[Track, ...], width: float, *, by_chaser: bool
 ) -> list[Line]:
-    """The flown arcs in space [km], at most one revolution of each."""
+    """Flown arcs in space [km], at most one revolution of each."""
     return strands(
         instance, plan, tracks, lambda track: in_km(track.around_m).T, width,
         by_chaser=by_chaser, in_space=True,

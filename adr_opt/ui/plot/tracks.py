@@ -1,4 +1,4 @@
-"""The flown plan with no more points than a picture needs, and the lines that show it."""
+"""The flown plan, thinned out for drawing, and its lines."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from .chart import Line
 
 MOST_STEPS = 1e6
 LEVEL_M = 1.0
-"""An arc whose altitude changes by less is drawn as a level line."""
+"""Change of altitude below which an arc is drawn as a level line."""
 
 POINTS_OF_A_RING = 91
 
 
 @dataclass(frozen=True)
 class Track:
-    """One arc, ready to be drawn.
+    """An arc, ready to be drawn.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Track:
 
 
 def tracks(instance: Instance, plan: Plan) -> tuple[Track, ...]:
-    """Fly a plan (:func:`adr_opt.fly.trajectory.sample`) and thin out what it passes.
+    """Fly a plan (:func:`adr_opt.fly.trajectory.sample`) and thin out its samples.
 
     Raises
     ------
@@ -105,13 +105,13 @@ def _track(instance: Instance, path: LegPath, arc: Arc) -> Track:
 
 
 def ring(instance: Instance, body: str) -> Array:
-    """One revolution of a body on the circle that is planned with, shape (points, 3) [m]."""
+    """One revolution of a body on its planning circle, shape (points, 3) [m]."""
     lap_s = period(instance.body_orbits[instance.names.index(body)].semi_major_axis_m)
     return body_states(instance, body, np.linspace(0.0, lap_s, POINTS_OF_A_RING))[0]
 
 
 def joined(parts: Iterator[Array] | list[Array]) -> Array:
-    """Arrays one after the other with a row of NaN after each: lines with gaps between them."""
+    """Arrays concatenated with a row of NaN after each: lines with gaps."""
     rows = []
     for part in parts:
         rows += [part, np.full((1, *part.shape[1:]), np.nan)]
@@ -119,7 +119,7 @@ def joined(parts: Iterator[Array] | list[Array]) -> Array:
 
 
 Course = Callable[[Track], Array]
-"""What is drawn of an arc, shape (points, 2), or (points, 3) in space."""
+"""Coordinates to draw of an arc, shape (points, 2), or (points, 3) in space."""
 
 
 def strands(

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
-    """What the best plans collect against a limit, with bands up to the bounds, or to all prizes.
+    """Prizes of the best plans against a limit, with bands up to the bounds, or to all prizes.
 
     There is a line for each value of the other limit.
     """
@@ -44,7 +44,7 @@ def named(kind: AxisKind, value: float) -> str:
 
 
 def tradeoff(ax: Any, made: Tradeoff, kind: str | None = None) -> Any:
-    """Add what the best plans collect, with a band up to the bounds; a line for each other limit.
+    """Add prizes of the best plans, with a band up to the bounds; a line for each other limit.
 
     Where nothing is proven the band reaches up to all prizes.
 

@@ -1,4 +1,4 @@
-"""Who is at which station, and when."""
+"""Stays of chasers at stations."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def stays(instance: Instance, plan: Plan) -> tuple[Stay, ...]:
 
 
 def also_there(stay: Stay, every: tuple[Stay, ...]) -> tuple[str, ...]:
-    """The other chasers that are at the station at some time of a stay."""
+    """Other chasers at the station during a stay."""
     return tuple(
         dict.fromkeys(
             other.chaser

@@ -1,4 +1,4 @@
-"""A mission as one page for people: text, tables and interactive charts in a single HTML file.
+"""The report of a mission: text, tables and interactive charts in a single HTML file.
 
 :func:`page` gives the text of the page and :func:`write_report` writes it. The page holds all that
 it shows, the charting library included (plotly.js, extra ``[viz]``), and asks the network for

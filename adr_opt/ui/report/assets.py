@@ -1,4 +1,4 @@
-"""The files that a page is put together from, and the law that it gives itself."""
+"""Parts of a page, and its content security policy."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ...common.errors import MissingExtra
 
 
 def policy(*scripts: str) -> str:
-    """The page's own law: its two scripts may run, nothing else, and nothing may be loaded."""
+    """Content security policy of the page: only its two scripts may run, nothing may be loaded."""
     hashes = " ".join(
         f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
         for text in scripts
@@ -25,17 +25,17 @@ ROOMS = (
     "library", "state", "look", "charts", "time", "motion", "earth", "moving", "ground", "closeup",
     "files", "burns", "pictures", "main",
 )  # fmt: skip
-"""The rooms of the script, in the order in which they are put together."""
+"""Parts of the script, in the order of assembly."""
 
 
 def page_script() -> str:
-    """The script of the page, one function, so that its rooms share their names and nobody else."""
+    """The script of the page, as one function, so that its parts share names privately."""
     rooms = "\n".join(asset(f"script/{name}.js") for name in ROOMS)
     return f'"use strict";\n(async () => {{\n{rooms}}})();\n'
 
 
 def asset(name: str) -> str:
-    """A file of this folder as text."""
+    """A file of this folder, as text."""
     return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 

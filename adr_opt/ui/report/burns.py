@@ -1,4 +1,4 @@
-"""The burns of a plan, and of the refined one: a table of the page, and what its CSV file holds."""
+"""Burns of a plan and of its refined version: a table of the page, and its CSV file."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ COLUMNS = (
     "burns", "chaser", "leg", "origin", "destination", "phase", "time_s", "utc", "delta_v_m_s",
     "x_m_s", "y_m_s", "z_m_s", "radial_m_s", "along_track_m_s", "cross_track_m_s",
 )  # fmt: skip
-"""Of the CSV file: whose burns, when, and the ΔV in the frame of the elements and in that of the
-chaser, of which the last three are empty where it is not known."""
+"""Columns of the CSV file: context of the burn, time, and ΔV in the frame of the elements and in
+that of the chaser; the last three are empty if unknown."""
 
 Local = tuple[float, float, float]
 
@@ -69,7 +69,7 @@ class ReportedBurn:
 def impulses(
     plan: Plan, tracks: tuple[Track, ...], refined: RefinedPlan | None = None
 ) -> tuple[ReportedBurn, ...]:
-    """The burns of a plan in the order of its legs, and then those of the refined one.
+    """Burns of a plan in the order of its legs, then those of the refined one.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def _refined(refined: RefinedPlan) -> Iterator[ReportedBurn]:
 def local_m_s(
     position_m: npt.ArrayLike, velocity_m_s: npt.ArrayLike, vector_m_s: npt.ArrayLike
 ) -> Local:
-    """A vector in the local frame of an orbit: radial, along the track, across it [m/s]."""
+    """A vector in the local orbital frame: radial, along-track, cross-track [m/s]."""
     r, v = np.asarray(position_m, dtype=float), np.asarray(velocity_m_s, dtype=float)
     up, normal = r / np.linalg.norm(r), np.cross(r, v)
     side = normal / np.linalg.norm(normal)
@@ -119,7 +119,7 @@ def local_m_s(
 
 
 def of_page(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> dict[str, Any]:
-    """What the script of the page makes the CSV file from.
+    """Data from which the page's script makes the CSV file.
 
     Returns
     -------
@@ -144,7 +144,7 @@ def of_page(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> di
 
 
 def section(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> str:
-    """The section with the tables of burns; nothing where connections are given."""
+    """The section with the tables of burns; empty for given connections."""
     if instance.transfer.given is not None:
         return ""
     mine = [burn for burn in burns if burn.of == PLANNED]

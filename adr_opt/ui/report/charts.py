@@ -1,4 +1,4 @@
-"""Small charts as SVG in a page: lines, steps and bands, in the colours of the page's scheme."""
+"""Small charts as SVG in a page: lines, steps and bands, in the page's colours."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ LEFT, RIGHT, TOP, BOTTOM = 56, 14, 12, 42
 TICKS = 6
 
 _Place = Callable[[float, float], tuple[float, float]]
-"""Where a point lies in the picture."""
+"""Position of a point in the picture."""
 
 
 def drawn(chart: Chart, caption: str) -> str:
-    """A figure of the lines of a chart with axes from zero and a legend.
+    """A figure with the lines of a chart, axes from zero and a legend.
 
     Parameters
     ----------
     chart : Chart
     caption : str
-        What it shows, for those who do not see it.
+        Alternative text of the chart.
     """
     lines = [line for line in chart.series if isinstance(line, Line)]
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]
@@ -108,7 +108,7 @@ def _at(point: tuple[float, float]) -> str:
 
 
 def ticks(low: float, high: float) -> list[float]:
-    """Round numbers from at most ``low`` to at least ``high``, a few of them."""
+    """A few round numbers from at most ``low`` to at least ``high``."""
     rough = (high - low) / TICKS
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * part for part in (1.0, 2.0, 5.0, 10.0) if power * part >= rough * 0.999)

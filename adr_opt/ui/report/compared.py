@@ -1,4 +1,4 @@
-"""The page that lays plans side by side."""
+"""The page that compares plans."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def compared_page(comparison: Comparison) -> str:
 
 
 def _visits(instance: Instance, plan: Plan, name: str, colour: str) -> Line:
-    """Targets whose service is over, against days."""
+    """Number of finished services against days."""
     stations = instance.station_names
     ends = sorted(leg.end_s / DAY_S for leg in plan.legs if leg.destination not in stations)
     return Line(name=name, colour=colour, step=True, x=[0.0, *ends], y=range(len(ends) + 1))
@@ -73,7 +73,7 @@ FIGURES = (
 
 
 def figures(side: Side) -> tuple[str, ...]:
-    """What a plan comes to, as texts, in the order of :data:`FIGURES`."""
+    """Totals of a plan as texts, in the order of :data:`FIGURES`."""
     return (
         number(side.objective, 3),
         NOTHING if side.upper_bound is None else number(side.upper_bound, 3),
@@ -140,14 +140,14 @@ def _cells(numbered: tuple[int, Leg] | None) -> list[tuple[str, str]]:
 
 
 def told(pair: LegPair) -> str:
-    """What a pair of legs is, in words."""
+    """Description of a pair of legs."""
     if pair.what == "only":
         return "only there" if pair.first is None else "only in the first"
     return WORDS[pair.what]
 
 
 def more(pair: LegPair) -> str:
-    """What the leg costs more in the other plan than in the first one."""
+    """Extra cost of the leg in the other plan over the first one."""
     if pair.first is None or pair.other is None:
         return NOTHING
     added = pair.other[1].delta_v_m_s - pair.first[1].delta_v_m_s

@@ -1,4 +1,4 @@
-"""What the reader chooses with: a leg, phases, and the time that is shown."""
+"""Controls of the page: leg, phases and displayed time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ...plan.plan import Plan
 from .text import escape
 
 LONGEST_OPTION = 18
-"""Longer names are cut in the list of legs, which has the width of a phone."""
+"""Length beyond which names are cut in the list of legs, to fit a phone."""
 
 SPEEDS = {
     60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s", 86400: "1 d/s", 864000: "10 d/s",
@@ -27,7 +27,7 @@ def phases(shown: list[str]) -> str:
 
 
 def leg_options(plan: Plan) -> str:
-    """What the list of legs offers."""
+    """Entries of the list of legs."""
     legs = plan.legs
     short = shortened((n for leg in legs for n in (leg.origin, leg.destination)), LONGEST_OPTION)
     options = "".join(

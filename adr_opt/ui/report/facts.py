@@ -1,4 +1,4 @@
-"""The headline figures of a plan, as the plan states them."""
+"""Headline figures of a plan, as stated in the plan."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...problem.instance import Instance
 
 @dataclass(frozen=True)
 class Facts:
-    """What a plan comes to.
+    """Headline figures.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Facts:
 
     @property
     def counts_visits(self) -> bool:
-        """Whether every prize is 1, so that the objective is the number of visits."""
+        """Whether every prize is 1, so that the objective counts visits."""
         return self.total_prize == self.targets and self.prize == self.visits
 
 
@@ -80,6 +80,6 @@ def facts(instance: Instance, plan: Plan) -> Facts:
 
 
 def _budgets_m_s(instance: Instance, flown: Flown) -> float:
-    """The tanks that a chaser has until its last leg [m/s]."""
+    """Tanks available to a chaser until its last leg [m/s]."""
     followed = sum(leg.destination in instance.station_names for _, leg in flown.legs[:-1])
     return math.fsum(flown.tank_worths(instance)[: 1 + followed])

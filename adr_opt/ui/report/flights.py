@@ -1,4 +1,4 @@
-"""What flying came to: the plan in the dynamics of its instance, the refined one in true ones."""
+"""Outcome of flights: of the plan in its instance's dynamics, and refined in true dynamics."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def section(
     refined: RefinedPlan | None,
     refined_flight: RefinedFlight | None,
 ) -> str:
-    """The section on flights; nothing where nothing was flown.
+    """The section on flights; empty if none was flown.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def section(
 def complaints(
     instance: Instance, refined: RefinedPlan | None, refined_flight: RefinedFlight | None
 ) -> tuple[str, ...]:
-    """What is wrong with a refined plan: legs that are missing or miss, tanks that break."""
+    """Errors of a refined plan: missing legs, misses, and broken tanks."""
     if refined is None:
         return ()
     found = [f"leg {missing.leg} is missing: {missing.reason}" for missing in refined.missing]
@@ -146,7 +146,7 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
 
 
 def _total(refined: RefinedPlan) -> str:
-    """What the refined legs take in all."""
+    """Total ΔV of the refined legs."""
     own = refined.retargeted_delta_v_m_s
     return (
         f"In all, {counted(len(refined.legs), 'leg')}: planned with "
@@ -177,5 +177,5 @@ def _tanks(tanks: Sequence[TankFlight]) -> str:
 
 
 def _small(value: float | None) -> str:
-    """A miss, no better than it is worth."""
+    """A miss, rounded to its significance."""
     return "unknown" if value is None else f"{value:.2g}"

@@ -1,4 +1,4 @@
-"""Where the Earth is under the orbits: the angle of Greenwich in the frame of the elements."""
+"""Rotation of the Earth under the orbits: the angle of Greenwich in the frame of the elements."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from ...problem.frame import OF_DATE
 from ...problem.instance import Instance
 
 TURN_S = 86400.0
-"""Seconds of sidereal time in a turn."""
+"""Sidereal seconds per turn."""
 
 CENTURY_DAYS = 36525.0
 
 TURNS_MORE = 0.00273781191135448
-"""Of the Earth against the stars, a day of UT1, beyond the whole turn."""
+"""Excess rotation of the Earth against the stars per day of UT1, in turns."""
 
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
 
 def sidereal_angle_rad(time: datetime) -> float:
-    """Greenwich mean sidereal time, of 1982.
+    """Greenwich mean sidereal time of 1982.
 
     It counts from the mean equinox of date, as elements of TLEs do. UTC is taken for UT1, from
     which it differs by less than a second of time, 0.004°.
@@ -52,7 +52,7 @@ def sidereal_angle_rad(time: datetime) -> float:
 
 
 def earth_rotation_angle_rad(time: datetime) -> float:
-    """The angle of the Earth in axes that do not follow the equinox, those of GCRF, from 0 to 2π.
+    """Earth rotation angle in axes independent of the equinox, those of GCRF, from 0 to 2π.
 
     In EME2000 it is the same to a hundred-thousandth of a degree, and less than the sidereal one by
     what the equinox has moved since 2000, a third of a degree in 2026 (IERS conventions of 2010,
@@ -64,7 +64,7 @@ def earth_rotation_angle_rad(time: datetime) -> float:
 
 
 def greenwich(instance: Instance) -> tuple[float, float]:
-    """Where Greenwich is at the epoch [rad], and how fast it turns [rad/s].
+    """Angle of Greenwich at the epoch [rad], and its rate [rad/s].
 
     Counted from the first axis of the frame that the instance names, and from the equinox of date
     where it names none.
@@ -76,5 +76,5 @@ def greenwich(instance: Instance) -> tuple[float, float]:
 
 
 def sidereal_rate_rad_s() -> float:
-    """How fast Greenwich turns against the equinox of date [rad/s]."""
+    """Rate of Greenwich against the equinox of date [rad/s]."""
     return 2.0 * math.pi / DAY_S * (1.0 + 8640184.812866 / (CENTURY_DAYS * DAY_S))

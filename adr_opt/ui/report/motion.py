@@ -1,4 +1,4 @@
-"""What the page moves chasers and bodies by: not positions, but the orbits that they are on.
+"""Data that move chasers and bodies on the page: their orbits in place of positions.
 
 Whatever time the reader asks for, the script of the page has the state of the closed form that the
 plan was made with, and a mission of two years takes no more room than one of a day.
@@ -28,14 +28,14 @@ ELEMENTS = (
     ephemeris.radius_at, ephemeris.inclination_at, ephemeris.node_at, ephemeris.node_rate_at,
     ephemeris.latitude_at, ephemeris.latitude_rate_at,
 )  # fmt: skip
-"""What is kept of a body: a circle whose node and argument of latitude advance evenly."""
+"""Elements of a body: a circle whose node and argument of latitude advance uniformly."""
 
 KINDS = {"station": STATION, "visited": VISITED, "not visited": UNVISITED}
-"""What bodies are, and their colours."""
+"""Kinds of bodies, with their colours."""
 
 
 def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[str, Any]:
-    """Orbits of the bodies that are shown and of the chasers, arc by arc.
+    """Orbits of the displayed bodies and of the chasers, arc by arc.
 
     Parameters
     ----------

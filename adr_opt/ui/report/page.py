@@ -1,4 +1,4 @@
-"""The page put together."""
+"""Assembly of the page."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from .text import escape, in_days, in_script
 
 @dataclass(frozen=True)
 class Report:
-    """What was written.
+    """The written page.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def write_report(
     flight: Flight | None = None,
     refined_flight: RefinedFlight | None = None,
 ) -> Report:
-    """Write a mission as one HTML file, whole or not at all.
+    """Write a mission as one HTML file, completely or not at all.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def page(
 
 
 class _Found(NamedTuple):
-    """What is known of a plan besides itself."""
+    """Findings about a plan beyond its own statements."""
 
     violations: tuple[Violation, ...]
     flight: Flight | str | None
@@ -157,7 +157,7 @@ def _found(
 
 
 def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
-    """The flight, or why there is none; None where all is as planned: circles in two-body motion.
+    """The flight, or the reason why there is none; None for circles in two-body motion.
 
     Under J2 the burns of legs that drift differ from what the plan counts with. Given connections
     are not flown.

@@ -1,4 +1,4 @@
-"""Pages without scripts: the look of the report for tables and small charts."""
+"""Pages without scripts: the style of the report for tables and small charts."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ figure.drawn figcaption { display: flex; flex-wrap: wrap; gap: 4px 18px; font-si
 tr.same td { color: var(--quiet); }
 tr.only td, tr.moved td { font-weight: 550; }
 """
-"""What these pages need beyond the style of the report."""
+"""Additions to the style of the report."""
 
 
 def check_page(path: str | os.PathLike[str]) -> None:
-    """Raise :class:`InputError` now if a page could not be written there after the work."""
+    """Raise :class:`InputError` in advance if a page could not be written there."""
     check_writable(path)
     if not os.fspath(path).lower().endswith((".html", ".htm")):
         raise InputError(f"{path}: the page is HTML; give a file that ends in .html")
 
 
 def section(title: str, note: str, content: str) -> str:
-    """A part of a page; title and note are text, the content is HTML."""
+    """A section of a page; title and note are text, the content is HTML."""
     said = f"<p>{escape(note)}</p>" if note else ""
     return f"<section><h2>{escape(title)}</h2>{said}{content}</section>"
 
 
 def row(cells: Iterable[tuple[str, str]], kind: str = "") -> str:
-    """A row of a table: cells as (class, text), class "n" for numbers."""
+    """A table row: cells as (class, text), with class "n" for numbers."""
     return tables.row(((c, escape(text)) for c, text in cells), kind and f"class={kind}")
 
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
-    """The HTML of a page that runs no script and asks for nothing."""
+    """HTML of a page without scripts or requests."""
     style = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8") + MORE
     policy = (
         "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
@@ -65,6 +65,6 @@ def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
 
 
 def write_page(path: str | os.PathLike[str], text: str) -> None:
-    """Write a page, whole or not at all."""
+    """Write a page, completely or not at all."""
     check_page(path)
     write_text(path, text)

@@ -1,4 +1,4 @@
-"""The parts of the page that are words: verdict, headline figures, bound, origin of the plan."""
+"""Text sections of the page: verdict, headline figures, bound, origin of the plan."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def verdict(
     refined_flight: RefinedFlight | None = None,
     own: PlanFlight | None = None,
 ) -> str:
-    """What the check and a flight on the true orbits, or in the mean dynamics, found.
+    """Findings of the check, and of a flight on true orbits or in the mean dynamics.
 
     One quiet line if the plan holds, and a box that cannot be missed for all that breaks. Of a plan
     that is refined the refined flight alone says whether it holds: its burns are those to be flown.
@@ -157,7 +157,7 @@ def _drifting(instance: Instance, flown: Flight | str | None, held: str) -> str:
 
 
 def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
-    """The section on chasers and stations, where there are several, or on what the one carries."""
+    """The section on chasers and stations if there are several, or else on cargo."""
     if not several(instance):
         load = tables.loads(instance, plan)
         return load and f"<section><h2>What the chaser carries</h2>{load}</section>"
@@ -187,7 +187,7 @@ def budget_note(instance: Instance) -> str:
 
 
 def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
-    """What the bars of the legs are."""
+    """Explanation of the bars of legs."""
     if any(leg.kind == GIVEN.name for leg in plan.legs):
         return "What is given of each leg."
     said = "What the plan counts with, and what the burns of the leg add up to"
@@ -201,13 +201,13 @@ def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
 
 
 def not_drawn(path: str, trouble: str) -> str:
-    """What is said in place of a path that leads nowhere."""
+    """Message in place of a path that leads nowhere."""
     said = f"{path[:1].upper()}{path[1:]} cannot be drawn: {escape(trouble)}."
     return f'<p class="verdict bad">{said}</p>'
 
 
 def gantt_note(instance: Instance) -> str:
-    """What the rows of the timeline are."""
+    """Explanation of the rows of the timeline."""
     said = "One row per leg, named by its destination"
     if several(instance):
         said += ", below the name of its chaser"
@@ -264,7 +264,7 @@ def _figure(value: float) -> str:
 
 
 def certificate(plan: Plan, found: Facts) -> str:
-    """The bound and the gap in a sentence and as a bar."""
+    """Bound and gap, as a sentence and as a bar."""
     collected, total = number(found.prize, 2), number(found.total_prize, 2)
     what = "visits" if found.counts_visits else "prize"
     if plan.upper_bound is None and plan.status == "optimal":
@@ -304,7 +304,7 @@ def certificate(plan: Plan, found: Facts) -> str:
 
 
 def origin(instance: Instance, plan: Plan) -> str:
-    """Where instance and plan come from, and what has to be known about them."""
+    """Origin of instance and plan, with caveats."""
     settings, limits = instance.transfer, instance.mission
     rows = [
         ("instance", f"{escape(instance.name)}, SHA-256 <code>{instance.sha256[:16]}…</code>"),
@@ -337,17 +337,17 @@ MOTION = {
     "j2": "circles that drift at the secular rates of J2, without short-period variations; "
     "altitudes are radii less 6378.137 km",
 }
-"""How bodies move."""
+"""Descriptions of the motion of bodies."""
 
 
 def _tanks(instance: Instance) -> str:
-    """The tanks of the chasers, each size once [m/s]."""
+    """Tanks of the chasers, each size once [m/s]."""
     sizes = dict.fromkeys(chaser.tank.delta_v_m_s for chaser in instance.chasers)
     return " or ".join(number(size, 1) for size in sizes)
 
 
 def _transfers(settings: TransferSettings) -> str:
-    """Which transfers are planned with."""
+    """Description of the transfers planned with."""
     if settings.given is not None:
         digest = settings.given.sha256 or ""
         return (
@@ -368,7 +368,7 @@ def _transfers(settings: TransferSettings) -> str:
 
 
 def _asked(instance: Instance) -> list[str]:
-    """What an instance asks for besides the usual: times, ends, numbers."""
+    """Unusual requirements of an instance: times, ends, numbers."""
     windows = sum(target.window_s != (0.0, None) for target in instance.targets)
     required = sum(target.required for target in instance.targets)
     asked = [said for chaser in instance.chasers for said in _asked_of(instance, chaser)]
@@ -402,7 +402,7 @@ def _asked(instance: Instance) -> list[str]:
 
 
 def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
-    """The same of one chaser, by its name where there are several."""
+    """Unusual requirements of one chaser, named if there are several."""
     who, it = (chaser.name, chaser.name) if several(instance) else ("the chaser", "it")
     since, until = chaser.available_s
     if since > 0.0:
@@ -431,7 +431,7 @@ def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
 
 
 def _prices(expense: Expense) -> str:
-    """What an expense is made of."""
+    """Components of an expense."""
     parts = [
         number(expense.fixed, 6),
         *([f"{expense.per_kg:g} a kg"] if expense.per_kg else []),

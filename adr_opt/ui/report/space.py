@@ -1,4 +1,4 @@
-"""The sections of the page that show space: orbits, altitude, nodes, planes, where it is known."""
+"""Sections of the page that show space, where known: orbits, altitude, nodes, planes."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from .text import escape
 
 
 def path_of(instance: Instance) -> str:
-    """What the path is called."""
+    """Name of the path."""
     return "the chasers’ paths" if several(instance) else "the chaser’s path"
 
 
 def flight(instance: Instance, plan: Plan) -> str:
-    """The sections with the path of the chaser."""
+    """Sections with the path of the chaser."""
     if instance.transfer.given is not None:
         return ""
     flies = "the chasers fly" if several(instance) else "the chaser flies"
@@ -33,7 +33,7 @@ def flight(instance: Instance, plan: Plan) -> str:
 
 
 def _ground(instance: Instance, plan: Plan) -> str:
-    """The ways over the ground, and where the chasers are."""
+    """Ground tracks, and positions of the chasers."""
     who = "each chaser" if several(instance) else "the chaser"
     rows = (
         f'<tr data-chaser="{at}"><td><b>{escape(flown.chaser.name)}</b></td>'
@@ -67,7 +67,7 @@ def _longitudes(instance: Instance) -> str:
 
 
 def _closeup() -> str:
-    """The leg as its target sees it."""
+    """The leg as seen from its target."""
     return (
         '<section>\n<h2>Close-up</h2>\n<p><b id="closeup-leg"></b></p>\n'
         "<p>The chaser as its target sees it: along the track, ahead of the target as it flies; "
@@ -96,7 +96,7 @@ def _altitude_note(instance: Instance) -> str:
 
 
 def nodes(instance: Instance) -> str:
-    """The section with the chart of nodes, where they drift."""
+    """The section with the chart of nodes, if they drift."""
     if not instance.nodes_drift:
         return ""
     who = (
@@ -114,7 +114,7 @@ def nodes(instance: Instance) -> str:
 
 
 def planes(instance: Instance) -> str:
-    """The section with the chart of planes, where all bodies have one."""
+    """The section with the chart of planes, if all bodies have one."""
     if not instance.has_orbits:
         return ""
     said = "Turning the plane is what costs most: near neighbours here are cheap to reach."

@@ -1,4 +1,4 @@
-"""Whether the plan was flown, refined, or neither: a paragraph that every page has."""
+"""Whether the plan was flown, refined, or neither: a paragraph of every page."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .text import escape
 
 
 def paragraph(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
-    """What is known of the plan beyond the model; it is flown in mean motion for that.
+    """Knowledge of the plan beyond the model, from a flight in mean motion.
 
     Parameters
     ----------
@@ -37,6 +37,6 @@ def _said(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> tuple[
         flight = fly_mean(instance, plan)
     except InputError as error:
         return f"Neither flown nor refined: {error}", True
-    assert flight is not None  # nobody has interrupted it
+    assert flight is not None  # it is never interrupted
     told = str(flight)
     return f"{told[:1].upper()}{told[1:]}; not refined", flight.holds

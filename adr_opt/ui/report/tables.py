@@ -1,4 +1,4 @@
-"""The tables of the page: legs, and targets left out."""
+"""Tables of the page: legs, and targets left out."""
 
 from __future__ import annotations
 
@@ -54,19 +54,19 @@ def table(caption: str, headings: Iterable[tuple[str, str]], rows: Iterable[str]
 
 
 def row(cells: Iterable[Cell], about: str = "") -> str:
-    """A row of cells; ``about`` are attributes of the row."""
+    """A row of cells; ``about`` holds attributes of the row."""
     inside = "".join(f"<td{f' class={kind}' if kind else ''}>{text}</td>" for kind, text in cells)
     return f"<tr{about and f' {about}'}>{inside}</tr>"
 
 
 def route_cell(origin: str, destination: str) -> Cell:
-    """Where a leg leads, as a cell: names that are long together may go over several lines."""
+    """Origin and destination of a leg as a cell, which may wrap if the names are long."""
     kind = "name" if len(origin) + len(destination) > LONG_ROUTE else ""
     return kind, f"{escape(origin)} → <b>{escape(destination)}</b>"
 
 
 def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
-    """One row per leg, refuellings marked; a click on a row shows that leg in the charts.
+    """One row per leg, with refuellings marked; a click on a row shows that leg in the charts.
 
     With the plan refined, what legs take then stands beside what they were planned with.
     """
@@ -122,14 +122,14 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
 
 
 def _towing(leg: Leg) -> str:
-    """When a leg's tow ends, and what it takes."""
+    """Time and ΔV of a leg's tow."""
     if leg.tow is None:
         return NOTHING
     return f"{clock(leg.tow.end_s)}, {fixed(leg.tow.delta_v_m_s, 1)}"
 
 
 def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> str:
-    """One row per chaser: what it visits, its tanks, and when."""
+    """One row per chaser: its visits, tanks and times."""
     burned: dict[str | None, float] = {}
     for leg in () if refined is None else refined.legs:
         burned[leg.chaser] = burned.get(leg.chaser, 0.0) + leg.flown_delta_v_m_s + leg.removal_m_s
@@ -166,7 +166,7 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
 
 
 def loads(instance: Instance, plan: Plan) -> str:
-    """One row per chaser: its masses, kits, propellant and expense; nothing where none count."""
+    """One row per chaser: masses, kits, propellant and expense; empty if none matter."""
     by_expense = instance.objective.cost == "expense" or any(
         chaser.expense is not None for chaser in instance.chasers
     )
@@ -222,7 +222,7 @@ def traffic(instance: Instance, plan: Plan) -> str:
 
 
 def _where(chaser: Chaser, since: float) -> str:
-    """Where a chaser starts, and from when on."""
+    """Start of a chaser, with its time."""
     place = "its first target" if chaser.is_launched else "an orbit of its own"
     if isinstance(chaser.start, AtStation):
         place = chaser.start_name
@@ -230,7 +230,7 @@ def _where(chaser: Chaser, since: float) -> str:
 
 
 def unvisited(instance: Instance, plan: Plan) -> str:
-    """One row per target that is left out, by reason."""
+    """One row per target left out, by reason."""
     bodies = {target.name: target for target in instance.targets}
     order = list(REASONS)
     rows = []
@@ -253,7 +253,7 @@ def unvisited(instance: Instance, plan: Plan) -> str:
 
 
 def reasons(plan: Plan) -> str:
-    """How many targets are left out for each reason, and what the reason means."""
+    """Number of targets left out for each reason, with its meaning."""
     found = [entry.reason for entry in plan.unvisited]
     items = [
         f"<div><dt><b>{found.count(reason)}</b> {REASON_TITLES[reason]}</dt>"

@@ -11,7 +11,7 @@ from ...common.constants import DAY_S
 NOTHING = "—"
 
 LONG_S = 2.0 * DAY_S
-"""Longer spans are told in days."""
+"""Length beyond which spans are given in days."""
 
 
 def escape(text: object) -> str:
@@ -20,12 +20,12 @@ def escape(text: object) -> str:
 
 
 def in_chart(name: str) -> str:
-    """A name as plotly.js takes it: it reads tags and entities in every text that it draws."""
+    """A name for plotly.js, which interprets tags and entities in all text."""
     return html.escape(name, quote=False)
 
 
 def in_script(content: Any) -> str:
-    """Data as JSON that no HTML parser mistakes for the end of the script that holds it."""
+    """Data as JSON in which no HTML parser sees the end of its script."""
     text = json.dumps(content, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
@@ -33,7 +33,7 @@ def in_script(content: Any) -> str:
 
 
 def number(value: float, digits: int = 1) -> str:
-    """A number with thin spaces between thousands and without a fraction of zeros."""
+    """A number with thin spaces between thousands, and without trailing zeros."""
     text = f"{value:,.{digits}f}".replace(",", "\u202f").replace("-", "−")
     return text.rstrip("0").rstrip(".") if "." in text else text
 
@@ -45,7 +45,7 @@ def fixed(value: float, digits: int) -> str:
 
 
 def length(metres: float) -> str:
-    """A small distance: in millimetres or metres, no better than they are worth."""
+    """A small distance in millimetres or metres, rounded to its significance."""
     return "a millimetre" if metres < 1e-3 else f"{metres:.2g}\u202fm"
 
 
@@ -62,7 +62,7 @@ def clock(time_s: float) -> str:
 
 
 def lasting(duration_s: float) -> str:
-    """A duration with its unit: hours and minutes, or days if it is long."""
+    """A duration with its unit: hours and minutes, or days if long."""
     if abs(duration_s) < LONG_S:
         return f"{span(duration_s)}\u202fh"
     return f"{fixed(duration_s / DAY_S, 1)}\u202fd"

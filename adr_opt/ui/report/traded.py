@@ -64,7 +64,7 @@ HEADINGS = ("ΔV m/s", "days", "prize", "bound", "gap", "status", "visits", "cos
 
 
 def cells(point: Point) -> tuple[str, ...]:
-    """A point as texts under :data:`HEADINGS`."""
+    """A point as texts, under :data:`HEADINGS`."""
     there, bounded = math.isfinite(point.prize), math.isfinite(point.upper_bound)
     gap = NOTHING
     if there and bounded:
@@ -93,7 +93,7 @@ FRONTIER_HEADINGS = ("tank m/s", "prize", "last day", "ΔV m/s", "cost")
 
 
 def ending_cells(ending: Ending) -> tuple[str, ...]:
-    """A plan on the frontier as texts under :data:`FRONTIER_HEADINGS`."""
+    """A plan on the frontier as texts, under :data:`FRONTIER_HEADINGS`."""
     return (
         number(ending.tank_m_s, 3), number(ending.prize, 3), fixed(ending.last_s / DAY_S, 2),
         fixed(ending.delta_v_m_s, 1), fixed(ending.cost, 1),

@@ -1,4 +1,4 @@
-"""The pages and requests of the session, as a Starlette application."""
+"""Pages and requests of the session, as a Starlette application."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ POLICY = (
     "img-src 'self' data:; frame-src 'self'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'"
 )
-"""The law of the page: what it runs, shows and asks for comes from this server."""
+"""Content security policy of the page: everything comes from this server."""
 
 FRAMED = "frame-ancestors 'self'"
-"""Of the report, which has a law of its own: it is shown within the page, and nowhere else."""
+"""Framing policy of the report, which is shown only within the page."""
 
 PAUSE_S, BREATH_S = 0.2, 15.0
-"""Between two looks at the session, and between two signs of life to whoever listens [s]."""
+"""Intervals between checks of the session, and between keep-alive messages [s]."""
 
 
 class OrderRequest(Record):
-    """How to plan, as the page asks for it."""
+    """Parameters of a planning run, as requested by the page."""
 
     method: str
     time_limit_s: float
@@ -51,7 +51,7 @@ class OrderRequest(Record):
 
 
 async def told(session: EditingSession, closing: threading.Event) -> AsyncIterator[str]:
-    """Server-sent events: the state whenever it changes, and how far the planner is.
+    """Server-sent events: the state after every change, and the planner's progress.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def application(
     ----------
     session : EditingSession
     token : str
-        Whoever has it may do everything, and nobody else anything.
+        Required for every request.
     port : int
     closing : Event
         Ends the streams of events.
@@ -140,7 +140,7 @@ def application(
 
 
 def read_order(text: str) -> PlanningOrder:
-    """How to plan, of a JSON text.
+    """Parameters of a planning run, from JSON text.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def read_order(text: str) -> PlanningOrder:
 
 
 def _action(path: str, act: Callable[[str], Any]) -> Route:
-    """A POST that changes something; what is wrong with it is said in one sentence."""
+    """A POST request that changes something; errors are reported in one sentence."""
 
     async def answer(request: Request) -> Response:
         try:

@@ -1,4 +1,4 @@
-"""Drafts: what is wanted of a field, edit by edit, with what can be undone."""
+"""Drafts: the edits of a field, with undo."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from ...problem.given import among
 from ...problem.instance import Instance
 
 MOST_STEPS = 500
-"""So many edits can be undone."""
+"""Maximum number of edits that can be undone."""
 
 
 class TargetsEdit(Record):
-    """What is changed of some targets; what is null stays."""
+    """Changes to some targets; null leaves a field unchanged."""
 
     names: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
     prize: float | None = None
@@ -32,14 +32,14 @@ class TargetsEdit(Record):
 
 
 class BudgetEdit(Record):
-    """What a chaser has: ΔV [m/s], or propellant where its tank is counted by mass [kg]."""
+    """Content of a chaser's tank: ΔV [m/s], or propellant [kg] for a tank by mass."""
 
     chaser: str
     amount: float
 
 
 class Edit(Record):
-    """One edit, as the page sends it: one of its fields is stated."""
+    """One edit, as sent by the page, with exactly one field."""
 
     targets: TargetsEdit | None = None
     duration_s: float | None = None
@@ -47,7 +47,7 @@ class Edit(Record):
 
 
 def read_edit(text: str) -> Edit:
-    """The edit that a JSON text holds.
+    """The edit in a JSON text.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def read_edit(text: str) -> Edit:
 
 @dataclass(frozen=True)
 class Draft:
-    """What is wanted of a field.
+    """The edited state of a field.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Draft:
 
     @cached_property
     def instance(self) -> Instance:
-        """The instance that is planned: without what is excluded."""
+        """The instance to plan, without excluded targets."""
         if not self.excluded:
             return self.field
         kept = tuple(each for each in self.field.targets if each.name not in self.excluded)
@@ -93,7 +93,7 @@ class Draft:
 
     @cached_property
     def sha256(self) -> str:
-        """SHA-256 of the instance that is planned."""
+        """SHA-256 of the instance to plan."""
         return self.instance.sha256
 
     def edited(self, edit: Edit) -> Draft:
@@ -111,7 +111,7 @@ class Draft:
         return replace(self, field=self.field.with_limits(duration_s=edit.duration_s))
 
     def _with_targets(self, edit: TargetsEdit) -> Draft:
-        """What is required is not excluded, and what is excluded not required: the last one said.
+        """Keep required and excluded targets disjoint; the latest edit wins.
 
         Raises
         ------
@@ -154,13 +154,13 @@ def _refuse_strangers(wanted: Iterable[str], known: Iterable[str], what: str) ->
 
 
 def amount_of(chaser: Chaser) -> float:
-    """What a chaser has when its tank is full: propellant [kg], or ΔV [m/s]."""
+    """Content of a chaser's full tank: propellant [kg], or ΔV [m/s]."""
     tank = chaser.tank
     return tank.propellant_kg if isinstance(tank, TankByMass) else tank.delta_v_m_s
 
 
 def _with_amount(chaser: Chaser, amount: float) -> Chaser:
-    """A chaser whose full tank holds so much; at the start it holds no more than that."""
+    """A chaser with a full tank of this content, which also limits it at the start."""
     field = "propellant_kg" if isinstance(chaser.tank, TankByMass) else "delta_v_m_s"
     changes = {field: amount}
     initial = getattr(chaser.tank, f"initial_{field}")
@@ -170,7 +170,7 @@ def _with_amount(chaser: Chaser, amount: float) -> Chaser:
 
 
 def told(edit: Edit) -> str:
-    """An edit in words, for what can be undone."""
+    """An edit in words, for the undo list."""
     if edit.duration_s is not None:
         return f"duration {edit.duration_s / DAY_S:.6g} d"
     if edit.budget is not None:
@@ -186,7 +186,7 @@ def told(edit: Edit) -> str:
 
 
 class History:
-    """Drafts one after the other, and which of them is looked at.
+    """A sequence of drafts, and the current one.
 
     Parameters
     ----------
@@ -200,21 +200,21 @@ class History:
 
     @property
     def draft(self) -> Draft:
-        """The one that is looked at."""
+        """The current draft."""
         return self._drafts[self._at]
 
     @property
     def undoes(self) -> str | None:
-        """What would be undone, in words; None for nothing."""
+        """The edit that undo would revert, in words; None if there is none."""
         return self._words[self._at] if self._at else None
 
     @property
     def redoes(self) -> str | None:
-        """What would be done again, in words; None for nothing."""
+        """The edit that redo would repeat, in words; None if there is none."""
         return self._words[self._at + 1] if self._at + 1 < len(self._drafts) else None
 
     def edit(self, edit: Edit) -> bool:
-        """Go on from here; what was undone is forgotten. Whether anything changes.
+        """Apply an edit, discarding undone ones; returns whether anything changed.
 
         Raises
         ------
@@ -233,13 +233,13 @@ class History:
         return True
 
     def undo(self) -> bool:
-        """Go back by an edit; whether there was one."""
+        """Undo an edit; returns whether there was one."""
         moved = self._at > 0
         self._at -= moved
         return moved
 
     def redo(self) -> bool:
-        """Go forward again; whether something had been undone."""
+        """Redo an edit; returns whether there was one."""
         moved = self._at + 1 < len(self._drafts)
         self._at += moved
         return moved

@@ -1,4 +1,4 @@
-"""The working folder: the last plan with its instance, and the draft that is not planned yet."""
+"""The working folder: the latest plan with its instance, and an unplanned draft."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 
 INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
-"""All files but that of given connections; the first two always belong together."""
+"""Files apart from that of given connections; the first two always belong together."""
 
 
 class Folder:
-    """Where what is edited and planned is kept; nothing else is ever written.
+    """The folder where edits and plans are stored; nothing is written elsewhere.
 
-    One that holds the work of an earlier call is taken only by those who go on with it. Nothing is
+    A folder with the work of an earlier call is used only to continue that work. Nothing is
     made before :meth:`make`.
 
     Parameters
@@ -53,7 +53,7 @@ class Folder:
             )
 
     def make(self) -> None:
-        """Make the folder if it is not there.
+        """Create the folder if it is absent.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class Folder:
             ) from None
 
     def keep_draft(self, instance: Instance, *, planned: bool) -> None:
-        """Keep what is edited; where the plan that is kept is one of it, there is no draft."""
+        """Store the draft, unless the stored plan is one of it."""
         path = self._file(DRAFT)
         reference, given = instance.transfer.given, instance.given
         if reference is not None and given is not None:
@@ -83,7 +83,7 @@ class Folder:
             self._save(instance, path)
 
     def keep_plan(self, instance: Instance, plan: Plan) -> None:
-        """Keep a plan and its instance."""
+        """Store a plan and its instance."""
         path = self._file(PLAN)
         self._save(instance, self._file(INSTANCE))
         plan.save(path)
@@ -94,7 +94,7 @@ class Folder:
         instance.save(path)
 
     def _file(self, name: str) -> Path:
-        """A file of the folder, which must not lead out of it."""
+        """A file of the folder, which must not lead outside."""
         path = self.path / name
         if path.is_symlink():
             raise InputError(f"{path}: a link, which may lead out of the folder; remove it")

@@ -1,4 +1,4 @@
-"""Who is let in: those who have the token, from this machine, in requests of a sensible size."""
+"""Access control: requests with the token, from this machine, of a limited size."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 MOST_BYTES = 2**20
-"""Of a request: an edit that names 10,000 targets has half as many."""
+"""Maximum size of a request: an edit that names 10,000 targets has half of it [bytes]."""
 
 HEADERS = {
     "Cache-Control": "no-store",
@@ -21,18 +21,18 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
-"""Of every answer. There are none of CORS: no other page reads anything."""
+"""Headers of every answer. There are none of CORS: no other page may read anything."""
 
 
 class TooLarge(Exception):
-    """A request has more bytes than it said, or than it may have."""
+    """A request is larger than declared, or than allowed."""
 
 
 class Guard:
-    """Lets requests through that may be answered, and refuses all others.
+    """Passes permitted requests on, and refuses all others.
 
-    The host has to be this machine by one of the names that nobody else's name server can give
-    out: a page of somebody else whose name leads here (DNS rebinding) says another one. The token
+    The host has to be this machine by a name that no foreign name server can give
+    out: a foreign page whose name leads here (DNS rebinding) says another one. The token
     is in the query or in a cookie that the browser sends to this page alone. What changes something
     is a POST of JSON, from this page.
 
@@ -119,7 +119,7 @@ _TOO_LARGE = f"the request is too large; the most is {MOST_BYTES} bytes"
 
 
 def _cookie(headers: Headers, name: str) -> str:
-    """The value of a cookie; nothing where there is none."""
+    """Value of a cookie; empty if absent."""
     try:
         found = SimpleCookie(headers.get("cookie", "")).get(name)
     except CookieError:

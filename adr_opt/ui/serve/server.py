@@ -1,4 +1,4 @@
-"""The server: on 127.0.0.1, until somebody says that it is enough."""
+"""The server: on 127.0.0.1, until it is stopped."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from .session import EditingSession
 
 HOST = "127.0.0.1"
 LAST_ANSWERS_S = 2
-"""Answers that are under way at the end may take so long [s]."""
+"""Longest wait for pending answers at the end [s]."""
 
 
 def listening(port: int = 0) -> socket.socket:
-    """A socket of this machine alone that listens at a port, 0 for any that is free.
+    """A socket that listens on a local port, 0 for any free one.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def listening(port: int = 0) -> socket.socket:
 
 
 class Server:
-    """A session on a port of this machine.
+    """A session on a local port.
 
     Parameters
     ----------
@@ -71,16 +71,16 @@ class Server:
         )
 
     def start(self) -> None:
-        """Begin to answer."""
+        """Start answering."""
         self._thread.start()
 
     def wait(self, ended: threading.Event) -> None:
-        """Answer until it is ended."""
+        """Answer until ended."""
         while self._thread.is_alive() and not ended.wait(0.5):
             pass
 
     def close(self) -> None:
-        """Answer no more."""
+        """Stop answering."""
         self._closing.set()
         self._server.should_exit = True
         self._thread.join(LAST_ANSWERS_S + 3.0)

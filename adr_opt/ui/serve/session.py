@@ -1,4 +1,4 @@
-"""A session of editing: what is edited, what was planned of it, where it is kept, and who plans."""
+"""An editing session: drafts, their plans, storage, and the planner."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from .folder import Folder
 from .work import Look, PlanningOrder, Work, in_percent
 
 PLANS_KEPT = 32
-"""Plans of so many drafts are remembered: who undoes to one sees its plan again."""
+"""Number of drafts whose plans are remembered, for undo."""
 
 
 class EditingSession:
-    """What the page shows and changes.
+    """State shown and changed by the page.
 
     Parameters
     ----------
@@ -73,15 +73,15 @@ class EditingSession:
         self._go(lambda: self._history.edit(edit))
 
     def undo(self) -> None:
-        """Take the last edit back."""
+        """Undo the last edit."""
         self._go(self._history.undo)
 
     def redo(self) -> None:
-        """Make the edit again that was undone last."""
+        """Redo the last undone edit."""
         self._go(self._history.redo)
 
     def plan(self, order: PlanningOrder) -> None:
-        """Plan the draft as it is; what runs is stopped first.
+        """Plan the current draft; a running plan is stopped first.
 
         Raises
         ------
@@ -93,20 +93,20 @@ class EditingSession:
             self._work.begin(self._history.draft.instance, order, known)
 
     def stop(self) -> None:
-        """Ask the planner for what it has."""
+        """Ask the planner for its best plan."""
         self._work.stop()
 
     def close(self, seconds: float) -> bool:
-        """Stop, and wait for what is still written; whether all is over."""
+        """Stop, and wait for pending writes; returns whether all is finished."""
         self._work.stop()
         return self._work.wait(seconds)
 
     def look(self) -> Look:
-        """How far the planner is."""
+        """Progress of the planner."""
         return self._work.look()
 
     def report(self) -> str | None:
-        """The report page of the plan that is shown; None without one.
+        """Report page of the displayed plan; None without one.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class EditingSession:
         return made[1]
 
     def state(self) -> dict[str, Any]:
-        """All that the page shows but the report and the run, as JSON can say it."""
+        """State of the page apart from report and run, as JSON data."""
         with self._lock:
             draft, history = self._history.draft, self._history
             field, shown = draft.field, self._shown
@@ -178,7 +178,7 @@ class EditingSession:
         }
 
     def _go(self, move: Callable[[], bool]) -> None:
-        """Go to another draft, and to its plan if there is one."""
+        """Switch to another draft, and to its plan if there is one."""
         with self._lock:
             if not move():
                 return
@@ -198,7 +198,7 @@ class EditingSession:
         self._folder.keep_draft(draft.instance, planned=planned)
 
     def _planned(self, instance: Instance, result: Result) -> str:
-        """Take a result over, in the thread of the planner; what is said of it."""
+        """Adopt a result, in the planner's thread; returns the message about it."""
         plan = result.plan
         notes = "".join(f"; {note}" for note in result.notes)
         if plan is None:
@@ -212,7 +212,7 @@ class EditingSession:
         return f"{counted(visits, 'target')} visited, {status_words(plan.status)}{notes}"
 
     def _keep(self, instance: Instance, plan: Plan) -> None:
-        """Show a plan, remember it, and write it."""
+        """Show, remember and store a plan."""
         key = plan.instance.sha256
         self._plans[key] = instance, plan
         self._plans.move_to_end(key)
@@ -224,7 +224,7 @@ class EditingSession:
 
 
 def choices() -> dict[str, Any]:
-    """What the page offers: methods, bounds and their defaults."""
+    """Choices offered by the page: methods, bounds and their defaults."""
     return {
         "methods": list(names(PLANNERS)),
         "bounds": list(names(BOUNDS)),

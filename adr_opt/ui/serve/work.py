@@ -1,4 +1,4 @@
-"""Planning in a thread: one plan at a time, watched, stopped, on the timetable that is there."""
+"""Planning in a thread: one plan at a time, observable and stoppable, on an existing timetable."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from ..report.text import NOTHING, number
 Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
 
 MOST_POINTS = 400
-"""So many changes of incumbent and bound are kept, the first and the last ones."""
+"""Maximum number of stored changes of incumbent and bound, first and last ones."""
 
 LONGEST_S = 7.0 * 86400.0
-"""A longer time limit is a slip of the hand."""
+"""Largest time limit; beyond it, a typing error is assumed."""
 
 
 @dataclass(frozen=True)
 class PlanningOrder:
-    """How to plan.
+    """Parameters of a planning run.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class PlanningOrder:
     goes_on: bool = True
 
     def check(self) -> None:
-        """Refuse what can be refused before anything is begun.
+        """Refuse invalid parameters before anything starts.
 
         Raises
         ------
@@ -71,7 +71,7 @@ class PlanningOrder:
 
 @dataclass(frozen=True)
 class Look:
-    """How far a run is.
+    """Progress of a run.
 
     Attributes
     ----------
@@ -108,11 +108,11 @@ class Look:
 
     @property
     def runs(self) -> bool:
-        """Whether it is not over."""
+        """Whether it is still running."""
         return self.phase not in ("idle", "done", "failed")
 
     def to_dict(self) -> dict[str, Any]:
-        """As JSON can say it: null for what is not finite."""
+        """The progress as JSON data, with null for numbers that are not finite."""
         known = math.isfinite(self.incumbent) and math.isfinite(self.bound)
         gap = relative_gap(self.incumbent, self.bound) if known else None
         return {
@@ -133,7 +133,7 @@ class Look:
 
 
 def in_percent(gap: float | None) -> str:
-    """A gap as the report has it; nothing where there is none."""
+    """A gap as in the report; empty if there is none."""
     return NOTHING if gap is None else f"{number(100.0 * gap)} %"
 
 
@@ -143,7 +143,7 @@ def _finite(value: float) -> float | None:
 
 @dataclass
 class _Run:
-    """One run, as its thread and those who look at it share it."""
+    """A run, shared by its thread and its observers."""
 
     number: int
     order: PlanningOrder
@@ -157,12 +157,12 @@ class _Run:
     said: str = ""
 
     def building(self, share: float) -> None:
-        """Hear of the share of the timetable that is built; the clock has started."""
+        """Receive the share of the timetable that is built; the clock has started."""
         self._begin()
         self.phase, self.built = "timetable", share
 
     def __call__(self, incumbent: float, bound: float) -> None:
-        """Hear of an incumbent and a bound."""
+        """Receive an incumbent and a bound."""
         self._begin()
         self.phase, self.built = "planning", 1.0
         last = self.points[-1] if self.points else (0.0, -math.inf, math.inf)
@@ -174,7 +174,7 @@ class _Run:
         self.points.append((self.elapsed_s, *best))
 
     def settle(self, result: Result) -> None:
-        """Take over what is stated in the end, which may be less than was hoped on the way."""
+        """Adopt the final result, which may be below an incumbent reported before."""
         self._begin()
         known, stated = (-math.inf, math.inf), (result.objective, result.upper_bound)
         if (self.points[-1][1:] if self.points else known) != stated:
@@ -182,13 +182,13 @@ class _Run:
 
     @property
     def elapsed_s(self) -> float:
-        """Since the clock began [s]."""
+        """Time since the clock started [s]."""
         if self.began is None:
             return 0.0
         return (time.monotonic() if self.ended is None else self.ended) - self.began
 
     def look(self) -> Look:
-        """How far it is."""
+        """Progress of the run."""
         points = tuple(self.points)
         last = points[-1] if points else (0.0, -math.inf, math.inf)
         return Look(
@@ -202,11 +202,11 @@ class _Run:
 
 
 Done = Callable[[Instance, Result], str]
-"""What is done with a result, and said of it."""
+"""Handles a result; returns a message about it."""
 
 
 class Work:
-    """Plans one instance after the other.
+    """Plans one instance after another.
 
     Parameters
     ----------
@@ -222,12 +222,12 @@ class Work:
         self._count = 0
 
     def look(self) -> Look:
-        """How far the last run is."""
+        """Progress of the last run."""
         run = self._run
         return Look() if run is None else run.look()
 
     def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
-        """Plan; a run that is not over is stopped first. Returns the number of the run.
+        """Plan, stopping any run in progress; returns the number of the run.
 
         Parameters
         ----------
@@ -254,13 +254,13 @@ class Work:
         return run.number
 
     def stop(self) -> None:
-        """Ask the run for what it has."""
+        """Ask the run for its best plan."""
         run = self._run
         if run is not None:
             run.stop.interrupt()
 
     def wait(self, seconds: float) -> bool:
-        """Wait until nothing runs; whether that is so."""
+        """Wait until nothing runs; returns whether that is the case."""
         run = self._run
         return run is None or run.over.wait(seconds)
 
@@ -278,7 +278,7 @@ class Work:
             run.phase = "done"
         except InputError as error:
             run.said, run.phase = str(error), "failed"
-        except Exception as error:  # whoever looks at the page has to hear of it
+        except Exception as error:  # to be reported on the page
             run.said = f"{run.order.method} failed: {type(error).__name__}: {error}"
             run.phase = "failed"
         finally:

@@ -1,4 +1,4 @@
-"""What went wrong, a sentence for each."""
+"""Failures, a sentence for each."""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ class Section:
 
     @property
     def title(self) -> str:
-        """How the section is called."""
+        """Title of the section."""
         number = "no keep-out zones" if self.zones == 0 else f"{self.zones} keep-out zones"
         return f"{self.suite}, {number}"
 

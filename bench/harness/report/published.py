@@ -1,4 +1,4 @@
-"""What the published study and its companion report, to stand beside ours."""
+"""Results of the published study and its companion, for comparison."""
 
 from __future__ import annotations
 
@@ -58,5 +58,5 @@ PUBLISHED = {
         Published("Masked PPO", "ppo", (3.2, 8.1)),
     ),
 }
-"""By suite. ``nominal`` is the study itself with means of its companion, the others are the
+"""Results by suite. ``nominal`` is the study itself with means of its companion, the others are the
 companion's."""

@@ -84,7 +84,7 @@ class Spot:
 
     @property
     def amount(self) -> str:
-        """How much it is given: widths and numbers, or else its time limit."""
+        """Amount of work: widths and numbers, or else its time limit."""
         amounts = [text for name, text in self.options.items() if name in AMOUNTS]
         return ", ".join(amounts) or f"{self.method.rpartition('@')[2]} s"
 
@@ -120,7 +120,7 @@ def curves(found: Iterable[Spot]) -> dict[str, list[Spot]]:
 
 
 def words(curve: list[Spot]) -> list[str]:
-    """What stands beside the points of a curve: what tells them apart, and the curve by its end."""
+    """Labels beside the points of a curve: their differences, and the curve by its end."""
     chosen = curve[0].curve.partition(" ")[2]
     texts = [""] * len(curve)
     if len(curve) > 1:

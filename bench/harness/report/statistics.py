@@ -70,7 +70,7 @@ class Paired:
 
 
 def least_p(fields: int, together: int = 1) -> float:
-    """The least p that a paired test of so many fields can give, if so many are adjusted."""
+    """Least p of a paired test on this number of fields, adjusted for several tests."""
     return min(1.0, together * 2.0 ** (1 - fields)) if fields else 1.0
 
 

@@ -47,7 +47,7 @@ MOST_M_S = EXHAUST_M_S * math.log(1.0 + MOST_PROPELLANT_KG / DRY_KG) + 1.0
 """A leg of more needs more than a full tank by itself, whatever a chaser carries besides."""
 
 ROUNDS = 4
-"""Of reweighting; more bring less than a tenth of a metre per second."""
+"""Number of reweighting rounds; more bring less than a tenth of a metre per second."""
 
 SAFETY = 1e-9
 """Share by which a bound is lowered for the rounding of its own arithmetic."""

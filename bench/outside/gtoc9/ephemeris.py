@@ -1,4 +1,4 @@
-"""Where the debris are, by the contest's own ephemeris."""
+"""Positions of the debris, by the contest's own ephemeris."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Debris:
 
     @property
     def revolution_s(self) -> float:
-        """Of the mean anomaly [s]."""
+        """Period of the mean anomaly [s]."""
         return math.tau * math.sqrt(self.axis**3 / MU_M3_S2)
 
     def state(self, time_s: float) -> FloatArray:

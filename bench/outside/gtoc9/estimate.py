@@ -20,8 +20,8 @@ from .campaign import Removals
 from .scoring import STAY_D, WITHIN_D
 
 LIMITS_M = 6600e3, EARTH_RADIUS_M + 2000e3
-"""Of the drift orbit, as radii. The contest asks for perigees above 6600 km; there is no other
-limit in it, and none of the winning legs comes near this upper one."""
+"""Limits of the drift orbit, as radii. The contest asks for perigees above 6600 km; there is no
+other limit in it, and none of the winning legs comes near this upper one."""
 
 
 def legs_m_s(mission: Removals, rows: FloatArray) -> tuple[float, ...]:

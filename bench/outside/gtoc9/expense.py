@@ -1,4 +1,4 @@
-"""What a mission of GTOC9 costs, by its legs: propellant backwards, then millions of euros."""
+"""Cost of a GTOC9 mission from its legs: propellant backwards, then millions of euros."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ EXHAUST_M_S = 340.0 * 9.80665
 """Specific impulse times g₀."""
 
 LAUNCH_MEUR = 55.0
-"""Of a mission at the end of the contest; earlier submissions paid less, from 45."""
+"""Launch cost at the end of the contest; earlier submissions paid less, from 45."""
 
 PER_KG2_MEUR = 2e-6
-"""Times the square of what the launched mass exceeds the dry one by."""
+"""Cost per squared kilogram of launched mass beyond the dry mass."""
 
 
 def launched_kg(delta_v_m_s: Sequence[float]) -> float:

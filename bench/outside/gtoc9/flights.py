@@ -28,10 +28,10 @@ from .judging import Judged, judged
 from .phases import latitude_of
 
 STEP_D, ROUNDS = 0.1, 1
-"""Of the grid on which missions get times at which legs meet their debris in phase [d]."""
+"""Step of the grid on which legs are timed to meet debris in phase [d], and number of rounds."""
 
 LATER_D = 0.0, 0.02, 0.05, 0.1, 0.2, 0.4
-"""By so much later a leg departs for which no impulses were found: a longer stay breaks no rule."""
+"""Delays of a departure for which no impulses were found: a longer stay breaks no rule."""
 
 
 def fly(

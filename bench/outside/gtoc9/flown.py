@@ -17,7 +17,7 @@ from ..reading import FloatArray, floats_of, read_object, sequence_of
 from .campaign import Removals, Stop
 
 DIGITS = 9
-"""Of days and of metres a second that are written: they move an arrival by centimetres."""
+"""Digits of days and of m/s that are written: they move an arrival by centimetres."""
 
 
 class Flight(NamedTuple):

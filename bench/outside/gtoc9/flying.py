@@ -20,22 +20,22 @@ from .guessing import Guess, guesses, phased
 from .polishing import polished, without_one
 
 MOST_IMPULSES = 5
-"""Of a leg."""
+"""Maximum number of impulses per leg."""
 
 CLOSE_M, CLOSE_M_S = 100.0, 1.0
-"""How near a chaser must come to a debris to be with it."""
+"""Largest distance and relative speed at a rendezvous."""
 
 LOWEST_M = 6600e3
 """Least radius of perigees."""
 
 BEST = 2
-"""So many guesses are flown."""
+"""Number of guesses flown."""
 
 DROPPED = 2
-"""So many ways to do without an impulse are made cheaper."""
+"""Number of ways to omit an impulse that are optimised."""
 
 WORSE = 1.1
-"""A flight that costs so many times its guess has left the guess's valley."""
+"""Ratio to its guess's cost beyond which a flight has left the guess's valley."""
 
 
 @dataclass(frozen=True)

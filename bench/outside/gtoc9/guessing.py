@@ -26,26 +26,26 @@ from adr_opt.kernels.orbits.gravity import FIELDS
 from ..reading import FloatArray
 
 PER_REVOLUTION, MOST_TIMES = 12, 108
-"""Times at which impulses are tried."""
+"""Number of times at which impulses are tried: per revolution, and at most."""
 
 REVOLUTIONS, STRIDE = 12, 3
-"""So many revolutions more and fewer than without any impulse are tried: every third of them, and
-then the neighbours of the best one."""
+"""Range of revolutions tried, more and fewer than without impulses: every third of them, and then
+the neighbours of the best one."""
 
 MOST_DRIFT_M_S = 250.0
-"""What the two impulses of a drift orbit come to at most; beyond lie the limits of altitude."""
+"""Maximum total of both impulses of a drift orbit; beyond it lie the limits of altitude."""
 
 CLOSE_RAD, MOST_SECANT = 1e-3, 12
-"""When a trajectory meets the goal's longitude, and steps that lead there."""
+"""Tolerance of the goal's longitude, and maximum number of secant steps."""
 
 RANKED = 4
-"""So many drift orbits are followed further."""
+"""Number of drift orbits followed further."""
 
 ROUNDS = 3
-"""Of impulses of least size about those of the round before."""
+"""Rounds of least impulses, each around those of the previous one."""
 
 TOLERANCE = 1e-2
-"""Of impulses of least size: they are guesses."""
+"""Tolerance of least impulses, which are only guesses."""
 
 MOST_M_S = 2000.0
 """A guess of more is none."""
@@ -64,7 +64,7 @@ class Guess(NamedTuple):
 
 
 def times_of(start_s: float, end_s: float, revolution_s: float) -> FloatArray:
-    """Times about both ends, and some between."""
+    """Times near both ends, and some in between."""
     grid = np.arange(start_s, end_s, revolution_s / PER_REVOLUTION)
     if grid.size <= MOST_TIMES:
         return np.r_[grid, end_s]

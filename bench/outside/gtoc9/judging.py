@@ -24,10 +24,10 @@ from .flying import CLOSE_M, CLOSE_M_S, LOWEST_M, MOST_IMPULSES
 from .scoring import Score, score
 
 ROWS = 8
-"""Of the extrapolation: steps are cut into 2, 4, … 16 parts."""
+"""Rows of the extrapolation: steps are cut into 2, 4, … 16 parts."""
 
 SLACK_S = 1e-5
-"""Of times of impulses, which a file has rounded."""
+"""Tolerance of times of impulses, which a file has rounded."""
 
 PER_RADIAN = 3.0
 """Steps for a radian that the chaser runs through."""
@@ -100,7 +100,7 @@ def coasted(state, seconds):
 
 @dataclass(frozen=True)
 class JudgedLeg:
-    """What a leg comes to: ΔV [m/s], off the debris [m, m/s], the lowest perigee [m]."""
+    """Result of a leg: ΔV [m/s], distance from the debris [m, m/s], lowest perigee [m]."""
 
     delta_v_m_s: float
     miss_m: float

@@ -1,4 +1,4 @@
-"""What is known of GTOC9: the winner's campaign as flown, by the estimate, and re-timed; and ours.
+"""Known results of GTOC9: the winner's campaign as flown, estimated and re-timed; and ours.
 
 J of the estimate, J re-timed and J of a campaign that was flown are different things.
 """
@@ -30,7 +30,7 @@ PUBLISHED_MEUR = 731.2756
 """J of the winning solution (Petropoulos et al., Acta Futura 11, 2018, 25–35)."""
 
 ROUNDED_D = 0.2
-"""Times of the file are rounded to a hundredth of a day, those of a mission one after another."""
+"""Rounding of the file's times to hundredths of a day, accumulated over a mission."""
 
 STEP_D = 0.1
 

@@ -29,7 +29,7 @@ from .scoring import APART_D, STAY_D
 from .tables import UNIT_M_S
 
 STEP_D = 2.5
-"""Of the cells."""
+"""Length of the cells."""
 
 REMEMBERED = 6
 """Neighbours of each debris that walks remember."""
@@ -39,13 +39,13 @@ LEGS = 0.024
 expense touches it first."""
 
 MOST_LEGS = 1.25
-"""Of one mission: a full tank."""
+"""Largest such sum of one mission: a full tank."""
 
 DEAR_MEUR = 340.0
-"""So many missions as launches and kits alone make dearer are not looked at."""
+"""Excess of launches and kits alone beyond which a number of missions is not considered."""
 
 TARGET_MEUR = 2.7
-"""What the steps of prices aim at for each debris."""
+"""Target value per debris in the steps of prices."""
 
 STAGES = (3, 30.0), (6, 60.0), (12, 240.0)
 """Masses between which costs are linear, and processor time [s]: in the first stages of a number of
@@ -77,7 +77,7 @@ class Proven:
 
 @dataclass
 class _Campaigns:
-    """What is known of campaigns of so many missions.
+    """Results for campaigns with a given number of missions.
 
     Attributes
     ----------
@@ -102,7 +102,7 @@ class _Campaigns:
 
 
 def launches_and_kits_meur(missions: int, count: int) -> float:
-    """What so many missions cost at least that share all debris, without a leg.
+    """Least cost of a number of missions that share all debris, without legs.
 
     Kits are best shared evenly, since squares are convex.
     """

@@ -44,17 +44,17 @@ class Leg(NamedTuple):
 
     @property
     def days(self) -> float:
-        """How long it takes."""
+        """Duration of the leg."""
         return (self.arrival - self.departure) / DAY_S
 
     @property
     def closed_form(self) -> float:
-        """What the closed form says, which planning is done with [m/s]."""
+        """ΔV by the closed form used in planning [m/s]."""
         return float(drift.delta_v(self.phased, self.departure, self.arrival))
 
     @property
     def first_order(self) -> float:
-        """What the form of first order says, which knows no phase [m/s]."""
+        """ΔV by the first-order form, without phase [m/s]."""
         return float(drift_linear.delta_v(self.pair, self.departure, self.arrival))
 
     @property

@@ -21,10 +21,10 @@ from .scoring import APART_D, STAY_D, Score, score
 from .tables import UNIT_M_S, table
 
 STEP_D = 2.5
-"""Of the grid on which tours are planned; stay and longest leg are whole numbers of it."""
+"""Step of the grid on which tours are planned; stay and longest leg are multiples of it."""
 
 SLACK_D = 0.6
-"""How much longer transfers may take in planning: on a fine grid less time is lost."""
+"""Extra time allowed for transfers in planning: on a fine grid less time is lost."""
 
 FINE = 4
 """Lengths of transfers that are tried within a step."""
@@ -34,7 +34,7 @@ EXPENSE = TourExpense(
 )
 
 REFINED = 2
-"""So many of the tours get better times, the best of which counts."""
+"""Number of tours that are re-timed; the best of them counts."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ class Latitude(NamedTuple):
 
 
 def latitude_of(debris: Debris) -> Latitude:
-    """The mean arguments of latitude of a debris and of who leaves it."""
+    """Mean arguments of latitude of a debris object and of a chaser leaving it."""
     axis, gone = debris.axis, debris.epoch_d * DAY_S
     motion = math.sqrt(MU_M3_S2 / axis**3)
     _, perigee, anomaly = ephemeris.secular_rates(

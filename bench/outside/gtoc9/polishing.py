@@ -20,13 +20,13 @@ from adr_opt.kernels.orbits.gravity import FIELDS
 from ..reading import FloatArray
 
 UNIT_S, UNIT_M = 200.0, 1e3
-"""Of times and of misses as the program sees them."""
+"""Scales of times and of misses in the program."""
 
 STEPS, WORTH_M_S = 25, 0.02
-"""Most steps of the program, and the ΔV that another one must be worth."""
+"""Maximum number of steps of the program, and least ΔV gain for another one."""
 
 ROOM_S, ROOM_M_S = 3000.0, 100.0
-"""How far a time and a component may go: half a revolution, and no wild orbits on the way."""
+"""Trust region of times and components: half a revolution, and no wild orbits on the way."""
 
 APART_S = 1.0
 """Impulses do not come nearer to each other."""
@@ -67,7 +67,7 @@ def sensitive(
 
 
 def polished(course: LegEnds, times: FloatArray, impulses: FloatArray) -> FlownImpulses:
-    """As many impulses of less ΔV, at better times.
+    """The same number of impulses at better times, with less ΔV.
 
     Raises
     ------

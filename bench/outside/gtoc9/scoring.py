@@ -10,7 +10,7 @@ from .campaign import Removals
 from .expense import MOST_PROPELLANT_KG, expense_meur, launched_kg, propellant_kg
 
 FIRST_D, LAST_D = 23467.0, 26419.0
-"""Between which missions lie [d, MJD2000]."""
+"""Range of the missions [d, MJD2000]."""
 
 STAY_D, WITHIN_D, APART_D = 5.0, 30.0, 30.0
 """Least stay at a debris; most from an arrival to the next; least between missions [d]."""
@@ -18,7 +18,7 @@ STAY_D, WITHIN_D, APART_D = 5.0, 30.0, 30.0
 
 @dataclass(frozen=True)
 class Score:
-    """What a campaign comes to.
+    """Score of a campaign.
 
     Attributes
     ----------

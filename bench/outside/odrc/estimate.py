@@ -15,7 +15,7 @@ import numpy as np
 from ..reading import FloatArray
 
 MU_M3_S2, EARTH_RADIUS_M, J2 = 3.986004e14, 6.378137e6, 1.082626e-3
-"""As the estimate has them [m³/s²], [m]."""
+"""Constants of the estimate [m³/s²], [m]."""
 
 FACTOR, THRUST_M_S2 = 1.5, 3e-3
 

@@ -1,4 +1,4 @@
-"""What is known of `odrc`: the published plan, and the best one on a grid by all subsets."""
+"""Known results of `odrc`: the published plan, and the best one on a grid by all subsets."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .scoring import score
 from .subsets import cheapest
 
 STEPS, FINER, CHASERS = 365, 10, 3
-"""Departures every day, and so many times as often."""
+"""Number of departures in the year, factor of the finer grid, and number of chasers."""
 
 TIME_LIMIT_S = 60.0
 

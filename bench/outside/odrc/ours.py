@@ -23,7 +23,7 @@ NAME = "odrc"
 
 
 class Ours(NamedTuple):
-    """What was planned.
+    """The planned campaign.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ SLACK_S = 1.0
 
 
 class Route(NamedTuple):
-    """What one chaser does: debris in order, and when it leaves for each [s]."""
+    """Route of one chaser: debris in order, with departures [s]."""
 
     debris: tuple[int, ...]
     departures_s: tuple[float, ...]
@@ -30,7 +30,7 @@ class Route(NamedTuple):
 
 @dataclass(frozen=True)
 class Score:
-    """What a plan comes to.
+    """Score of a plan.
 
     Attributes
     ----------

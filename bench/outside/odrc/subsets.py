@@ -39,7 +39,7 @@ class Tables(NamedTuple):
 
 @kernel
 def _spread(spent, done, last):
-    """Whoever is ready may wait."""
+    """A ready chaser may wait."""
     for time in range(1, spent.shape[2]):
         spent[done, last, time] = min(spent[done, last, time], spent[done, last, time - 1])
 
@@ -79,7 +79,7 @@ def _fill(tables, load, most):
 
 @kernel
 def _cut(least, chasers, best, part):
-    """The cheapest way to cut each set into at most so many, and the first part of it.
+    """The cheapest partition of each set into a maximum number of parts, with its first part.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _cut(least, chasers, best, part):
 
 
 def tables_of(bodies: FloatArray, steps: int, load: int = LOAD) -> Tables:
-    """What chasers can do that leave at one of ``steps`` equal parts of the time, or at its end."""
+    """Possible routes of chasers that leave at one of ``steps`` equal parts of the time."""
     grid = LONGEST_S * np.arange(steps + 1) / steps
     duration, cost = matrices(bodies, grid)
     arrival = grid[:, None, None] + duration
@@ -126,7 +126,7 @@ def tables_of(bodies: FloatArray, steps: int, load: int = LOAD) -> Tables:
 def cheapest(
     bodies: FloatArray, steps: int, chasers: int, load: int = LOAD
 ) -> tuple[float, tuple[Route, ...]]:
-    """The least total ΔV [m/s] on a grid of so many steps, and a plan that has it."""
+    """Least total ΔV [m/s] on a grid with a number of steps, with its plan."""
     tables = tables_of(bodies, steps, load)
     least = tables.spent[:, :, -1].min(axis=1)
     best = np.empty((chasers + 1, least.size))
@@ -143,7 +143,7 @@ def cheapest(
 
 
 def _route(tables: Tables, done: int, steps: int) -> Route:
-    """How a chaser meets a set at least ΔV, backwards."""
+    """Route of a chaser over a set at least ΔV, backwards."""
     cost, then, spent = tables
     time, left = steps, float(spent[done, :, -1].min())
     last = int(np.argmin(spent[done, :, -1]))

@@ -51,7 +51,7 @@ def report(
 
 
 def _row(path: Path, known: Optimum | None, varying: bool, time_limit_s: float) -> Row:
-    """What others and we made of an instance; our score is that of the scorer."""
+    """Results of others and ours on an instance; our score is that of the scorer."""
     places = read_places(path)
     travel = travel_of(path, places, varying=varying)
     ours = plan(places, travel, time_limit_s)
@@ -71,7 +71,7 @@ def _row(path: Path, known: Optimum | None, varying: bool, time_limit_s: float) 
 
 
 def _sums(rows: Sequence[Row]) -> str:
-    """How many are proven, and in which time altogether."""
+    """Number of proven instances, and their total time."""
     proven = sum(row.ours == row.bound for row in rows)
     ours = sum(row.taken_s for row in rows)
     said = f"{proven} of {len(rows)} proven, in {ours:.1f} s"

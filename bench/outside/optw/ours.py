@@ -39,14 +39,14 @@ from .reading import FIRST_MS, SLOT_MS, Places
 from .scoring import score
 
 STEP_MS = 120_000.0
-"""Between the first points."""
+"""Spacing of the first points."""
 
 MOST_ROUNDS = 50
-"""Of optimistic plans that turn out to be no tours."""
+"""Maximum number of optimistic plans that turn out not to be tours."""
 
 
 class Ours(NamedTuple):
-    """What was planned.
+    """The planned tour.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Ours(NamedTuple):
 
 
 def latest_ms(places: Places) -> float:
-    """When the tour has ended at the latest."""
+    """Latest end of the tour."""
     return min(float(places.closes_ms[-1]), float(places.opens_ms[0]) + places.longest_ms)
 
 
@@ -85,14 +85,14 @@ def first_points(places: Places, step_ms: float = STEP_MS) -> list[FloatArray]:
 
 
 def travels_ms(given: FloatArray, departures_ms: FloatArray) -> FloatArray:
-    """As :func:`.scoring.travel_ms`, for many departures of one way."""
+    """Durations as of :func:`.scoring.travel_ms`, for many departures of one way."""
     slots = FIRST_MS + SLOT_MS * np.arange(given.size)
     found: FloatArray = np.interp(departures_ms, slots, given)
     return found
 
 
 def begins_ms(places: Places, travel: FloatArray, i: int, j: int, times: FloatArray) -> FloatArray:
-    """When service at j begins after service at i that begins at some times, if nobody lingers."""
+    """Earliest start of service at j after services at i that begin at some times."""
     ready = times + places.service_ms[i]
     arrival = ready + travels_ms(travel[i, j], ready)
     later: FloatArray = np.maximum(arrival, places.opens_ms[j])

@@ -51,7 +51,7 @@ class Places:
 
 
 class Optimum(NamedTuple):
-    """What CPLEX 12.6 made of a static instance: score, seconds, status as in the file."""
+    """Result of CPLEX 12.6 for a static instance: score, seconds, status as in the file."""
 
     score: float
     taken_s: float
@@ -116,7 +116,7 @@ def travel_of(path: Path, places: Places, *, varying: bool) -> FloatArray:
 
 
 def read_optima(path: Path) -> dict[str, Optimum]:
-    """What is published of the static instances, by name."""
+    """Published results of the static instances, by name."""
     found = {}
     for number, row in enumerate(csv.DictReader(read_text(path).splitlines()), 2):
         where = f"{path}: line {number}"

@@ -1,4 +1,4 @@
-"""What a tour is worth, and which rules it breaks."""
+"""Score of a tour, and the rules it breaks."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .reading import FIRST_MS, SLOT_MS, Places
 
 @dataclass(frozen=True)
 class Score:
-    """What a tour comes to.
+    """Score of a tour.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Score:
 
 
 def travel_ms(travel: FloatArray, origin: int, destination: int, departure_ms: float) -> float:
-    """How long a way takes [ms].
+    """Duration of a way [ms].
 
     Given are departures at the beginnings of slots; between two of them it is linear in the
     departure, as the authors of the instances have it, and after the last one constant. Then a

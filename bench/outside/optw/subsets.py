@@ -21,7 +21,7 @@ MOST_PLACES = 24
 
 @kernel
 def _arrival(given, departure, slot, first):
-    """When a way ends that begins at a time; the same as in scoring, as a kernel."""
+    """Arrival of a way by its departure; as in scoring, but as a kernel."""
     if given.size == 1:
         return departure + given[0]
     place = (departure - first) / slot

@@ -28,7 +28,7 @@ def cpsat(
     start: Iterable[int] | None = None,
     options: CpsatOptions = CpsatOptions(),
 ) -> Result:
-    """The best plan and an upper bound, by constraint programming on all connections.
+    """The best plan and an upper bound, by constraint programming over all connections.
 
     See :func:`solvers.models.course.prove` for the course and :mod:`solvers.planners.mip` for the
     same network as a mixed-integer program. A small mission (some four targets for a day) is

@@ -1,4 +1,4 @@
-"""What makes a choice of legs a plan."""
+"""Constraints that make a choice of legs a plan."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class CpSatConstraints:
         self._delta_v_fits()
 
     def _one_path(self) -> None:
-        """Begin at the start; leave each node that is entered by a leg or wait, or end there."""
+        """Begin at the start; at each node entered, leave by a leg, wait, or end."""
         network, variables = self._network, self._variables
         entering: list[list[cp_model.IntVar]] = [[] for _ in range(network.nodes)]
         for move, node in zip(variables.move, network.landing.tolist(), strict=True):
@@ -67,7 +67,7 @@ class CpSatConstraints:
         self._block.add_exactly_one(variables.last.values())
 
     def _each_target_once(self) -> None:
-        """Go to each target from one body at most: from exactly one if it is serviced."""
+        """Enter each target from at most one body: from exactly one if it is serviced."""
         variables = self._variables
         for pair, legs in self._legs_of.items():
             moves = [variables.move[leg] for leg in legs]
@@ -77,13 +77,13 @@ class CpSatConstraints:
             self._block.add_exactly_one([*ways, visit.negated()])
 
     def _not_too_many_targets(self) -> None:
-        """Service no more targets than the chaser may."""
+        """Service at most the chaser's maximum number of targets."""
         visits = list(self._variables.visit.values())
         if self._rules.most_targets < len(visits):
             self._block.add(sum(visits) <= self._rules.most_targets)
 
     def _delta_v_adds_up(self) -> None:
-        """Reach a target with the ΔV used before it and on the way to it."""
+        """At each target, accumulate the ΔV used before it and on the way to it."""
         used = self._variables.used
         for (i, j), go in self._variables.go.items():
             if j in used:
@@ -91,14 +91,14 @@ class CpSatConstraints:
                 self._block.add(used[j] >= needed).only_enforce_if(go)
 
     def _delta_v_fits(self) -> None:
-        """Reach a station within the budget; targets are by the range of ``used``."""
+        """Reach a station within the budget; for targets, the range of ``used`` ensures that."""
         used = self._variables.used
         for (i, j), go in self._variables.go.items():
             if j not in used:
                 self._block.add(used[i] + self._way(i, j) <= self._steps).only_enforce_if(go)
 
     def forbid(self, groups: list[list[int]]) -> None:
-        """Keep a path from using a leg of each of some groups."""
+        """Forbid paths with a leg from each of some groups."""
         moves = [self._variables.move[leg] for legs in groups for leg in legs]
         self._block.add(sum(moves) <= len(groups) - 1)
 

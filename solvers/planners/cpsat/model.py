@@ -1,4 +1,4 @@
-"""The network as a constraint programming model: CP-SAT solves it."""
+"""The network as a constraint-programming model, solved by CP-SAT."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .variables import CpSatVariables
 
 STEPS_PER_M_S = 1e5
 """ΔV is counted in steps of 0.01 mm/s. Those of a leg are rounded down and the budget up, so that
-no plan is lost; that is a relaxation by less than a step per leg, and paths are re-timed."""
+no plan is lost; the relaxation is below a step per leg, and paths are re-timed."""
 
 
 class CpSatModel:
@@ -48,7 +48,7 @@ class CpSatModel:
         self._variables.begin_from(self._block, network, start, cost)
 
     def forbid(self, groups: list[list[int]]) -> None:
-        """Let no path use a leg of each of these groups, from the next solve on."""
+        """Forbid paths with a leg from each of these groups, from the next solve on."""
         self._constraints.forbid(groups)
 
     def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:

@@ -1,4 +1,4 @@
-"""What a plan is worth."""
+"""Objective of the constraint-programming model."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class CpSatObjective:
         self._collect(variables, worth.tolist())
 
     def _collect(self, variables: CpSatVariables, worth: list[int]) -> None:
-        """Collect the prize of each target that is serviced."""
+        """Collect the prize of each serviced target."""
         visits = list(variables.visit.items())
         self._block.maximize(
             cp_model.LinearExpr.weighted_sum(

@@ -1,4 +1,4 @@
-"""What the constraint programming model decides."""
+"""Variables of the constraint-programming model."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class CpSatVariables:
     def begin_from(
         self, block: cp_model.CpModel, network: SolverNetwork, legs: list[int], cost: list[int]
     ) -> None:
-        """Give the variables the values of a plan, as hints.
+        """Set the values of a plan as hints.
 
         Parameters
         ----------

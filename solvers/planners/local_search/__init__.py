@@ -1,4 +1,4 @@
-"""Local search: improves any plan by changing the order of its targets.
+"""Local search: improves a plan by changing the order of its targets.
 
 Two ways to change it take turns. *Annealing* swaps, replaces, relocates, reverses, inserts and
 removes targets one move at a time; *ruin and recreate* keeps a beginning of the best plan and

@@ -14,7 +14,7 @@ from ...orders.timed_order import time_order, with_refuelling
 from . import moves
 
 PATIENCE_S = 4000.0
-"""A later end is not made up for any more once the order is the same again: a node or so."""
+"""Delay of the end beyond which re-timing stops once the order is unchanged: about a node."""
 
 
 @kernel
@@ -29,7 +29,7 @@ def _copy_labels(source, destination, first, last):
 
 @kernel
 def anneal(rules, order, length, labels, kept, weights, schedule, rng):
-    """Anneal an order: its value is the prizes collected less what the time used is worth.
+    """Anneal an order; its value is the sum of prizes less the value of the time used.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ LONGEST_REVERSAL = 8
 
 @kernel
 def _shift(order, source, destination):
-    """Take the target at ``source`` out and put it in at ``destination``, shifting the others."""
+    """Move the target at ``source`` to ``destination``, shifting the others."""
     target = order[source]
     if source < destination:
         for p in range(source, destination):
@@ -32,7 +32,7 @@ def _shift(order, source, destination):
 
 @kernel
 def apply_move(kind, order, length, rng):
-    """Make one random move of a kind.
+    """Apply one random move of a kind.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ class LocalSearch:
         self.best.offer(sequence)
 
     def anneal(self, iterations: int, hot: float, cold: float) -> bool:
-        """Anneal the best plan; whether it got better."""
+        """Anneal the best plan; returns whether it improved."""
         rules = self._mission.rules
         targets = range(rules.first_target, rules.service.size)
         visited = [j for j in self.best.sequence or () if not rules.is_station[j]]
@@ -74,7 +74,7 @@ class LocalSearch:
         return self.best.offer(best)
 
     def recreate(self, width: int, stop: Stop) -> bool:
-        """Keep a random beginning of the best plan and build a new end; whether it got better."""
+        """Rebuild the best plan after a random beginning; returns whether it improved."""
         sequence = self.best.sequence or ()
         return self.best.offer(recreate(self._mission, sequence, width, self._rng, stop))
 

@@ -1,4 +1,4 @@
-"""The planner: play a mission step by step, or mission after mission."""
+"""The planner: play a mission step by step, or one mission after another."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from . import tree as trees
 from .settings import MctsOptions, settings_of
 
 LARGEST_TREE = 10_000_000
-"""Most moves that a kept tree may list before it is begun anew: bounds its memory."""
+"""Maximum number of moves listed in a reused tree before it is rebuilt, which bounds its memory."""
 
 POLISH_WIDTH = 30
-"""Width of the beams that polish: a few milliseconds each on nominal missions."""
+"""Width of the polishing beams: a few milliseconds each on nominal missions."""
 
 
 @dataclass
 class _Player:
-    """One search: its settings as the kernels take them, its memory and its counters."""
+    """One search: settings in kernel form, memory and counters."""
 
     mission: Mission
     settings: MctsOptions
@@ -76,13 +76,13 @@ class _Player:
 
     @property
     def incumbent(self) -> float:
-        """Prizes of the plan that would be returned now; −inf before the first step."""
+        """Prize of the plan that would be returned now; −inf before the first step."""
         if self.settings.answer == "best":
             return float(self.record.best[1])
         return self.best_played
 
     def _new_mission(self) -> int:
-        """Begin a tree at the start; what the scale has seen is forgotten with it."""
+        """Reset the tree to the start, together with its value scale."""
         rules = self.mission.rules
         trees.write_node(self.tree, 0, rule_kernels.beginning(rules), 0.0)
         self.record.returns[:] = math.inf, -math.inf
@@ -133,7 +133,7 @@ class _Player:
                 return False
 
     def plan(self) -> npt.NDArray[np.int64]:
-        """The sequence to return."""
+        """The sequence to be returned."""
         if self.settings.answer == "best":
             return self.record.sequence[: int(self.record.best[0])]
         return self.answer
@@ -185,7 +185,7 @@ def mcts(
 def _polish(
     mission: Mission, plan: tuple[int, ...], steps: int, seed: int, stop: Stop
 ) -> tuple[tuple[int, ...], int]:
-    """Ruin and recreate a plan; returns the best one and how often it got better."""
+    """Ruin and recreate a plan; returns the best one and the number of improvements."""
     rng = np.random.default_rng(seed)
     polished = 0
     best = Incumbent(mission)

@@ -1,4 +1,4 @@
-"""How simulations move: uniformly at random, or guarded.
+"""Rollout policies: uniformly random, or guarded.
 
 The guard is :func:`adr_opt.kernels.rules.rules.has_way_back`. Greedy planners without it strand
 themselves early, and so do uniform rollouts: they see refuelling late or never.
@@ -15,7 +15,7 @@ from adr_opt.kernels.rules import rules as rule_kernels
 
 
 class RolloutSettings(NamedTuple):
-    """Numbers of the rollouts.
+    """Parameters of rollouts.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class RolloutSettings(NamedTuple):
 
 
 class SimulationScratch(NamedTuple):
-    """Memory of one simulation.
+    """Scratch arrays of one simulation.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class SimulationScratch(NamedTuple):
 
 
 def scratch(bodies: int) -> SimulationScratch:
-    """Fresh memory; no sequence of moves is longer than two per body."""
+    """New scratch arrays; a sequence has at most two moves per body."""
     return SimulationScratch(
         np.zeros(2 * bodies, dtype=np.int64),
         np.zeros(2 * bodies + 1, dtype=np.int64),
@@ -77,7 +77,7 @@ def scratch(bodies: int) -> SimulationScratch:
 
 @inlined
 def refuelling(rules, state):
-    """The station at which refuelling ends first, if it is legal and of use; −1 if nowhere."""
+    """Station with the earliest end of a legal and useful refuelling; −1 if there is none."""
     chosen, soonest = -1, rules.duration - rules.shortest_sortie
     for s in range(rules.stations):
         if s != state.body:
@@ -89,7 +89,7 @@ def refuelling(rules, state):
 
 @inlined
 def _price(policy, delta_v, state, after):
-    """What a move costs in ΔV and time [m/s]."""
+    """Cost of a move by ΔV and time [m/s]."""
     return delta_v + policy.time_value * (after.resources.time - state.resources.time)
 
 
@@ -153,7 +153,7 @@ def cheapest_moves(rules, policy, state, visited, width, moves, cost):
 
 @inlined
 def _draw_uniform(rules, rng, candidates, count, visited, state):
-    """A legal move, all equally likely: drawn without replacement until one is legal.
+    """A uniformly random legal move, drawn without replacement until one is legal.
 
     Returns
     -------
@@ -237,7 +237,7 @@ def _draw_guarded(rules, policy, rng, scratch, count, state):
 
 @kernel
 def rollout(rules, policy, rng, scratch, moves, state):
-    """Move at random from a state until the depth is reached or no move is left.
+    """Move at random from a state until a depth is reached or no move is left.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What can be set in the search, and the two presets.
+"""Settings of the search, and its two presets.
 
 The published study states three numbers, c = 1.5, 200 simulations per step, rollouts 15 moves deep,
 and that the rollouts are random (sections "Monte Carlo Tree Search" and appendix C). Everything
@@ -23,7 +23,7 @@ from dataclasses import dataclass, fields, replace
 from adr_opt.common.options import Options, option
 
 FROM_PRESET = -1
-"""Option value that leaves a number to the preset; a text option says ``"preset"``."""
+"""Option value that leaves a number to the preset; for a text option, ``"preset"``."""
 
 TO_THE_END = 1_000_000_000
 """Rollout depth, or number of missions, without a limit."""
@@ -41,7 +41,7 @@ class MctsOptions(Options, method="mcts"):
         choices=("published", "tuned"),
     )
     simulations: int = option(
-        FROM_PRESET, "Simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
+        FROM_PRESET, "Number of simulations per step.", least=1, most=1_000_000, unset=ITS_OWN
     )
     depth: int = option(
         FROM_PRESET, "Maximum length of a rollout, in moves.", least=1, unset=ITS_OWN
@@ -158,13 +158,13 @@ TUNED = MctsOptions(
     missions=TO_THE_END,
     answer="best",
 )
-"""Guarded rollouts on a narrow tree, again and again until the stopping criterion says enough."""
+"""Guarded rollouts on a narrow tree, repeated until the stopping criterion is met."""
 
 PRESETS = {"published": PUBLISHED, "tuned": TUNED}
 
 
 def settings_of(options: MctsOptions) -> MctsOptions:
-    """The options with the values of their preset in place of those that are left to it."""
+    """The options with values of their preset where left open."""
     given = {
         each.name: value
         for each in fields(options)

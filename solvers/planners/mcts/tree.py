@@ -1,4 +1,4 @@
-"""The search tree in preallocated arrays, and the simulations of one step."""
+"""The search tree in preallocated arrays, and simulations of one step."""
 
 import math
 from typing import NamedTuple
@@ -19,7 +19,7 @@ NOT_LISTED = -1
 
 
 class Tree(NamedTuple):
-    """Nodes by number; each holds the state after its move.
+    """Nodes by number, each with the state after its move.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Tree(NamedTuple):
 
 
 class TreeSearch(NamedTuple):
-    """Numbers of the tree search.
+    """Parameters of the tree search.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class TreeSearch(NamedTuple):
 
 
 class SearchRecord(NamedTuple):
-    """What the simulations of a mission have seen.
+    """Statistics of a mission's simulations.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class SearchRecord(NamedTuple):
 
 
 class Game(NamedTuple):
-    """A mission as far as it is played.
+    """A mission as played so far.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class Game(NamedTuple):
 
 
 def allocate(nodes: int, width: int) -> Tree:
-    """Memory for a tree; nodes are written when they are made."""
+    """Storage for a tree; nodes are written on creation."""
 
     def integers() -> np.ndarray:
         return np.empty(nodes, dtype=np.int32)
@@ -140,7 +140,7 @@ def allocate(nodes: int, width: int) -> Tree:
 
 
 def new_record(bodies: int) -> SearchRecord:
-    """A record of nothing yet."""
+    """Empty statistics."""
     return SearchRecord(
         np.zeros(2 * bodies, dtype=np.int64),
         np.array([0.0, -math.inf, math.inf]),
@@ -156,7 +156,7 @@ def _state_at(tree, node):
 
 @kernel
 def write_node(tree, node, state, spent):
-    """Make a node without children and without simulations."""
+    """Create a node without children and simulations."""
     tree = borrowed(tree)
     tree.body[node], tree.spent[node] = state.body, spent
     resource_kernels.put(tree.resources, node, state.resources)
@@ -167,14 +167,14 @@ def write_node(tree, node, state, spent):
 
 @kernel
 def copy_root(tree, node):
-    """Begin a new tree at the state of a node of the old one; the nodes in use: 1."""
+    """Restart the tree at the state of one of its nodes; returns the number of nodes in use: 1."""
     write_node(tree, 0, _state_at(tree, node), tree.spent[node])
     return 1
 
 
 @kernel
 def list_moves(rules, policy, search, tree, node, scratch):
-    """Write down the moves of a node: all that may be legal, or the cheapest safe ones."""
+    """List the moves of a node: all that may be legal, or the cheapest safe ones."""
     rules, tree, scratch = borrowed(rules), borrowed(tree), borrowed(scratch)
     state, moves = _state_at(tree, node), tree.moves[node]
     if search.guarded:
@@ -192,7 +192,7 @@ def list_moves(rules, policy, search, tree, node, scratch):
 
 @kernel
 def expand(rules, search, rng, tree, node, used):
-    """Give a node one more child, if it has a move that is untried and legal.
+    """Add a child to a node, if an untried move is legal.
 
     Returns
     -------
@@ -220,14 +220,14 @@ def expand(rules, search, rng, tree, node, used):
 
 @inlined
 def value_of(search, tree, node):
-    """Q: the mean return of a node's simulations, or a mix of mean and best."""
+    """Q: mean return of a node's simulations, or a mix of mean and best."""
     mean = tree.total[node] / tree.visits[node]
     return mean + search.best_share * (tree.best[node] - mean)
 
 
 @kernel
 def select(search, tree, node, record):
-    """The child with the greatest Q + c sqrt(ln N / n); ``NONE`` without children."""
+    """Child with the greatest Q + c sqrt(ln N / n); ``NONE`` without children."""
     tree = borrowed(tree)
     child = tree.child[node]
     if child == NONE:
@@ -248,7 +248,7 @@ def select(search, tree, node, record):
 
 @kernel
 def move_to_play(search, tree, root):
-    """The child to play: the most visited, or the one of highest value.
+    """Child to play: the most visited, or that of highest value.
 
     Ties go to the higher mean, then to the child made first.
     """
@@ -265,7 +265,7 @@ def move_to_play(search, tree, root):
 
 @kernel
 def step(rules, policy, search, rng, tree, game, scratch, record):
-    """The simulations of one step, and the move that comes out of them.
+    """Run the simulations of one step; returns the resulting move.
 
     Selection by UCT, one new node, a rollout, and the return in every node of the path. The
     return counts the prizes of the whole mission: of what was played, of the path and of the

@@ -22,7 +22,7 @@ PACKAGES = ("pyomo",)
 
 
 def _model() -> MakeModel:
-    """The model class; its module needs the extra, so it is loaded when it is asked for."""
+    """The model class; its module needs the extra, so it is loaded on use."""
     for package in PACKAGES:
         if find_spec(package) is None:
             raise MissingExtra("method 'mip'", package, "mip")
@@ -51,7 +51,7 @@ def mip(
     start: Iterable[int] | None = None,
     options: MipOptions = MipOptions(),
 ) -> Result:
-    """The best plan and an upper bound, by mixed-integer programming on all connections.
+    """The best plan and an upper bound, by mixed-integer programming over all connections.
 
     See :func:`solvers.models.course.prove` for the course and :mod:`solvers.planners.cpsat` for the
     same network in constraint programming. A small mission (some four targets for a day) is

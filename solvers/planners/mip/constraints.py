@@ -1,4 +1,4 @@
-"""What makes a choice of legs a plan."""
+"""Constraints that make a choice of legs a plan."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from ...models.network import GUARD_M_S, SolverNetwork
 from .variables import MipVariables
 
 ROUNDING = 1e-6
-"""Tanks are larger by this share, so that no tolerance of HiGHS loses a plan that just fits; a path
-that does not fit is forbidden when it is found."""
+"""Relative enlargement of tanks, so that no tolerance of HiGHS loses a plan that just fits; an
+infeasible path is forbidden when found."""
 
 
 class MipConstraints:
@@ -45,7 +45,7 @@ class MipConstraints:
         self._block.forbidden = pyo.ConstraintList()
 
     def _one_path(self) -> None:
-        """Begin at the start; leave a node by a leg or wait, if it is entered, or end there."""
+        """Begin at the start; at each node entered, leave by a leg, wait, or end."""
         network, move, wait = self._network, self._variables.move, self._variables.wait
         entering = [[move[leg] for leg in legs] for legs in _landing_at(network)]
         for node, onward in enumerate(network.onward.tolist()):
@@ -64,14 +64,14 @@ class MipConstraints:
                 self._block.one_path.add(sum(leaving) - entered == 0)
 
     def _each_target_once(self) -> None:
-        """Move to each target at most once."""
+        """Enter each target at most once."""
         move = self._variables.move
         self._block.once = pyo.ConstraintList()
         for legs in self._into_targets().values():
             self._block.once.add(sum(move[leg] for leg in legs) <= 1)
 
     def _not_too_many_targets(self) -> None:
-        """Move to no more targets than the chaser may service."""
+        """Enter at most the chaser's maximum number of targets."""
         move, into = self._variables.move, self._into_targets()
         self._block.number = pyo.ConstraintList()
         if self._rules.most_targets < len(into):
@@ -100,7 +100,7 @@ class MipConstraints:
             self._block.adds_up.add(sum(after[target]) >= sum(before.get(target, [])) + way - ends)
 
     def _delta_v_fits(self) -> None:
-        """Keep what is used before a move and on it within the budget."""
+        """Keep the ΔV used before a move and on it within the budget."""
         slack = GUARD_M_S / self._rules.budget + ROUNDING
         self._block.fits = pyo.ConstraintList()
         for pair in self._variables.pairs:
@@ -111,23 +111,23 @@ class MipConstraints:
             )
 
     def forbid(self, groups: list[list[int]]) -> None:
-        """Keep a path from using a leg of each of some groups."""
+        """Forbid paths with a leg from each of some groups."""
         move = self._variables.move
         self._block.forbidden.add(
             sum(move[leg] for legs in groups for leg in legs) <= len(groups) - 1
         )
 
     def _part(self, leg: int) -> float:
-        """ΔV of a leg, as part of the budget."""
+        """ΔV of a leg as a share of the budget."""
         return float(self._network.delta_v[leg]) / self._rules.budget
 
     def _into_targets(self) -> dict[int, list[int]]:
-        """Legs by the target that they enter."""
+        """Legs by target entered."""
         into = self._by_body(1)
         return {body: legs for body, legs in into.items() if body >= self._rules.first_target}
 
     def _by_body(self, end: int) -> dict[int, list[int]]:
-        """Legs by the body that they leave (0) or enter (1)."""
+        """Legs by body left (0) or entered (1)."""
         legs: dict[int, list[int]] = {}
         for pair, group in self._variables.legs_of.items():
             legs.setdefault(pair[end], []).extend(group.tolist())
@@ -135,7 +135,7 @@ class MipConstraints:
 
 
 def _landing_at(network: SolverNetwork) -> list[list[int]]:
-    """Legs by the node where they land."""
+    """Legs by landing node."""
     legs: list[list[int]] = [[] for _ in range(network.nodes)]
     for leg, node in enumerate(network.landing.tolist()):
         legs[node].append(leg)

@@ -1,4 +1,4 @@
-"""``.lp`` and ``.mps``: the model of method `mip`, for any solver that reads such files.
+"""``.lp`` and ``.mps``: the model of method `mip`, for any solver that reads these formats.
 
 ``matrix`` finds these two by their entry points in the group ``adr_opt.models``. The model is the
 exact one of :mod:`.constraints` on the network of all connections that a plan can need: its optimum
@@ -23,12 +23,12 @@ from ...models.network import SolverNetwork, of_rows
 from ...networks.network import build
 
 MOST_MOVES = 500_000
-"""Larger models are refused: a move takes about 240 bytes of a .lp file, 350 of a .mps file, and
-2 kB of memory while it is written."""
+"""Maximum number of moves: one takes about 240 bytes of a .lp file, 350 of a .mps file, and 2 kB of
+memory during writing."""
 
 COLUMN = re.compile(r"move\((\d+)_(\d+)_(\d+)\)")
-"""Name of the column of a move: node left, node reached, body reached. There is but one leg of a
-pair of nodes, since another one would cost more or less."""
+"""Name of a move's column: node left, node reached, body reached. There is only one leg per pair of
+nodes, since another would cost more or less."""
 
 
 def write_lp(mission: Mission, path: Path) -> None:
@@ -84,7 +84,7 @@ def _write(mission: Mission, path: Path, file_format: str, mark: str) -> None:
 
 
 def _block(mission: Mission, network: SolverNetwork) -> Any:
-    """The model of method `mip`, in prizes as they are."""
+    """The model of method `mip`, with unscaled prizes."""
     import pyomo.environ as pyo
 
     from .constraints import MipConstraints
@@ -100,7 +100,7 @@ def _block(mission: Mission, network: SolverNetwork) -> Any:
 
 
 def _names(network: SolverNetwork) -> Callable[[Any], str]:
-    """Names of columns and rows that a solution can be read from."""
+    """Names of columns and rows from which a solution can be read."""
     from pyomo.core.base.label import LPFileLabeler
 
     plain = LPFileLabeler()
@@ -117,7 +117,7 @@ def _names(network: SolverNetwork) -> Callable[[Any], str]:
 
 
 def _heading(mission: Mission, network: SolverNetwork) -> list[str]:
-    """What a reader of the file alone has to know."""
+    """Explanations for readers of the file alone."""
     instance = mission.instance
     name = instance.name.encode("ascii", "backslashreplace").decode()
     required = [f"a required target counts {mission.bonus!r} more than its prize"]
@@ -136,7 +136,7 @@ def _heading(mission: Mission, network: SolverNetwork) -> list[str]:
 
 
 def _bodies(mission: Mission) -> str:
-    """Which numbers stand for what."""
+    """Meaning of the body numbers."""
     rules = mission.rules
     parts = ["the station" if rules.stations == 1 else "the stations"] if rules.stations else []
     if rules.first_target > rules.stations:
@@ -145,7 +145,7 @@ def _bodies(mission: Mission) -> str:
 
 
 def order_of(columns: dict[str, float]) -> tuple[int, ...]:
-    """The bodies of a solution in order, from the values of the columns by name.
+    """Bodies of a solution in order, from the values of its columns by name.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The network as a mixed-integer program: Pyomo writes it, HiGHS solves it."""
+"""The network as a mixed-integer program, written by Pyomo and solved by HiGHS."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from .objective import MipObjective
 from .variables import MipVariables
 
 TOLERANCE = 1e-7
-"""Of HiGHS, in units of the objective and parts of the budget."""
+"""Tolerance of HiGHS, in units of the objective and shares of the budget."""
 
 GUARD = 2.0 * TOLERANCE
-"""Added to HiGHS's bound, relative: it drops what is better than its best by its tolerance."""
+"""Relative increase of HiGHS's bound, as it drops what is better than its best by its tolerance."""
 
 SEEDS = 2**31
-"""HiGHS takes seeds below this."""
+"""Upper limit of HiGHS's seeds."""
 
 
 class MipModel:
@@ -52,7 +52,7 @@ class MipModel:
         self._variables.begin_from(network, start, rules)
 
     def forbid(self, groups: list[list[int]]) -> None:
-        """Let no path use a leg of each of these groups, from the next solve on."""
+        """Forbid paths with a leg from each of these groups, from the next solve on."""
         self._constraints.forbid(groups)
 
     def solve(self, *, seed: int, hear: Hear) -> SolverAnswer:
@@ -99,14 +99,14 @@ class MipModel:
         return SolverAnswer(legs, self._bound(info.mip_dual_bound), max(0, info.mip_node_count))
 
     def _bound(self, dual_bound: float) -> float:
-        """A bound of HiGHS in prizes, on the safe side of its tolerances."""
+        """HiGHS's bound in prizes, on the safe side of its tolerances."""
         if not math.isfinite(dual_bound):
             return math.inf
         return self._unit * (dual_bound + GUARD * max(1.0, abs(dual_bound)))
 
 
 def _program(form) -> highspy.HighsLp:
-    """A compiled model as HiGHS takes it."""
+    """A compiled model in HiGHS's form."""
     program = highspy.HighsLp()
     columns, rows = form.A.shape[1], form.A.shape[0]
     program.num_col_, program.num_row_ = columns, rows

@@ -1,4 +1,4 @@
-"""What a plan is worth."""
+"""Objective of the mixed-integer program."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class MipObjective:
         self._collect(variables, prize[network.destination].tolist())
 
     def _collect(self, variables: MipVariables, worth: list[float]) -> None:
-        """Collect the prize of each body that is moved to; only those of targets are not 0."""
+        """Collect the prize of each body entered, which is non-zero only for targets."""
         self._block.prizes = pyo.Objective(
             expr=sum(prize * variables.move[leg] for leg, prize in enumerate(worth) if prize),
             sense=pyo.maximize,

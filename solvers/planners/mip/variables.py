@@ -1,4 +1,4 @@
-"""What the mixed-integer model decides."""
+"""Variables of the mixed-integer program."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class MipVariables:
         self.move, self.wait, self.used = block.move, block.wait, block.used
 
     def begin_from(self, network: SolverNetwork, legs: list[int], rules: Rules) -> None:
-        """Give the variables the values of a plan.
+        """Set the variables to the values of a plan.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Fill a plan up by the insertions that keep the rest legal."""
+"""Filling of a plan by insertions that keep the rest legal."""
 
 import math
 
@@ -13,7 +13,7 @@ from .network import state_at
 
 @kernel
 def best_insertion(rules, sequence, bodies, times, lefts, count):
-    """The target that can be inserted while all moves after it stay legal.
+    """The best target to insert such that all later moves stay legal.
 
     Of the largest prize that fits, the place with the earliest end of the plan.
 

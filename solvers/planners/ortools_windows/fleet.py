@@ -1,4 +1,4 @@
-"""The orders of all chasers: the plan under improvement, also where there is one chaser."""
+"""Orders of all chasers: the current plan, for one chaser or several."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .order import Bodies, ClosedOrder, flown
 
 
 class Fleet:
-    """An order for each chaser, no target on two of them.
+    """An order for each chaser, without common targets.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Fleet:
     def flying(
         cls, problem: Problem, layers: tuple[Mission, ...], routes: Collection[Bodies]
     ) -> Fleet:
-        """The orders of some routes; nothing for a chaser whose route cannot be flown."""
+        """Orders of some routes; None for a chaser whose route cannot be flown."""
         nothing = np.empty(0, np.int64)
         orders = [
             flown(layer, route) or ClosedOrder(layer, nothing)
@@ -60,21 +60,21 @@ class Fleet:
 
     @property
     def unit(self) -> float:
-        """Mean worth of the targets that are worth something."""
+        """Mean worth of targets with a positive worth."""
         worths = self._problem.planning_prizes
         return float(worths[worths > 0.0].mean())
 
     def better_than(self, other: Fleet) -> bool:
-        """More prize, then less cost (docs/model.md section 5)."""
+        """Whether it has more prize, or equal prize at less cost (docs/model.md section 5)."""
         return (self.objective, -self.cost) > (other.objective, -other.cost)
 
     def with_orders(self, changed: Mapping[int, ClosedOrder]) -> Fleet:
-        """The same with other orders for some chasers, by their numbers."""
+        """A copy with other orders for some chasers, by number."""
         orders = tuple(changed.get(number, order) for number, order in enumerate(self.orders))
         return Fleet(self._problem, self.layers, orders)
 
     def offered(self, chaser: int, anew: Collection[int] = ()) -> Mission:
-        """The layer of a chaser over what the others leave.
+        """The layer of a chaser over the targets that the others leave.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class Fleet:
     def worth(
         self, chasers: Collection[int], time_share: float, delta_v_share: float
     ) -> SlackWorth:
-        """What time and ΔV are worth to some chasers, beside the prizes of what they fly.
+        """Worth of time and ΔV to some chasers, relative to the prizes of their orders.
 
         Parameters
         ----------

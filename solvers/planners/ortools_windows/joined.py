@@ -1,6 +1,6 @@
-"""The windows of several chasers as one network: a path through each, one after the other.
+"""Windows of several chasers joined into one network, with a path through each.
 
-Whoever leaves the window of one chaser begins that of the next, so that what is said of one path
+A path that leaves the window of one chaser begins that of the next, so what is said of one path
 through one network, its price, its tanks and that it visits no target twice, is said of all
 chasers together.
 """
@@ -20,7 +20,7 @@ from .network import Window, WindowNetwork
 
 
 class Joined(NamedTuple):
-    """A network of several windows, and what holds in it.
+    """A network of several windows, with its constraints.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Joined(NamedTuple):
 
 
 def joined(parts: Sequence[tuple[Rules, Window, WindowNetwork]]) -> Joined:
-    """One network of those of several windows.
+    """One network from those of several windows.
 
     Parameters
     ----------

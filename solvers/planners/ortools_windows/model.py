@@ -1,4 +1,4 @@
-"""Windows as a CP-SAT model: the best path through each, no target visited twice."""
+"""Windows as a CP-SAT model: the best path through each, with no target visited twice."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .joined import Joined
 from .network import SlackWorth
 
 WORTH_STEPS = 1_000_000
-"""Integers per mean prize in the objective."""
+"""Integer units per mean prize in the objective."""
 
 DELTA_V_STEPS = 100
-"""Integers per m/s. ΔV is rounded up and tanks down, so that every path found is legal."""
+"""Integer units per m/s. ΔV is rounded up and tanks down, so that every path found is legal."""
 
 
 @dataclass(frozen=True)
 class WindowAnswer:
-    """What CP-SAT says of some windows.
+    """CP-SAT's answer for some windows.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ def _hold_targets(
     moves: list[cp_model.IntVar],
     heads: npt.NDArray[np.int64],
 ) -> None:
-    """Keep the visits of each chaser within what it may service."""
+    """Keep each chaser within its maximum number of targets."""
     bodies = joined.net.body[heads]
     windows = np.searchsorted(joined.roots, heads, side="right") - 1
     for number, most in enumerate(joined.most_targets.tolist()):
@@ -164,7 +164,7 @@ def _hold_tanks(
     delta_v: npt.NDArray[np.float64],
     capacity: list[float],
 ) -> None:
-    """Keep the ΔV drawn from each tank within what it holds."""
+    """Keep the ΔV drawn from each tank within its content."""
     needs = np.ceil(delta_v * DELTA_V_STEPS).astype(np.int64)
     for number, left in enumerate(capacity):
         inside = np.flatnonzero(tank == number)

@@ -1,4 +1,4 @@
-"""The network of one window: every exact move that a better plan could make in it.
+"""Network of one window: every exact move that a better plan could make in it.
 
 A node is a state of the chaser (body, free since, refuellings in the window) and an edge is one
 move by the connection that the mission's choice makes. Nothing is rounded, so a path is a piece of
@@ -22,7 +22,7 @@ from adr_opt.kernels.tables import timetable as table_kernels
 
 
 class SlackWorth(NamedTuple):
-    """What slack is worth: a plan's worth is its prize less these losses.
+    """Worth of slack: a plan's worth is its prize less these losses.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class SlackWorth(NamedTuple):
 
 
 class Window(NamedTuple):
-    """The part of a plan that is planned anew.
+    """The part of a plan that is replanned.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class Window(NamedTuple):
 
 
 class UnrollLimits(NamedTuple):
-    """How much of a window is unrolled.
+    """Limits on the unrolling of a window.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class UnrollLimits(NamedTuple):
 
 
 class WindowNetwork(NamedTuple):
-    """Nodes in order of time, the state at the start of the window first, and their edges.
+    """Nodes in order of time, the initial state of the window first, with their edges.
 
     Attributes
     ----------
@@ -130,14 +130,14 @@ class WindowNetwork(NamedTuple):
 
 @inlined
 def state_at(rules, body, time, left):
-    """The state of a chaser that is free at a body; what it has serviced is counted elsewhere."""
+    """State of a chaser that is free at a body; serviced targets are tracked elsewhere."""
     earned = np.int64(1 if body >= rules.first_target else 0)
     return State(np.int64(body), Resources(time, left, earned, np.int64(0), np.int64(0)))
 
 
 @kernel
 def fly_rest(rules, worth, rest, body, time):
-    """Fly the rest of a plan from a state, with ΔV to spare until its first refuelling.
+    """Fly the rest of a plan from a state, with spare ΔV until its first refuelling.
 
     Returns
     -------
@@ -293,7 +293,7 @@ def grow(rules, worth, window, limits):
 
 @inlined
 def _taken(table, i, j, ready):
-    """The event by which a chaser goes that is ready at a time: it waits for one worth waiting for.
+    """Event taken by a chaser that is ready at a time: it waits for one worth the wait.
 
     Chasers that wait for the same one are then at the same node.
     """
@@ -343,7 +343,7 @@ def _slots(rules, window):
 
 @kernel
 def nearest(rules, stops, times, candidates, time_value, cost):
-    """How cheaply each candidate can be reached from one of the stops.
+    """Least cost of reaching each candidate from any of the stops.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""An order of bodies with all its schedules worth having: what windows are cut from."""
+"""An order of bodies with its undominated schedules, from which windows are cut."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Pace(NamedTuple):
 
 
 class ClosedOrder:
-    """An order of bodies that can be flown, closed as the mission ends.
+    """A flyable order of bodies, with a legal end.
 
     Its best schedule counts in the end. That of least ΔV may take all the time there is; windows
     begin from the one that is best by their own measure of time and ΔV.
@@ -68,7 +68,7 @@ class ClosedOrder:
         return int(np.count_nonzero(self.moves >= self._mission.rules.first_target))
 
     def pace(self, worth: SlackWorth) -> Pace:
-        """The schedule that is worth most, over all connections."""
+        """The schedule of greatest worth, over all connections."""
         last = self._fronts[-1]
         values = -worth.per_m_s * last.cost - worth.per_s * last.ready
         label = int(values.argmax())
@@ -83,7 +83,7 @@ class ClosedOrder:
 
 
 def flown(mission: Mission, moves: Bodies) -> ClosedOrder | None:
-    """The order of some moves, closed; None if no schedule flies all of it."""
+    """The order of some moves, with a legal end; None if no schedule flies it completely."""
     closed = np.array(mission.closed(moves.tolist()), dtype=np.int64)
     rules = mission.rules
     if not rules.may_end[closed[-1] if closed.size else rules.start]:
@@ -93,7 +93,7 @@ def flown(mission: Mission, moves: Bodies) -> ClosedOrder | None:
 
 
 def filled(layer: Mission, order: ClosedOrder, worth: SlackWorth, time_value: float) -> ClosedOrder:
-    """An order with all that still fits by the connections that the layer chooses.
+    """An order filled up by the connections that the layer chooses.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The planner: a greedy plan, then window after window."""
+"""The planner: a greedy plan, then one window after another."""
 
 from __future__ import annotations
 
@@ -33,23 +33,23 @@ from .order import Bodies
 from .replan import ReplannedWindows, WindowChoice, filled_up, replan
 
 NODES = 20_000
-"""Most nodes of a network; only the longest windows reach it."""
+"""Maximum number of nodes in a network, reached only by the longest windows."""
 
 WIDTH = 10
-"""Moves kept per node."""
+"""Number of moves kept per node."""
 
 LAG = 1.0
-"""How far a path may fall behind the present plan, in mean prizes."""
+"""Largest loss of a path relative to the current plan, in mean prizes."""
 
 TIME_SHARE = 0.5
-"""Worth of the whole duration relative to the prize of the plan; below 1, so prize comes first."""
+"""Worth of the whole duration relative to the plan's prize; below 1, so that prize comes first."""
 
 DELTA_V_SHARES = (0.02, 0.1, 0.3)
-"""The same of the whole ΔV: each window draws one, so that plans of equal prize differ."""
+"""Worth of the whole ΔV, likewise: each window draws one, so that plans of equal prize differ."""
 
 OF_TWO = 0.2
-"""Share of the draws in which two chasers, where there are several, get a window each: they take
-ten times as long as windows of one."""
+"""Share of draws with windows of two chasers, if there are several: they take ten times as long as
+single windows."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def ortools(
 
 
 def _first_routes(problem: Problem, start: Start | None) -> list[Bodies]:
-    """The routes of a start plan, or those of guarded greedy.
+    """Routes of a start plan, or of the guarded greedy one.
 
     Raises
     ------
@@ -208,7 +208,7 @@ def _draw(rng: np.random.Generator, fleet: Fleet, options: OrtoolsOptions) -> Wi
 
 
 def _span(rng: np.random.Generator, size: int, shortest: int, longest: int) -> tuple[int, int]:
-    """Draw a window of an order of ``size`` moves; both its ends get their share."""
+    """A random window of an order of ``size`` moves, with both ends covered equally."""
     length = int(rng.integers(shortest, longest + 1))
     begin = int(rng.integers(-length // 2, max(size, 1)))
     end = begin + length

@@ -1,6 +1,6 @@
-"""Prices on a window's limits: a bound on every path, and the edges that matter.
+"""Prices on a window's limits: an upper bound on every path, and the edges that matter.
 
-That a target is visited once and that a tank holds so much ΔV is priced into the objective
+One visit per target and the content of each tank are priced into the objective
 (Lagrangian relaxation); what is left is a longest path in a network without cycles. Subgradient
 steps on the prices lower the bound.
 """
@@ -15,7 +15,7 @@ from adr_opt.kernels.core.memory import borrowed, write
 
 @kernel
 def _longest(joined, worth, price, fuel_price, best, choice):
-    """Worth and first move of the best priced path from every node on; −1 leaves the window."""
+    """Worth and first move of the best priced path onward from every node; −1 leaves the window."""
     net = joined.net
     for n in range(net.body.size - 1, -1, -1):
         fuel = fuel_price[net.tank[n]]
@@ -34,7 +34,7 @@ def _longest(joined, worth, price, fuel_price, best, choice):
 
 @kernel
 def _demand(net, choice, used, visits):
-    """What the best priced path takes: ΔV of each tank, visits of each body."""
+    """Use of the best priced path: ΔV per tank, and visits per body."""
     for c in range(used.size):
         used[c] = 0.0
     for j in range(visits.size):
@@ -123,7 +123,7 @@ def edge_worths(joined, worth, goal, steps):
 
 @kernel
 def _worths_over(joined, worth, price, fuel_price, best, constant, worths):
-    """What the best priced path over each edge is worth, from the best path from every node on."""
+    """Worth of the best priced path over each edge, from the best paths onward."""
     net = joined.net
     reach = np.full(net.body.size, -math.inf)
     reach[0] = 0.0

@@ -1,4 +1,4 @@
-"""Windows of some chasers' orders, planned anew together."""
+"""Joint replanning of windows of some chasers' orders."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from .order import ClosedOrder, Pace, filled, flown
 from .prices import edge_worths
 
 GAIN = 0.005
-"""Least gain of interest, in mean prizes: no window is planned anew for a few seconds."""
+"""Least gain in mean prizes; no window is replanned for a few seconds."""
 
 TARGETS = 60
-"""Most targets open to a window that are on no order."""
+"""Maximum number of unvisited targets offered to a window."""
 
 SUBGRADIENT_STEPS = 60
 
 
 @dataclass(frozen=True)
 class WindowChoice:
-    """Which windows, and how they are judged.
+    """A choice of windows, with their evaluation.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class WindowChoice:
 
 @dataclass(frozen=True)
 class ReplannedWindows:
-    """A plan with some windows planned anew.
+    """A plan with some windows replanned.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ def replan(
     effort: float,
     remaining_s: float,
 ) -> ReplannedWindows:
-    """Plan some windows anew, and fill the plan up.
+    """Replan some windows, and fill the plan up.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def replan(
 def filled_up(
     fleet: Fleet, chasers: tuple[int, ...], worth: network.SlackWorth, time_value: float
 ) -> Fleet:
-    """A plan with all that still fits into the orders of some chasers, one after the other."""
+    """A plan with the orders of some chasers filled up, one after another."""
     for chaser in chasers:
         layer = fleet.offered(chaser)
         order = filled(layer, fleet.orders[chaser], worth, time_value)
@@ -155,7 +155,7 @@ def _worth_from(
     window: network.Window,
     worth: network.SlackWorth,
 ) -> tuple[float, float]:
-    """What the present order is worth from its window on.
+    """Worth of the current order from its window on.
 
     By the connections that a path has, and by its best schedule. That may have others, and the
     moves not be possible by these: then a visit less will do, and it is for the schedule of the new
@@ -178,7 +178,7 @@ def _window(
     worth: network.SlackWorth,
     time_value: float,
 ) -> network.Window:
-    """The window of a chaser: open are the targets in all windows, and those that nobody has."""
+    """Window of a chaser, open to the targets of all windows and to unvisited ones."""
     order, (begin, end) = orders[chaser], choice.spans[chaser]
     plan = order.moves
     inside, rest = plan[begin:end], plan[end:]

@@ -1,4 +1,4 @@
-"""ΔV of every leg: planned, and the sum of its burns."""
+"""ΔV of every leg: planned, and as the sum of its burns."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ..text import number
 from .parts import Figure, figure, leg_title, said
 
 MOST_TICKS = 20
-"""Where there are more legs, not each has its number below the chart."""
+"""Maximum number of leg numbers below the chart; of more legs, only some are numbered."""
 
 
 def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
-    """Two bars per leg in m/s; one where connections are given, which have no burns.
+    """Two bars per leg in m/s; one for given connections, which have no burns.
 
     With the plan refined, a third one is what the leg takes then.
     """

@@ -1,4 +1,4 @@
-"""A lane for each chaser with what it does, and one for each station with who is there."""
+"""A lane for each chaser with its activities, and one for each station with its visitors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LANE_PX = 30
 
 
 def lanes(instance: Instance, plan: Plan) -> Figure:
-    """Chasers from the top, their bars coloured by phase; then stations, coloured by chaser."""
+    """Chasers at the top, with bars coloured by phase; then stations, coloured by chaser."""
 
     def more(one: Series) -> dict[str, Any]:
         if one.phase is not None:
@@ -41,7 +41,7 @@ def lanes(instance: Instance, plan: Plan) -> Figure:
 
 
 def _chart(instance: Instance, plan: Plan) -> Chart:
-    """Chasers that are at a station share its lane, so that none hides another."""
+    """Simultaneous stays share the lane of a station, so that none hides another."""
     whose = owners(instance, plan)
     crew = [flown.chaser.name for flown in routes_of(instance, plan)]
     names = (*crew, *instance.station_names)

@@ -1,4 +1,4 @@
-"""The orbits around the Earth, with the chaser's path."""
+"""Orbits around the Earth, with the chaser's path."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from ..text import clock, in_chart
 from .parts import Figure, column, leg_title, named, of_arcs, said, trace
 
 MOST_RINGS = 200
-"""More orbits than this are one another's shade; the first of those that are not visited go."""
+"""Maximum number of orbits drawn; beyond it, some of those not visited are omitted."""
 
 WINDOW_FILL = 1.6
-"""How large the farthest orbit is drawn; beyond this it would be cut off by the window."""
+"""Size of the farthest orbit; beyond this, the window would cut it off."""
 
 SPACE = Chart((), ChartAxis("x [km]", 1), ChartAxis("y [km]", 1))
 
@@ -51,7 +51,7 @@ def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
 
 
 def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], ...]:
-    """The bodies whose orbits are drawn, by what they are."""
+    """Bodies whose orbits are drawn, by kind."""
     names, visited = [target.name for target in instance.targets], set(plan.destinations)
     return (
         ("station", list(instance.station_names)),
@@ -61,7 +61,7 @@ def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], 
 
 
 def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Marks:
-    """Where the chaser has docked after each leg."""
+    """Positions of the chaser on docking after each leg."""
     whose, colours = owners(instance, plan), chaser_colours(instance)
     docked: dict[int, Track] = {}
     for track in tracks:
@@ -83,13 +83,13 @@ def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Mark
 
 
 def _rings(line: Line, opacity: float) -> dict[str, Any]:
-    """Orbits of bodies, whose names the page gives to points."""
+    """Orbits of bodies, whose points are named by the page."""
     names = {"names": [in_chart(name) for name in line.of], "each": POINTS_OF_A_RING + 1}
     return trace(line, SPACE) | {"opacity": opacity, "meta": names} | said("orbit of %{text}")
 
 
 def _earth() -> dict[str, Any]:
-    """A sphere of triangles: a surface would be refined by plotly and be slow without a GPU."""
+    """A sphere of triangles: a plotly surface would be refined, and slow without a GPU."""
     rows, columns = 25, 48
     latitude, longitude = np.meshgrid(
         np.linspace(-np.pi / 2, np.pi / 2, rows),
@@ -119,7 +119,7 @@ def _earth() -> dict[str, Any]:
 
 
 def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:
-    """Seen at 55° to the normal of the plane where the first chaser starts, from a bit north.
+    """View at 55° to the normal of the first chaser's initial plane, slightly from the north.
 
     Without perspective, or a low orbit's near half hides behind the Earth's rim.
     """

@@ -1,4 +1,4 @@
-"""The charts with an axis of time: altitude, ΔV left, nodes, and the timeline."""
+"""Charts over time: altitude, remaining ΔV, nodes, and the timeline."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ ROW_PX = 19
 
 
 def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
-    """The chaser's altitude in km against days, one trace per phase; zones as boxes beneath.
+    """Altitude of the chaser in km against days, one trace per phase; zones as boxes beneath.
 
     Where there are several chasers, each has traces and a colour of its own.
     """
@@ -54,7 +54,7 @@ def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figur
 
 
 def budget(instance: Instance, plan: Plan) -> Figure:
-    """ΔV left in m/s against days, a step at every burn and at every refuelling; per chaser."""
+    """Remaining ΔV in m/s against days, with steps at burns and refuellings, per chaser."""
 
     def more(one: Series) -> dict[str, Any]:
         texts = [
@@ -73,7 +73,7 @@ def budget(instance: Instance, plan: Plan) -> Figure:
 
 
 def nodes(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
-    """RAAN in degrees against days, less the common drift; bodies thin, the chaser thick."""
+    """RAAN in degrees against days, relative to the common drift; bodies thin, chaser thick."""
 
     def more(one: Series) -> dict[str, Any]:
         if not one.of:
@@ -89,7 +89,7 @@ def nodes(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
 
 
 def _range(lines: tuple[Series, ...]) -> dict[str, Any]:
-    """Where the chaser and the bodies that it goes to are; of the others what is near them."""
+    """Range of the chaser and the bodies it visits, with other bodies nearby."""
     near = np.concatenate([np.empty(0), *(one.y for one in lines if one.name != "not visited")])
     near = np.round(near[~np.isnan(near)], 4)
     if not near.size:
@@ -100,7 +100,7 @@ def _range(lines: tuple[Series, ...]) -> dict[str, Any]:
 
 
 def gantt(instance: Instance, plan: Plan) -> Figure:
-    """One row per leg, the first on top, with a bar for each of its phases.
+    """One row per leg, first on top, with a bar for each of its phases.
 
     Where there are several chasers, the legs of each come below a row with its name.
     """

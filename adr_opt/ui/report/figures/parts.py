@@ -1,4 +1,4 @@
-"""Charts in plotly's form, and what their hover texts share."""
+"""Charts in plotly's form, and the common parts of their hover texts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Figure = dict[str, Any]
 
 FRAME_PX = 70
 LONGEST_TICK = 16
-"""Longer names are cut beside the chart; the whole name is in the hover text and in the tables."""
+"""Length beyond which names are cut beside the chart; hover texts and tables have all of it."""
 
 NO_LINE = {"width": 0}
 SILENT = {"hoverinfo": "skip"}
@@ -48,7 +48,7 @@ def figure(chart: Chart, more: Callable[[Series], dict[str, Any]], **layout: Any
 
 
 def trace(one: Series, chart: Chart) -> dict[str, Any]:
-    """A series as a trace, without a word on what is said where the mouse is."""
+    """A series as a trace, without its hover text."""
     x, y = (column(values, axis.digits) for values, axis in ((one.x, chart.x), (one.y, chart.y)))
     made: dict[str, Any] = {"name": in_chart(one.name), "x": x, "y": y}
     if one.phase is not None:
@@ -102,12 +102,12 @@ def _axis(axis: ChartAxis) -> dict[str, Any]:
 
 
 def said(text: str, texts: Sequence[str] | None = None) -> dict[str, Any]:
-    """What is said where the mouse is, in plotly's form, with a text for each point."""
+    """Hover text in plotly's form, with a text for each point."""
     return {"hovertemplate": f"{text}<extra></extra>"} | ({} if texts is None else {"text": texts})
 
 
 def of_arcs(line: Series, text: str) -> dict[str, Any]:
-    """The same of flown arcs, to which the page adds the titles of their legs."""
+    """Hover text of flown arcs, to which the page adds the titles of their legs."""
     if line.phase is None:
         return SILENT
     meta = {"phase": line.phase, "titled": True}
@@ -115,7 +115,7 @@ def of_arcs(line: Series, text: str) -> dict[str, Any]:
 
 
 def of_bars(plan: Plan, bars: Series) -> dict[str, Any]:
-    """The same of the segments of a phase."""
+    """Hover text of a phase's segments."""
     texts = [
         f"{bars.name}, {lasting(bar.duration_s)}<br>{leg_title(plan, bar.leg)}<br>"
         f"{period(bar.start_s, bar.end_s)}"
@@ -125,7 +125,7 @@ def of_bars(plan: Plan, bars: Series) -> dict[str, Any]:
 
 
 def column(values: npt.ArrayLike, digits: int) -> list[float | None]:
-    """Numbers for JSON, rounded; a NaN, which makes a gap in a line, becomes null."""
+    """Numbers for JSON, rounded; NaN, which makes a gap in a line, becomes null."""
     return [
         None if value != value else value
         for value in np.round(np.asarray(values, dtype=float), digits).tolist()
@@ -141,7 +141,7 @@ def time_axis(instance: Instance, plan: Plan) -> dict[str, Any]:
 
 
 def leg_title(plan: Plan, number: int) -> str:
-    """What hover texts call a leg."""
+    """Title of a leg in hover texts."""
     leg = plan.legs[number - 1]
     title = f"leg {number}: {in_chart(leg.origin)} → {in_chart(leg.destination)}"
     if len(plan.routes) == 1:
@@ -155,10 +155,10 @@ def leg_title(plan: Plan, number: int) -> str:
 
 
 def named(instance: Instance, are_shown: bool) -> dict[str, Any]:
-    """For a layout or a trace: whether there is a legend, or it is in it, for several chasers."""
+    """Legend settings of a layout or a trace, shown for several chasers."""
     return {"showlegend": are_shown} if several(instance) else {}
 
 
 def period(start_s: float, end_s: float) -> str:
-    """A time window for hover texts."""
+    """A time window, for hover texts."""
     return f"{clock(start_s)} – {clock(end_s)}"

@@ -1,4 +1,4 @@
-"""Where the orbital planes are, and how the chaser goes from one to the next."""
+"""Orbital planes, and the chaser's way between them."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SIDES = (
     "middle right", "top right", "top center", "top left", "middle left", "bottom left",
     "bottom center", "bottom right",
 )  # fmt: skip
-"""Beside a point, from the right around to the left."""
+"""Positions beside a point, from the right around to the left."""
 
 
 def _sides(across: Array, up: Array) -> list[str]:
-    """For each point of a line the side away from its neighbours, as plotly calls it."""
+    """Side of each point of a line away from its neighbours, in plotly's terms."""
     points = np.column_stack([across, up])
     widths = np.ptp(points, axis=0) if len(points) else np.ones(2)
     points = points / np.where(widths > 0.0, widths, 1.0)
@@ -42,7 +42,7 @@ def _sides(across: Array, up: Array) -> list[str]:
 
 
 def planes(instance: Instance, plan: Plan) -> Figure:
-    """RAAN across and inclination up, in degrees; a line follows each chaser, legs are numbered."""
+    """RAAN across and inclination up, in degrees; a line with numbered legs for each chaser."""
     reasons = {entry.target: entry.reason for entry in plan.unvisited}
 
     def told(leg: int, body: int) -> str:
@@ -68,7 +68,7 @@ def planes(instance: Instance, plan: Plan) -> Figure:
 
 
 def _order(instance: Instance, flown: Flown) -> dict[str, Any]:
-    """The number of its leg beside each target, on the side where the chaser's line is not."""
+    """Number of the leg beside each target, on the side away from the chaser's line."""
     legs, bodies = way(instance, flown)
     across = raan_deg(instance)[bodies]
     up = np.array([instance.body_orbits[body].inclination_deg for body in bodies])
