@@ -16,6 +16,7 @@ from random_rules import (
     random_mission,
     towing_mission,
 )
+from seeds import over_kinds
 from verify_fields import (
     FEW,
     Spoilt,
@@ -43,22 +44,13 @@ from adr_opt.problem.settings import MissionSettings
 
 INSTANCES = Path(__file__).parents[2] / "instances"
 
-every_rule = pytest.mark.parametrize(
-    ("draw", "seeds", "share"),
-    [
-        *(
-            pytest.param(random_mission, range(at, 60, 2), 0.5, id=f"two-body-{at}")
-            for at in range(2)
-        ),
-        pytest.param(drifting_mission, range(40), 0.4, id="j2"),
-        pytest.param(given_mission, range(40), 0.15, id="given"),
-        pytest.param(variant, range(30), 0.5, id="prizes"),
-        *(
-            pytest.param(draw, range(16), 0.3, id=draw.__name__)
-            for draw in (laden, towing_mission, towing_and_laden, refuelling)
-        ),
-    ],
-)
+every_rule = over_kinds(
+    "draw, share, seeds",
+    two_body=(random_mission, 0.5, range(60), 16), j2=(drifting_mission, 0.4, range(40), 12),
+    given=(given_mission, 0.15, range(40), 16), prizes=(variant, 0.5, range(30), 10),
+    **{draw.__name__: (draw, 0.3, range(16), 6)
+       for draw in (laden, towing_mission, towing_and_laden, refuelling)},
+)  # fmt: skip
 """Fields with every rule on and off, and the share of proofs that rest on walks, at least."""
 
 
@@ -67,7 +59,7 @@ def verdict_of(instance: Instance, result: Result, certificate: Certificate) -> 
 
 
 @every_rule
-def test_every_proof_is_verified(draw, seeds, share):
+def test_every_proof_is_verified(draw, share, seeds):
     """Of missions with every rule on and off, each proof is verified, with the same bound."""
     by_walks = 0
     for seed in seeds:

@@ -16,6 +16,7 @@ from brute_force import brute_force, brute_force_campaign
 from example_packages import project_of, put
 from longer_phasing import LONGER, LongerPhasing
 from random_rules import carrying, limited, random_campaign, random_mission, towing
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt import check
@@ -95,7 +96,7 @@ def test_plans_of_a_registered_family_are_planned_proven_and_judged(
         assert other.objective <= plan.objective, method
 
 
-@pytest.mark.parametrize("seed", range(24))
+@over_seeds(range(24), gate=8)
 def test_proofs_over_a_registered_family_are_those_of_enumeration(
     seed: int, longer: LongerPhasing
 ) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.mission.certified import certify
@@ -24,35 +25,14 @@ from solvers.labels.label_search import LabelSearch
 from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
-MISSIONS = 150
-DRIFTING = 90
-"""So many of them under J2."""
-
-GIVEN = 80
-"""And so many over connections that are given."""
-
-TOWING = 80
-"""And so many with tows."""
-
-PARTS, WITH_TOWS = (
-    [
-        pytest.param(
-            draw, range(part, most, parts), id=f"{name}-{part}",
-            marks=[] if part < every_time else [pytest.mark.slow],
-        )
-        for name, draw, most, parts, every_time in kinds
-        for part in range(parts)
-    ]
-    for kinds in (
-        (
-            ("two-body", random_mission, MISSIONS, 5, 3),
-            ("j2", drifting_mission, DRIFTING, 3, 2), ("given", given_mission, GIVEN, 2, 2),
-        ),
-        (("tow", towing_mission, TOWING, 2, 1),),
-    )
-)  # fmt: skip
-every_part = pytest.mark.parametrize(("draw", "seeds"), PARTS)
-every_part_and_tows = pytest.mark.parametrize(("draw", "seeds"), [*PARTS, *WITH_TOWS])
+KINDS_OF_FIELDS = {
+    "two_body": (random_mission, range(150), 20), "j2": (drifting_mission, range(90), 16),
+    "given": (given_mission, range(80), 16),
+}  # fmt: skip
+every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
+every_kind_and_tows = over_kinds(
+    "draw, seeds", **KINDS_OF_FIELDS, tow=(towing_mission, range(80), 16)
+)
 either = pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
 
 KINDS = {
@@ -62,7 +42,7 @@ KINDS = {
 """Of the legs of their plans."""
 
 
-@every_part_and_tows
+@every_kind_and_tows
 def test_schedules_are_the_best_there_are(draw, seeds):
     """The schedule of the best order costs what enumeration says, and `check` agrees."""
     flown, kinds = 0, set()
@@ -83,7 +63,7 @@ def test_schedules_are_the_best_there_are(draw, seeds):
     assert kinds == KINDS[draw]
 
 
-@every_part_and_tows
+@every_kind_and_tows
 def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
     """No plan that enumeration knows is above the bound, and `exact` proves the best one."""
     for seed in seeds:
@@ -163,7 +143,7 @@ def test_planners_keep_to_all_rules(method, draw, share):
 
 
 @pytest.mark.parametrize("cost_of", ["delta-v", "duration"])
-@every_part
+@every_kind
 def test_the_least_cost_is_proven(draw, seeds, cost_of):
     """At the best prizes `exact` proves the least cost that enumeration knows, and never more."""
     proven = 0

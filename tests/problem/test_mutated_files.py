@@ -32,6 +32,7 @@ from mutations import (
     spoilt_lines,
     spoilt_numbers,
 )
+from seeds import over_kinds
 from toy_roads import NAMES, solved
 from two_chasers import campaign
 
@@ -42,7 +43,7 @@ from adr_opt.common.stop import MaxIterations
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given_files import read_given
 
-FEW, MANY = 100, 5600
+CASES, FEW = range(5700), 100
 SLOWEST_S = 60.0
 """Kernels that have to be compiled included."""
 
@@ -52,13 +53,7 @@ STUCK_S = 10
 LONGEST_SENTENCE = 900
 TANKS = Axis("delta-v", (130.0, 300.0))
 
-SAMPLES = pytest.mark.parametrize(
-    "numbers",
-    [
-        pytest.param(range(FEW), id="few"),
-        pytest.param(range(FEW, FEW + MANY), id="many", marks=pytest.mark.slow),
-    ],
-)
+SAMPLES = over_kinds("numbers", cases=(CASES, FEW))
 
 
 class Found:

@@ -10,6 +10,7 @@ from brute_force import brute_force, brute_force_campaign
 from calling import call
 from nasty_prizes import KINDS, with_prizes
 from random_rules import random_campaign
+from seeds import over_kinds
 from varied_fields import varied
 
 import adr_opt
@@ -27,9 +28,7 @@ from adr_opt.run.methods import BOUNDS, PLANNERS, get, spec
 LIMIT_S = 30.0
 
 all_kinds = pytest.mark.parametrize("kind", KINDS)
-some_seeds = pytest.mark.parametrize(
-    "seeds", [range(3), pytest.param(range(3, 25), marks=pytest.mark.slow)], ids=["few", "many"]
-)
+some_seeds = over_kinds("seeds", drawn=(range(25), 3))
 
 
 def drawn(kind: str, seed: int) -> Instance:

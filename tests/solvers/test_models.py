@@ -14,6 +14,7 @@ from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from random_rules import random_mission as all_rules
 from resonant_fields import resonant
+from seeds import over_seeds
 from small_missions import DAY_S, TINY, featured_mission, random_mission
 
 import adr_opt
@@ -87,7 +88,7 @@ def test_hand_made(method, start):
 
 
 @exact_methods
-@pytest.mark.parametrize("seed", range(24))
+@over_seeds(range(24), gate=8)
 def test_random_missions(method, seed):
     """With zones, unequal and non-integer prizes the methods equal brute force."""
     mission = random_mission(seed)
@@ -96,7 +97,7 @@ def test_random_missions(method, seed):
 
 
 @exact_methods
-@pytest.mark.parametrize("seed", range(12))
+@over_seeds(range(12), gate=6)
 def test_reduced_networks(method, seed, monkeypatch):
     """With arcs removed by reduced costs, goal by goal, the methods still equal brute force."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0)
@@ -108,7 +109,7 @@ def test_reduced_networks(method, seed, monkeypatch):
 
 @exact_methods
 @pytest.mark.parametrize("whole", [True, False])
-@pytest.mark.parametrize("seed", [*range(40), *RARE])
+@over_seeds([*RARE, *range(40)], gate=15)
 def test_missions_with_every_feature(method, whole, seed, monkeypatch):
     """With several stations or none, windows, ends, a start of its own and few targets, too."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9 if whole and method is mip else 0)
@@ -131,7 +132,7 @@ def test_all_rules_at_random(method, part):
 
 
 @all_methods
-@pytest.mark.parametrize("seed", range(100, 125))
+@over_seeds(range(100, 125), gate=10)
 def test_limits_that_the_best_plan_just_meets(method, seed, monkeypatch):
     """Where rounding decides whether the best plan fits, enumeration decides the same."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 0 if seed % 2 else 1000)
