@@ -94,7 +94,7 @@ def test_a_large_field_has_a_certificate(monkeypatch):
     for name in ("LEAST_S", "MOMENT_S", "SHARE"):
         monkeypatch.setattr(table_budget, name, 0.0)
     instance = adr_opt.generate("nominal", 1, targets=60).with_limits(duration_s=3.0 * 86400.0)
-    result = adr_opt.solve(instance, "auto", iterations=1, time_limit=20.0)
+    result = adr_opt.solve(instance, "auto", iterations=1, time_limit=60.0)
     result = replace(result, evidence=floors_of(instance, result.evidence))
     certificate = certificate_of(instance, result)
     assert certificate.floors is not None

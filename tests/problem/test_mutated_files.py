@@ -210,7 +210,7 @@ class Over(MaxIterations):
 def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
     """Files of results are gone on from, or refused and left as they are."""
     path, instance = tmp_path / "r.csv", hand_made()
-    tradeoff(instance, [TANKS], path=path, time_limit=20.0)
+    tradeoff(instance, [TANKS], path=path, time_limit=60.0)
     whole = path.read_bytes()
     cells = (instance.sha256, "method auto, 20 s, seed 0", "auto", "beam+auto", "magic")
     found = Found("tradeoff", tmp_path)
@@ -225,7 +225,7 @@ def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
 
         def judge(data: bytes = data, stop: Any = stop) -> str:
             try:
-                made = tradeoff(instance, [TANKS], path=path, time_limit=20.0, stop=stop)
+                made = tradeoff(instance, [TANKS], path=path, time_limit=60.0, stop=stop)
             except InputError:
                 assert stop is None or path.read_bytes() == data
                 raise
@@ -250,7 +250,7 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
         ("campaign", campaign(), "auto"),
         ("drifting", towed, "auto"),
     ):  # fmt: skip
-        plan = adr_opt.solve(instance, method, time_limit=5.0).plan
+        plan = adr_opt.solve(instance, method, time_limit=60.0).plan
         assert plan is not None, name
         yield name, instance, plan.to_json()
     instance, plan = solved()

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
@@ -35,10 +36,10 @@ LIMIT_S = 600.0
 """Nothing comes near it: iterations limit the work."""
 
 ON_TIME_S = 3.0
-"""How late a method may be: one step that cannot ask, on a busy machine."""
+"""Processor time that a method may work on for: one step that cannot ask."""
 
-WAITED_S = 20.0
-"""However busy the machine is: who takes longer by the clock waits for something."""
+WAITED_S = 60.0
+"""However busy the machine is, a method that takes longer by the clock waits for something."""
 
 
 SMALL: dict[str, Callable[[], Instance]] = {
@@ -117,6 +118,15 @@ def ran(group: str, method: str, name: str) -> tuple[Result, Heard]:
     """What a little work gives, and what was heard on the way."""
     heard = Heard()
     return call(group, method, name, work(), progress=heard), heard
+
+
+@contextmanager
+def on_time(limit_s: float = 0.0) -> Iterator[None]:
+    """What is done ends soon after a limit; what other processes do meanwhile is not counted."""
+    began, worked = time.perf_counter(), time.process_time()
+    yield
+    assert time.process_time() - worked < 2.0 * limit_s + ON_TIME_S
+    assert time.perf_counter() - began < limit_s + WAITED_S
 
 
 def every(group: str, name: str) -> dict[str, Result]:
@@ -371,9 +381,8 @@ def interrupted() -> Interrupted:
 def test_planner_interrupted_at_once(method: str, name: str) -> None:
     """A planner that is to stop at once returns at once, with a legal plan."""
     ran(PLANNERS, method, name)  # compiled and imported, the timetable is there
-    began = time.perf_counter()
-    result = call(PLANNERS, method, name, interrupted())
-    assert time.perf_counter() - began < ON_TIME_S
+    with on_time():
+        result = call(PLANNERS, method, name, interrupted())
     assert_sound(result, name)
 
 
@@ -387,10 +396,8 @@ def test_out_of_time_a_planner_is_as_good_as_guarded_greedy(method: str, name: s
     ran(PLANNERS, method, name)
     least = call(PLANNERS, "greedy-guarded", name, MaxIterations(1))
     heard = Heard()
-    began, worked = time.perf_counter(), time.process_time()
-    result = adr_opt.solve(mission(name), method, time_limit=1e-9, progress=heard)
-    assert time.process_time() - worked < ON_TIME_S  # what others do meanwhile is not counted
-    assert time.perf_counter() - began < WAITED_S
+    with on_time():
+        result = adr_opt.solve(mission(name), method, time_limit=1e-9, progress=heard)
     assert result.method == method
     assert result.objective >= least.objective
     assert heard.incumbents[-1] == pytest.approx(result.objective)
@@ -421,9 +428,8 @@ def test_a_plan_that_is_not_the_planners_own_says_so() -> None:
 def test_bound_interrupted_at_once(method: str, name: str) -> None:
     """A bound that is to stop at once returns at once, with a bound that is valid."""
     ran(BOUNDS, method, name)
-    began = time.perf_counter()
-    result = call(BOUNDS, method, name, interrupted())
-    assert time.perf_counter() - began < ON_TIME_S
+    with on_time():
+        result = call(BOUNDS, method, name, interrupted())
     known = max(found.objective for found in every(PLANNERS, name).values())
     assert known - 1e-6 <= result.upper_bound <= mission(name).total_prize + 1e-6
 
@@ -432,9 +438,7 @@ def test_bound_interrupted_at_once(method: str, name: str) -> None:
 def test_time_limit_is_respected(group: str) -> None:
     """Every method ends on time on a nominal field, and what it returns is sound."""
     for method in every(group, "nominal"):
-        limit = 0.7
-        began = time.perf_counter()
-        result = call(group, method, "nominal", MaxRuntime(limit))
-        late = time.perf_counter() - began - limit
-        assert late < ON_TIME_S, f"{method} is {late:.1f} s late"
+        limit_s = 0.7
+        with on_time(limit_s):
+            result = call(group, method, "nominal", MaxRuntime(limit_s))
         assert_sound(result, "nominal")

@@ -306,7 +306,7 @@ def test_plans_without_a_network_state_a_bound(method):
     for seed in range(6):
         instance = random_mission(seed)
         prizes, _, _ = brute_force(Mission(instance))
-        result = adr_opt.solve(instance, method, time_limit=20.0, iterations=8)
+        result = adr_opt.solve(instance, method, time_limit=60.0, iterations=8)
         if math.isfinite(prizes):
             assert result.objective <= prizes + 1e-9 <= result.upper_bound + 2e-9, seed
 
@@ -330,7 +330,7 @@ def test_campaigns_without_a_network_state_a_bound(method):
     """Planned without column generation, no plan of several chasers exceeds what is stated."""
     for seed in range(8):
         campaign = Problem(mixed_campaign(seed))
-        result = adr_opt.solve(campaign, method, time_limit=20.0, iterations=2)
+        result = adr_opt.solve(campaign, method, time_limit=60.0, iterations=2)
         compared(campaign, result, seed)
 
 
@@ -338,7 +338,7 @@ def test_campaigns_without_a_network_state_a_bound(method):
 def test_a_plan_on_some_pairs_states_a_bound_of_all(family):
     """A plan on the timetable of the nearest pairs has the bound of all, and check agrees."""
     instance = adr_opt.generate(family, 0, targets=50)
-    result = adr_opt.solve(instance, "auto", time_limit=20.0, iterations=2, memory_gib=3e-3)
+    result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=2, memory_gib=3e-3)
     plan = result.plan
     assert any("planned on the timetable of the nearest" in note for note in result.notes)
     assert not any("nothing is proven" in note for note in result.notes)
@@ -360,7 +360,7 @@ def test_campaigns_of_every_size_have_a_bound(monkeypatch):
     """Three chasers among 300 targets are bounded where there is memory for a few pairs only."""
     campaign = Problem(adr_opt.generate("campaign", 0, targets=300))
     monkeypatch.setattr(front, "TABLE_BYTES", 2e7)
-    result = adr_opt.bound(campaign, "exact", time_limit=20.0, iterations=1)
+    result = adr_opt.bound(campaign, "exact", time_limit=60.0, iterations=1)
     assert not campaign.is_whole
     assert result.objective <= result.upper_bound <= 44.0
 

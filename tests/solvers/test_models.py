@@ -250,14 +250,14 @@ def test_a_tank_that_is_just_too_small(method):
 def test_too_short_a_time_limit(method):
     """A limit too short for anything still gives a valid bound, and a plan stays legal."""
     mission = Mission(adr_opt.generate("reduced-time", 0, targets=15))
-    began = time.monotonic()
+    began = time.process_time()
     result = prove(method, mission, stop=MaxRuntime(1e-9))
     assert result.upper_bound == 15.0
     assert result.status != "optimal"
     result = prove(method, mission, stop=MaxRuntime(0.5))
     assert result.upper_bound <= 15.0
     assert result.objective <= result.upper_bound
-    assert time.monotonic() - began < 20.0
+    assert time.process_time() - began < 20.0
 
 
 @exact_methods
