@@ -228,6 +228,7 @@ def test_two_runs_at_once_share_the_work(
     assert len(calls) == len(set(calls)) == len(facts(tmp_path / "out")) == 16
 
 
+@pytest.mark.slow
 def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_path: Path) -> None:
     """Their rows say so, all others are there, the report names them, the exit status is 1."""
     out = tmp_path / "out"
@@ -312,6 +313,7 @@ def cluster(folder: Path, environment: dict[str, str]) -> Iterator[tuple[str, li
         log.close()
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_rows_even_when_a_worker_is_killed(
     start: Start, tmp_path: Path, environment: dict[str, str]
 ) -> None:

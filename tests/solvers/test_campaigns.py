@@ -107,11 +107,15 @@ def test_proofs_hold_on_knife_edges(seed):
         assert result.objective == pytest.approx(prizes)
 
 
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
-def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
+@over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(120), 40), j2=(drifting_mission, range(120), 30),
+    given=(given_mission, range(120), 40),
+)  # fmt: skip
+def test_every_set_of_targets_that_is_worth_enough_is_listed(draw, seeds):
     """What ends proofs has a route for each set that enumeration finds, and for no other."""
     listed = several = 0
-    for seed in range(120):
+    for seed in seeds:
         mission = Mission(draw(seed))
         rng = np.random.default_rng([7, seed])
         multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.planning_prizes
@@ -142,8 +146,8 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
         assert found <= {done for done in worth if worth[done] > least - 1e-3}, seed
         listed += len(found)
         several += any(one & other == one for one in found for other in found - {one})
-    assert listed > 100
-    assert several > 10
+    assert listed > 0.8 * len(seeds)
+    assert several > 0.08 * len(seeds)
 
 
 @over_seeds(range(1, 40, 3), gate=5)

@@ -20,6 +20,7 @@ from random_rules import (
     towing,
     towing_mission,
 )
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.mission.mission import Mission
@@ -44,9 +45,12 @@ def laden_mission(seed: int) -> adr_opt.Instance:
     return carrying(random_mission(seed), seed)
 
 
-every_kind = pytest.mark.parametrize(
-    "draw", [random_mission, drifting_mission, given_mission, laden_mission, towing_mission]
-)
+def every_kind(seeds: int, gate: int) -> pytest.MarkDecorator:
+    """Missions of each kind, so many of them, and so many at the gate."""
+    kinds = (random_mission, drifting_mission, given_mission, laden_mission, towing_mission)
+    return over_kinds(
+        "draw, seeds", **{draw.__name__: (draw, range(seeds), gate) for draw in kinds}
+    )
 
 
 def streamed(mission: Mission, length: float = 0.0, unit: float = 0.0, jobs: int = 1) -> Stream:
@@ -76,11 +80,11 @@ def some_point(mission: Mission, rng: np.random.Generator, high: float) -> np.nd
     return np.append(rng.uniform(0.0, high, worth.size) * worth, rng.uniform(0.0, high))
 
 
-@every_kind
-def test_least_times_bound_every_plan(draw):
+@every_kind(60, gate=24)
+def test_least_times_bound_every_plan(draw, seeds):
     """No plan that enumeration knows is worth more than services at their least time and ΔV."""
     tight = 0
-    for seed in range(SEEDS):
+    for seed in seeds:
         mission = Mission(draw(seed))
         prizes, _, _ = brute_force(mission)
         bound = mission.shown(floor_bound(problem_of(mission)))
@@ -108,10 +112,10 @@ def test_least_times_bound_every_plan_of_a_campaign(draw):
         assert campaign.shown(floor_bound(campaign)) >= prizes - 1e-9, seed
 
 
-@every_kind
-def test_no_connection_is_below_the_floors(draw):
+@every_kind(20, gate=20)
+def test_no_connection_is_below_the_floors(draw, seeds):
     """All connections take the least time to their destination at least, and cost the least ΔV."""
-    for seed in range(SEEDS // 3):
+    for seed in seeds:
         mission = Mission(draw(seed))
         rules = mission.rules
         least_s, least_m_s = floors(mission)
@@ -124,11 +128,11 @@ def test_no_connection_is_below_the_floors(draw):
             assert (found.delta_v >= least_m_s[j]).all(), (seed, i, j)
 
 
-@every_kind
-def test_walks_that_pay_bound_every_plan(draw):
+@every_kind(60, gate=12)
+def test_walks_that_pay_bound_every_plan(draw, seeds):
     """Enumeration lies under the bound for any multipliers, price, length of steps and unit."""
     bounded = 0
-    for seed in range(SEEDS):
+    for seed in seeds:
         mission = Mission(draw(seed))
         prizes, _, _ = brute_force(mission)
         rng = np.random.default_rng(seed)
@@ -147,14 +151,14 @@ def test_walks_that_pay_bound_every_plan(draw):
                     known = value_with_tanks(mission, stream, point)
                     assert mission.shown(known) >= prizes - 1e-9, (seed, high)
             bounded += 1
-    assert bounded > SEEDS
+    assert bounded > len(seeds)
 
 
-@every_kind
-def test_proofs_without_a_network_stay_above_the_optimum(draw):
+@every_kind(30, gate=8)
+def test_proofs_without_a_network_stay_above_the_optimum(draw, seeds):
     """Brought down as far as it goes, the bound is that of enumeration or more, and often that."""
     met = 0
-    for seed in range(SEEDS // 2):
+    for seed in seeds:
         mission = Mission(draw(seed))
         prizes, _, _ = brute_force(mission)
         stream = streamed(mission)
