@@ -11,6 +11,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 from functools import cache
 from typing import Any
 
@@ -29,9 +30,10 @@ from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
+from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, options_of, spec
 
 ITERATIONS = 3
+EFFORT = 0.4
 ON_TIME_S = 3.0
 """Processor time that a method may work on for: one step that cannot ask."""
 
@@ -94,12 +96,22 @@ class Heard:
         self.bounds.append(bound)
 
 
+def efforts(function: Callable[..., Any]) -> dict[str, Any]:
+    """The option that limits one iteration, for methods whose iterations may be long."""
+    return (
+        {"effort": EFFORT}
+        if "effort" in {each.name for each in fields(options_of(function))}
+        else {}
+    )
+
+
 def call(group: str, method: str, name: str, stop: Stop, **arguments: Any) -> Result:
     """Run a method on one core; the test is skipped if a package that it needs is missing."""
     try:
         function = get(method, group)
         if spec(method, group).uses_cores:
             arguments.setdefault("jobs", 1)
+        arguments |= efforts(function)
         return calling.call(function, mission(name), stop=stop, **arguments)
     except MissingExtra as missing:
         pytest.skip(str(missing))
@@ -120,7 +132,9 @@ def ran(group: str, method: str, name: str) -> tuple[Result, Heard]:
 def limited(group: str, method: str, name: str, margin: float = 0.0) -> Result:
     """The same little work by the front door, without any limit of time."""
     try:
-        wanted = front.RunOptions(math.inf, iterations=ITERATIONS, margin=margin)
+        wanted = front.RunOptions(
+            math.inf, iterations=ITERATIONS, margin=margin, options=efforts(get(method, group))
+        )
         return front.run(group, mission(name), method, wanted)
     except MissingExtra as missing:
         pytest.skip(str(missing))
