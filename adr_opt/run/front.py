@@ -75,9 +75,9 @@ def solve(  # noqa: PLR0913
     method : str
         Name of an installed planner.
     time_limit : float
-        Wall time, the timetable included [s]. Quick planners end by themselves. Where it is short
-        of the timetable, that of the nearest pairs is planned on, and a note says so; see
-        :mod:`.table_budget`. What has to be compiled, once on a machine, is compiled before:
+        Wall time, the timetable included, ``math.inf`` for no limit [s]. Quick planners end by
+        themselves. Where it is short of the timetable, that of the nearest pairs is planned on, and
+        a note says so; see :mod:`.table_budget`. What has to be compiled, once on a machine, is compiled before:
         see :func:`warm_up`.
     seed : int
     stop : Stop, optional
@@ -92,7 +92,8 @@ def solve(  # noqa: PLR0913
     jobs : int, optional
         Cores to use, 0 for all, for planners that can use several.
     iterations : int, optional
-        Most iterations: with it and without a tight time limit, the same work on any machine.
+        Most iterations: with it and without a time limit, the same work and the same result on any
+        machine.
     bound : str, optional
         Name of an installed bound to run beside the planner. Both stop when they meet; if one ends
         early, the other goes on to the limit. ``start`` and ``jobs`` are given to it too if it

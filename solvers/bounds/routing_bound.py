@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from ortools.sat.python import cp_model
 
 from adr_opt.common.constants import TURN_RAD
+from adr_opt.common.options import Options, option
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.core.compile import kernel
@@ -233,6 +235,16 @@ class StaticModel:
         self.block.add(sum(move * int(takes) for move, takes in moves) <= left)
 
 
+@dataclass(frozen=True)
+class RoutingBoundOptions(Options, method="routing-bound"):
+    """Options of the bound ``routing-bound``."""
+
+    effort: float = option(
+        math.inf, "Limit of CP-SAT in its deterministic time, about seconds.", above=0.0,
+        most=math.inf,
+    )  # fmt: skip
+
+
 def routing_bound(
     mission: Mission,
     *,
@@ -240,6 +252,7 @@ def routing_bound(
     stop: Stop,
     progress: Progress,
     start: Iterable[int] | None = None,
+    options: RoutingBoundOptions = RoutingBoundOptions(),
 ) -> Result:
     """The classical static upper bound: weak, but without a timetable.
 
@@ -248,8 +261,8 @@ def routing_bound(
     is given to CP-SAT, and the bound is CP-SAT's upper bound on it. It is valid: every plan is a
     route whose legs take at least that much of both, so it fits, for the same prize. What it
     lacks against the other bounds is what knowing the time is worth. Deterministic but for the
-    time limit, half of which is the most that working out the costs may take; one iteration. It
-    looks for no plan.
+    time limit, half of which is the most that working out the costs may take; one iteration, whose
+    work ``effort`` limits. It looks for no plan.
 
     Parameters
     ----------
@@ -272,7 +285,9 @@ def routing_bound(
             certificate.lower(bound)
             return certificate.proven or stop.remaining_s() <= 0.0
 
-        solver, _, bound = run(model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s))
+        solver, _, bound = run(
+            model.block, unit, seed=seed, hear=Hear(hear, stop.remaining_s), effort=options.effort
+        )
         certificate.lower(bound)
         counters["branches"] = int(solver.num_branches)
     return certificate.result(

@@ -17,7 +17,7 @@ SEEDS = 2**31
 
 
 def run(
-    model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear
+    model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear, effort: float = math.inf
 ) -> tuple[cp_model.CpSolver, bool, float]:
     """Maximise a model with one thread, as several would make results depend on timing.
 
@@ -28,6 +28,9 @@ def run(
         What one step of the objective is worth.
     seed : int
     hear : Hear
+    effort : float
+        Limit in CP-SAT's deterministic time, about seconds: with it alone, the same answer on any
+        machine.
 
     Returns
     -------
@@ -44,6 +47,8 @@ def run(
     settings.random_seed = seed % SEEDS
     settings.linearization_level = 2  # several times as quick as 1 here
     settings.catch_sigint_signal = False
+    if math.isfinite(effort):
+        settings.max_deterministic_time = effort
     remaining = hear.remaining_s()
     if math.isfinite(remaining):
         settings.max_time_in_seconds = max(0.0, remaining)

@@ -39,7 +39,7 @@ def field(step_d: float, tank_m_s: float = 600.0) -> Instance:
 def planned(step_d: float) -> tuple[Problem, Plan]:
     """The mission on a grid, and its plan by a beam, of which nothing is proven."""
     mission = Problem(field(step_d))
-    plan = adr_opt.solve(mission, "beam", time_limit=20.0).plan
+    plan = adr_opt.solve(mission, "beam", time_limit=60.0).plan
     assert plan is not None
     assert any(leg.kind == "drift" for leg in plan.legs)
     return mission, plan

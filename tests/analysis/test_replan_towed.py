@@ -65,7 +65,7 @@ def test_what_is_flown_and_the_rest_are_one_mission() -> None:
         free = {target.name for target in instance.targets if not target.required}
         ahead = [name for name in plan.destinations if name in free - done]
         lost = ahead[:1] if rng.random() < 0.4 else []
-        made = replan(instance, plan, at_s, lost=lost, keep=keep, time_limit=2.0)
+        made = replan(instance, plan, at_s, lost=lost, keep=keep, time_limit=60.0)
         if made.plan is None:
             # Without the lost target there may be no way to where a chaser has to end.
             assert lost, seed
@@ -159,7 +159,7 @@ def test_the_rest_is_the_best_there_is(seed: int, dynamics: str) -> None:
             (state,) = states_at(instance, plan, at_s)
             if state.legs[-1] != before:
                 continue
-            made = replan(instance, plan, at_s, lost=lost, method="exact", time_limit=20.0)
+            made = replan(instance, plan, at_s, lost=lost, method="exact", time_limit=60.0)
             left = followed(instance, instance.chaser, [(x.destination, x.delta_v_m_s) for x in
                             state.legs])[-1].left_m_s  # fmt: skip
             tow_s = before.free_s - before.end_s
@@ -257,7 +257,7 @@ def pair(service_s: float, apart_s: float | None = None) -> tuple[Instance, Plan
 
 def replanned(instance: Instance, plan: Plan, at_s: float) -> Replanned:
     """The rest, in which all who are put somewhere are, and that passes."""
-    made = replan(instance, plan, at_s, time_limit=2.0)
+    made = replan(instance, plan, at_s, time_limit=60.0)
     assert adr_opt.check(made.instance, made.plan) == ()
     assert violations(instance, made) == ()
     first = {route.chaser: route.legs[0] for route in made.plan.routes if route.legs}

@@ -29,14 +29,14 @@ SHA256 = hand_made().sha256
 def content(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A file of results as it is at the end: a row for each of two tanks."""
     path = tmp_path_factory.mktemp("results") / "r.csv"
-    tradeoff(hand_made(), [TANKS], path=path, time_limit=20.0)
+    tradeoff(hand_made(), [TANKS], path=path, time_limit=60.0)
     return path.read_text()
 
 
 @pytest.fixture(scope="module")
 def made() -> Tradeoff:
     """What the same call comes to without a file."""
-    return tradeoff(hand_made(), [TANKS], time_limit=20.0)
+    return tradeoff(hand_made(), [TANKS], time_limit=60.0)
 
 
 def edited(content: str, row: int, **cells: str) -> str:
@@ -55,7 +55,7 @@ def resumed(path: Path, text: str | bytes) -> tuple[Tradeoff, list[Point]]:
     ran: list[Point] = []
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     found = tradeoff(
-        hand_made(), [TANKS], path=path, time_limit=20.0, told=lambda point, _: ran.append(point)
+        hand_made(), [TANKS], path=path, time_limit=60.0, told=lambda point, _: ran.append(point)
     )
     return found, ran
 
@@ -213,11 +213,11 @@ def test_line_ends_of_other_programs_are_read(tmp_path: Path, content: str, made
 def test_campaigns_go_on_too(tmp_path: Path) -> None:
     """Routes of two chasers are flown anew; a target that both visit is refused."""
     path, axis = tmp_path / "r.csv", Axis("duration", (DAY_S, 2.0 * DAY_S))
-    whole = tradeoff(campaign(), [axis], time_limit=10.0, path=path)
+    whole = tradeoff(campaign(), [axis], time_limit=60.0, path=path)
     text = path.read_text()
     ran: list[Point] = []
     again = tradeoff(
-        campaign(), [axis], time_limit=10.0, path=path, told=lambda point, _: ran.append(point)
+        campaign(), [axis], time_limit=60.0, path=path, told=lambda point, _: ran.append(point)
     )
     assert ran == []
     assert same(again, whole)
@@ -226,7 +226,7 @@ def test_campaigns_go_on_too(tmp_path: Path) -> None:
     assert one != two
     path.write_text(edited(text, 1, routes=both))
     with pytest.raises(InputError, match=r"row 3: .*"):
-        tradeoff(campaign(), [axis], time_limit=10.0, path=path)
+        tradeoff(campaign(), [axis], time_limit=60.0, path=path)
 
 
 def test_control_characters_of_a_file_do_not_reach_the_terminal(cli: Cli, content: str) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from calling import call
+from seeds import over_seeds
 from varied_fields import varied
 
 from adr_opt.common.errors import InputError, MissingExtra
@@ -21,22 +22,22 @@ SCALES = (1e-7, 1.0, 1e7)
 
 @pytest.mark.parametrize("prizes", [(1.0,), (3.0, 1.0, 2.0), (0.7, 2.3, 0.0, 1.1), (0.317, 1.618)])
 @pytest.mark.parametrize("method", ["auto", "exact", "mip", "cpsat"])
-def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...]) -> None:
+@over_seeds(range(3), gate=1)
+def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...], seed: int) -> None:
     """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""
     function = get(method)
     one_core = {"jobs": 1} if spec(method).uses_cores else {}
-    for seed in range(3):
-        for scale in SCALES:
-            scaled = tuple(scale * prize for prize in prizes)
-            mission = Mission(varied(seed, prizes=scaled, targets=6), threads=1)
-            best, _, _ = brute_force(mission)
-            try:
-                result = call(function, mission, stop=MaxRuntime(30.0), **one_core)
-            except MissingExtra as missing:
-                pytest.skip(str(missing))
-            assert result.status == "optimal"
-            assert result.objective == pytest.approx(best, rel=1e-9, abs=0.0)
-            assert best * (1.0 - 1e-9) <= result.upper_bound <= best * (1.0 + 1e-6)
+    for scale in SCALES:
+        scaled = tuple(scale * prize for prize in prizes)
+        mission = Mission(varied(seed, prizes=scaled, targets=6), threads=1)
+        best, _, _ = brute_force(mission)
+        try:
+            result = call(function, mission, stop=MaxRuntime(60.0), **one_core)
+        except MissingExtra as missing:
+            pytest.skip(str(missing))
+        assert result.status == "optimal"
+        assert result.objective == pytest.approx(best, rel=1e-9, abs=0.0)
+        assert best * (1.0 - 1e-9) <= result.upper_bound <= best * (1.0 + 1e-6)
 
 
 def test_an_incumbent_meets_a_bound_but_for_rounding() -> None:

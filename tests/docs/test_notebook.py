@@ -38,6 +38,7 @@ def pictures(notebook: Any) -> int:
     )
 
 
+@pytest.mark.slow
 def test_the_tour_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every cell runs without an error or a warning, and prints and draws what is committed."""
     # the kernel asks for a place of its own

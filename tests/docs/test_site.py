@@ -173,6 +173,7 @@ def test_every_picture_is_shown_with_a_text_for_those_who_do_not_see_it() -> Non
     assert all(len(words.split()) > 5 for words in shown.values())
 
 
+@pytest.mark.slow
 def test_the_pictures_are_what_the_script_draws(tmp_path: Path) -> None:
     """docs/draw_model.py draws the committed pictures: the same files, of about the same size."""
     pytest.importorskip("matplotlib")

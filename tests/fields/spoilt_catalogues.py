@@ -29,7 +29,7 @@ PIECES = [
 
 def outcome(data: bytes, *, skip_bad: bool) -> None:
     """Read and import; anything but an InputError with a short sentence is a finding."""
-    begin = time.monotonic()
+    begin = time.process_time()
     try:
         found = read_bytes(data, "file", skip_bad=skip_bad)
         assert isinstance(found, Catalogue)
@@ -43,7 +43,7 @@ def outcome(data: bytes, *, skip_bad: bool) -> None:
         assert "\n" not in said
         assert 10 < len(said) < LONGEST_SENTENCE
         assert said.isprintable()
-    assert time.monotonic() - begin < 10.0
+    assert time.process_time() - begin < 10.0
 
 
 def with_checksums(data: bytes) -> bytes:

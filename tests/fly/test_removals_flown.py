@@ -44,7 +44,7 @@ DRAWN, PARTS, TOWS = 140, 4, 100
 def planned(seed: int) -> tuple[Instance, Plan]:
     """A drawn mission and a plan of it that `check` accepts."""
     instance = drawn_removal(seed)
-    plan = adr_opt.solve(instance, "greedy-guarded", time_limit=10.0).plan
+    plan = adr_opt.solve(instance, "greedy-guarded", time_limit=60.0).plan
     assert plan is not None
     assert adr_opt.check(instance, plan) == ()
     return instance, plan
@@ -174,7 +174,7 @@ def test_a_tow_after_a_launch_is_counted_with_the_leg_that_follows():
 def test_a_drifting_plan_with_tows_is_planned_until_it_holds():
     """Rounds of planning and refining end with a plan that the judge of flights accepts, too."""
     instance = drawn_removal(DRIFTING)
-    found = adr_opt.solve_refined(instance, "greedy-guarded", rounds=3, time_limit=5.0)
+    found = adr_opt.solve_refined(instance, "greedy-guarded", rounds=3, time_limit=60.0)
     assert found.holds
     assert any(leg.kind == "drift" and leg.tow_before for leg in found.refined.legs)
     assert fly_refined(instance, found.refined).holds

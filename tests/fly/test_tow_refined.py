@@ -148,7 +148,7 @@ def test_a_refined_plan_without_its_tows_is_refused(field_name):
 def test_a_plan_with_tows_is_planned_until_it_holds():
     """Rounds of planning and refining know tows, and what is left of a plan keeps its own."""
     instance = field("j2")
-    found = adr_opt.solve_refined(instance, "greedy", rounds=2, time_limit=5.0)
+    found = adr_opt.solve_refined(instance, "greedy", rounds=2, time_limit=60.0)
     assert found.holds
     assert fly_refined(instance, found.refined).holds
     _, plan, one = refined("j2", 2, "free")

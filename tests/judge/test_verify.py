@@ -16,6 +16,7 @@ from random_rules import (
     random_mission,
     towing_mission,
 )
+from seeds import over_kinds, over_seeds
 from verify_fields import (
     FEW,
     Spoilt,
@@ -43,22 +44,13 @@ from adr_opt.problem.settings import MissionSettings
 
 INSTANCES = Path(__file__).parents[2] / "instances"
 
-every_rule = pytest.mark.parametrize(
-    ("draw", "seeds", "share"),
-    [
-        *(
-            pytest.param(random_mission, range(at, 60, 2), 0.5, id=f"two-body-{at}")
-            for at in range(2)
-        ),
-        pytest.param(drifting_mission, range(40), 0.4, id="j2"),
-        pytest.param(given_mission, range(40), 0.15, id="given"),
-        pytest.param(variant, range(30), 0.5, id="prizes"),
-        *(
-            pytest.param(draw, range(16), 0.3, id=draw.__name__)
-            for draw in (laden, towing_mission, towing_and_laden, refuelling)
-        ),
-    ],
-)
+every_rule = over_kinds(
+    "draw, share, seeds",
+    two_body=(random_mission, 0.5, range(60), 16), j2=(drifting_mission, 0.4, range(40), 12),
+    given=(given_mission, 0.15, range(40), 16), prizes=(variant, 0.5, range(30), 10),
+    **{draw.__name__: (draw, 0.3, range(16), 6)
+       for draw in (laden, towing_mission, towing_and_laden, refuelling)},
+)  # fmt: skip
 """Fields with every rule on and off, and the share of proofs that rest on walks, at least."""
 
 
@@ -67,7 +59,7 @@ def verdict_of(instance: Instance, result: Result, certificate: Certificate) -> 
 
 
 @every_rule
-def test_every_proof_is_verified(draw, seeds, share):
+def test_every_proof_is_verified(draw, share, seeds):
     """Of missions with every rule on and off, each proof is verified, with the same bound."""
     by_walks = 0
     for seed in seeds:
@@ -92,22 +84,17 @@ def test_windows_of_launches_are_those_of_the_instance():
         assert windows == instance.available_s
 
 
-@pytest.mark.parametrize(
-    ("draw", "least"),
-    [
-        (random_campaign, 1.0),
-        (apart, 0.5),
-        (weighed, 0.5),
-        (mixed_campaign, 0.5),
-        (lambda seed: random_campaign(seed, drifting_mission), 0.9),
-        (campaign_with_cargo, 0.8),
-    ],
-    ids=["alike", "apart", "weighed", "mixed", "j2", "cargo"],
-)
-def test_bounds_of_campaigns_are_verified(draw, least):
+@over_kinds(
+    "draw, least, seeds",
+    alike=(random_campaign, 1.0, range(12), 6), apart=(apart, 0.5, range(12), 6),
+    weighed=(weighed, 0.5, range(12), 6), mixed=(mixed_campaign, 0.5, range(12), 6),
+    j2=(lambda seed: random_campaign(seed, drifting_mission), 0.9, range(12), 6),
+    cargo=(campaign_with_cargo, 0.8, range(12), 6),
+)  # fmt: skip
+def test_bounds_of_campaigns_are_verified(draw, least, seeds):
     """The bound before the last packing is verified and holds; where it is the last, all is."""
     asked = whole = 0
-    for seed in range(12):
+    for seed in seeds:
         instance = draw(seed)
         result, certificate = proven(instance)
         if certificate is None:
@@ -119,23 +106,23 @@ def test_bounds_of_campaigns_are_verified(draw, least):
         whole += verdict.verified
         if not verdict.verified:
             assert certificate.upper_bound > result.upper_bound, seed
-    assert asked > 2
+    assert asked > len(seeds) / 6
     assert whole >= least * asked
 
 
 @pytest.mark.parametrize("iterations", [1, 2, 3, 6])
-def test_bounds_of_proofs_cut_short_are_verified(iterations):
+@over_seeds(range(12), gate=6)
+def test_bounds_of_proofs_cut_short_are_verified(iterations, seed):
     """After any number of iterations what the bound rests on is known, and verified."""
-    for seed in range(12):
-        instance = variant(seed)
-        for run, method in ((adr_opt.bound, "lagrangian"), (adr_opt.solve, "auto")):
-            result = run(instance, method, time_limit=60.0, iterations=iterations)
-            if result.upper_bound == math.inf and result.status != "optimal":
-                continue  # nothing was proven
-            certificate = certificate_of(instance, result)
-            stated = min(result.upper_bound, sum(each.prize for each in instance.targets))
-            assert certificate.upper_bound == pytest.approx(stated, rel=1e-6), seed
-            assert verdict_of(instance, result, certificate).reasons == (), seed
+    instance = variant(seed)
+    for run, method in ((adr_opt.bound, "lagrangian"), (adr_opt.solve, "auto")):
+        result = run(instance, method, time_limit=60.0, iterations=iterations)
+        if result.upper_bound == math.inf and result.status != "optimal":
+            continue  # nothing was proven
+        certificate = certificate_of(instance, result)
+        stated = min(result.upper_bound, sum(each.prize for each in instance.targets))
+        assert certificate.upper_bound == pytest.approx(stated, rel=1e-6)
+        assert verdict_of(instance, result, certificate).reasons == ()
 
 
 def test_a_bound_beside_a_planner_brings_its_evidence():

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from random_rules import DAY_S, drifting_mission, given_mission, random_mission, towing_mission
+from seeds import over_kinds
 from verify_fields import Spoilt
 
 import adr_opt
@@ -136,11 +137,15 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
     assert any("cannot be flown" in fault for fault in sampled.faults)
 
 
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
-def test_connections_are_those_of_check(draw):
+@over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 5),
+    given=(given_mission, range(24), 24),
+)  # fmt: skip
+def test_connections_are_those_of_check(draw, seeds):
     """All that are drawn can be flown, none is missing; spoilt ones are found out."""
     found_missing = found_cheaper = looked_at = 0
-    for seed in range(24):
+    for seed in seeds:
         instance = draw(seed)
         whole = sample_connections(instance, ConnectionFinder(instance), 100, seed)
         assert whole.faults == (), seed
@@ -149,17 +154,18 @@ def test_connections_are_those_of_check(draw):
         found_missing += any(fault.startswith("no connection") for fault in fewer.faults)
         cheaper = sample_connections(instance, Spoilt(instance, 0.0, 1e-3), 60, seed)
         found_cheaper += any("cannot be flown" in fault for fault in cheaper.faults)
-    assert looked_at > 40
-    assert found_missing > 7
-    assert found_cheaper > 10
+    assert looked_at > 1.6 * len(seeds)
+    assert found_missing > 0.3 * len(seeds)
+    assert found_cheaper > 0.4 * len(seeds)
 
 
-def test_connections_from_where_tows_lead_are_those_of_check():
+@over_kinds("seeds", towing=(range(24), 3))
+def test_connections_from_where_tows_lead_are_those_of_check(seeds):
     """All that are drawn can be flown, and none is missing."""
     looked_at = 0
-    for seed in range(24):
+    for seed in seeds:
         instance = towing_mission(seed)
         sampled = sample_connections(instance, ConnectionFinder(instance), 100, seed)
         assert sampled.faults == (), seed
         looked_at += sampled.departures
-    assert looked_at > 40
+    assert looked_at > 1.6 * len(seeds)

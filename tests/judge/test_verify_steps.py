@@ -126,7 +126,7 @@ def test_where_services_change_tanks_no_leg_has_a_price():
     in_steps = 0
     for seed in range(12):
         instance = (laden, towing_mission)[seed % 2](seed)
-        result = adr_opt.solve(instance, "auto", time_limit=20.0, iterations=3)
+        result = adr_opt.solve(instance, "auto", time_limit=60.0, iterations=3)
         if result.upper_bound == math.inf or result.evidence is None:
             continue
         certificate = certificate_of(instance, result)

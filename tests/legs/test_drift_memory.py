@@ -138,9 +138,9 @@ def test_grids_of_seconds_are_estimated_in_no_time() -> None:
     fine = coarse.replace(
         transfer=coarse.transfer.replace(drift_step_s=10.0, departure_spacing_s=0.0)
     )
-    began = time.perf_counter()
+    began = time.process_time()
     size = connection_finder.estimate(fine)
-    assert time.perf_counter() - began < 5.0
+    assert time.process_time() - began < 5.0
     steps = (coarse.transfer.drift_step_s / 10.0) ** 2
     assert size.connections > 0.1 * steps * connection_finder.estimate(coarse).connections
     with pytest.raises(InputError, match="raise drift_step_s"):

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from contextlib import closing
+from functools import cache
 
 import numpy as np
 import pytest
 from brute_force import brute_force
 from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.mission.certified import certify
@@ -24,36 +26,19 @@ from solvers.labels.label_search import LabelSearch
 from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
-MISSIONS = 150
-DRIFTING = 90
-"""So many of them under J2."""
-
-GIVEN = 80
-"""And so many over connections that are given."""
-
-TOWING = 80
-"""And so many with tows."""
-
-PARTS, WITH_TOWS = (
-    [
-        pytest.param(
-            draw, range(part, most, parts), id=f"{name}-{part}",
-            marks=[] if part < every_time else [pytest.mark.slow],
-        )
-        for name, draw, most, parts, every_time in kinds
-        for part in range(parts)
-    ]
-    for kinds in (
-        (
-            ("two-body", random_mission, MISSIONS, 5, 3),
-            ("j2", drifting_mission, DRIFTING, 3, 2), ("given", given_mission, GIVEN, 2, 2),
-        ),
-        (("tow", towing_mission, TOWING, 2, 1),),
-    )
+KINDS_OF_FIELDS = {
+    "two_body": (random_mission, range(150), 20), "j2": (drifting_mission, range(90), 16),
+    "given": (given_mission, range(80), 16),
+}  # fmt: skip
+every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
+every_kind_and_tows = over_kinds(
+    "draw, seeds", **KINDS_OF_FIELDS, tow=(towing_mission, range(80), 16)
+)
+searched = over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(40), 16), j2=(drifting_mission, range(40), 16),
+    given=(given_mission, range(40), 16),
 )  # fmt: skip
-every_part = pytest.mark.parametrize(("draw", "seeds"), PARTS)
-every_part_and_tows = pytest.mark.parametrize(("draw", "seeds"), [*PARTS, *WITH_TOWS])
-either = pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
 
 KINDS = {
     random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
@@ -62,13 +47,19 @@ KINDS = {
 """Of the legs of their plans."""
 
 
-@every_part_and_tows
+@cache
+def enumerated(draw, seed):
+    """A mission, and what enumeration finds in it: prizes, cost and order of the best plan."""
+    mission = Mission(draw(seed))
+    return mission, brute_force(mission)
+
+
+@every_kind_and_tows
 def test_schedules_are_the_best_there_are(draw, seeds):
     """The schedule of the best order costs what enumeration says, and `check` agrees."""
     flown, kinds = 0, set()
     for seed in seeds:
-        mission = Mission(draw(seed))
-        prizes, cost, order = brute_force(mission)
+        mission, (prizes, cost, order) = enumerated(draw, seed)
         if not math.isfinite(prizes):
             continue
         schedule = mission.time(order)
@@ -83,12 +74,11 @@ def test_schedules_are_the_best_there_are(draw, seeds):
     assert kinds == KINDS[draw]
 
 
-@every_part_and_tows
+@every_kind_and_tows
 def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
     """No plan that enumeration knows is above the bound, and `exact` proves the best one."""
     for seed in seeds:
-        mission = Mission(draw(seed))
-        prizes, _, _ = brute_force(mission)
+        mission, (prizes, _, _) = enumerated(draw, seed)
         rng = np.random.default_rng(seed)
         worth = mission.rules.prize
         bound = WalkBound(
@@ -106,12 +96,11 @@ def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
             assert result.plan is None
 
 
-@either
-def test_searches_end_at_the_optimum_with_any_multipliers(draw):
+@searched
+def test_searches_end_at_the_optimum_with_any_multipliers(draw, seeds):
     """A search for plans worth the optimum finds one; for more it finds none."""
-    for seed in range(40):
-        mission = Mission(draw(1000 + seed))
-        prizes, _, _ = brute_force(mission)
+    for seed in seeds:
+        mission, (prizes, _, _) = enumerated(draw, 1000 + seed)
         if not math.isfinite(prizes) or not mission.worth(prizes):
             continue
         worth = mission.rules.prize
@@ -127,33 +116,31 @@ def test_searches_end_at_the_optimum_with_any_multipliers(draw):
             assert value >= mission.worth(prizes) - 1e-5, seed
 
 
-@pytest.mark.parametrize(
-    ("method", "draw", "share"),
-    [
-        ("greedy-guarded", random_mission, 0.3),
-        ("beam", random_mission, 0.7),
-        ("mcts", random_mission, 0.5),
-        ("local-search", random_mission, 0.6),
-        ("auto", random_mission, 0.99),
-        ("greedy-guarded", drifting_mission, 0.2),
-        ("beam", drifting_mission, 0.5),
-        ("mcts", drifting_mission, 0.3),
-        ("local-search", drifting_mission, 0.5),
-        ("auto", drifting_mission, 0.99),
-        ("greedy-guarded", given_mission, 0.2),
-        ("beam", given_mission, 0.5),
-        ("mcts", given_mission, 0.3),
-        ("local-search", given_mission, 0.5),
-        ("auto", given_mission, 0.99),
-    ],
-)
-def test_planners_keep_to_all_rules(method, draw, share):
+SHARES = {
+    random_mission: {
+        "greedy-guarded": 0.3, "beam": 0.7, "mcts": 0.5, "local-search": 0.6, "auto": 0.99,
+    },
+    drifting_mission: {
+        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+    },
+    given_mission: {
+        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+    },
+}  # fmt: skip
+"""Of the optima of all seeds together, what each planner finds at least."""
+
+
+@over_kinds(
+    "method, draw, share, seeds",
+    **{f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 14)
+       for draw, shares in SHARES.items() for method, share in shares.items()},
+)  # fmt: skip
+def test_planners_keep_to_all_rules(method, draw, share, seeds):
     """Whatever a planner returns passes `check` and is worth no more than the optimum."""
     found = best = 0.0
-    for seed in range(40):
-        mission = Mission(draw(2000 + seed))
-        prizes, _, _ = brute_force(mission)
-        result = adr_opt.solve(mission, method, time_limit=20.0, iterations=3)
+    for seed in seeds:
+        mission, (prizes, _, _) = enumerated(draw, seed)
+        result = adr_opt.solve(mission, method, time_limit=60.0, iterations=3)
         if result.plan is not None:
             assert adr_opt.check(mission.instance, result.plan) == (), seed
             assert result.objective <= prizes + 1e-9, seed
@@ -163,7 +150,7 @@ def test_planners_keep_to_all_rules(method, draw, share):
 
 
 @pytest.mark.parametrize("cost_of", ["delta-v", "duration"])
-@every_part
+@every_kind
 def test_the_least_cost_is_proven(draw, seeds, cost_of):
     """At the best prizes `exact` proves the least cost that enumeration knows, and never more."""
     proven = 0
@@ -183,12 +170,12 @@ def test_the_least_cost_is_proven(draw, seeds, cost_of):
     assert proven > 5
 
 
-@either
+@searched
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_no_plan_costs_less_than_the_bound(draw, jobs):
+def test_no_plan_costs_less_than_the_bound(draw, seeds, jobs):
     """However dear the plan known, after each round of a proof of the cost the bound holds."""
     closed = 0
-    for seed in range(40):
+    for seed in seeds:
         instance = draw(3000 + seed).replace(objective=Objective(cost="delta-v"))
         mission = Mission(instance)
         prizes, cost, _ = brute_force(mission)
@@ -211,4 +198,4 @@ def test_no_plan_costs_less_than_the_bound(draw, jobs):
             assert schedule.objective >= mission.worth(prizes) - 1e-6, seed
             assert schedule.cost >= cost - 1e-6, seed
         closed += proof.bound >= cost * (1.0 - 1e-6) - 1e-6
-    assert closed > 20
+    assert closed > 0.5 * len(seeds)

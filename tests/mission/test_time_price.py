@@ -25,6 +25,7 @@ from random_rules import (
     towing,
     towing_mission,
 )
+from seeds import over_kinds
 from two_chasers import campaign as two_chasers
 
 import adr_opt
@@ -68,11 +69,15 @@ def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw):
     assert proven > 4
 
 
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_field])
-def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw):
+@over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(20), 10), j2=(drifting_mission, range(20), 8),
+    given=(given_field, range(20), 10),
+)  # fmt: skip
+def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
     closed = []
-    for seed in range(20):
+    for seed in seeds:
         instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
         if seed % 3:
             instance = carrying(instance, seed)
@@ -84,7 +89,7 @@ def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw):
         result = adr_opt.solve(campaign, "exact", time_limit=30.0, iterations=8, cost=True)
         closed.append(compared_cost(campaign, result, seed))
     asked = [each for each in closed if each is not None]
-    assert sum(asked) >= 0.8 * len(asked) > 0.2 * 20
+    assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
 
 
 @pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
@@ -164,7 +169,7 @@ def test_a_tow_campaign_does_not_loiter():
     instance = tows()
     free = instance.replace(objective=Objective(time_m_s_per_day=0.0))
     usual, loitering = (
-        adr_opt.solve(each, "auto", time_limit=20.0).plan for each in (instance, free)
+        adr_opt.solve(each, "auto", time_limit=60.0).plan for each in (instance, free)
     )
     assert adr_opt.check(instance, usual) == adr_opt.check(free, loitering) == ()
     assert usual.objective == loitering.objective == 2.0
@@ -202,7 +207,7 @@ def test_days_count_from_when_each_chaser_may_fly():
     since_s = 0.25 * instance.mission.duration_s
     late = second.replace(available_s=(since_s, None))
     instance = instance.replace(chasers=(first, late), objective=Objective(time_m_s_per_day=20.0))
-    plan = adr_opt.solve(instance, "auto", time_limit=20.0).plan
+    plan = adr_opt.solve(instance, "auto", time_limit=60.0).plan
     ends = {route.chaser: route.legs[-1].done_s for route in plan.routes if route.legs}
     assert set(ends) == {first.name, late.name}
     days = (ends[first.name] + ends[late.name] - since_s) / 86400.0
@@ -246,8 +251,8 @@ def test_only_delta_v_has_a_price_of_time(cost):
 def test_a_frontier_has_the_least_delta_v_of_each_last_day():
     """For each last day no shorter mission takes less, at the same prize, by enumeration."""
     instance = adr_opt.generate("tiny", seed=2, targets=4)
-    made = tradeoff(instance, [Axis("duration", (instance.mission.duration_s,))], time_limit=20.0)
-    endings = frontier(made, time_limit=20.0)
+    made = tradeoff(instance, [Axis("duration", (instance.mission.duration_s,))], time_limit=60.0)
+    endings = frontier(made, time_limit=60.0)
     assert len(endings) > 3
     days, spent = [e.last_s for e in endings], [e.delta_v_m_s for e in endings]
     assert sorted(days) == days
@@ -275,7 +280,7 @@ def test_a_frontier_of_several_chasers_adds_what_each_takes_by_then():
     whole = two_chasers()
     instance = whole.part([f"debris-00{number}" for number in (3, 4, 5, 6, 8)])
     axes = [Axis("duration", (instance.mission.duration_s,))]
-    endings = frontier(tradeoff(instance, axes, time_limit=20.0), time_limit=10.0)
+    endings = frontier(tradeoff(instance, axes, time_limit=60.0), time_limit=60.0)
     assert len(endings) > 2
     assert all(all(ending.routes) for ending in endings)
     for ending in endings:

@@ -14,6 +14,7 @@ from random_rules import (
     given_field,
     random_mission,
 )
+from seeds import over_kinds
 from two_chasers import campaign as two_chasers
 
 import adr_opt
@@ -27,24 +28,14 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import Objective
 from solvers.walks.tariffs import tariffs_of
 
-every_part = pytest.mark.parametrize(
-    ("draw", "seeds"),
-    [
-        pytest.param(
-            draw, range(part, most, parts), id=f"{name}-{part}",
-            marks=[pytest.mark.slow] if part else [],
-        )
-        for name, draw, most, parts in (
-            ("two-body", random_mission, 120, 5), ("j2", drifting_mission, 40, 4),
-            ("given", given_field, 60, 3),
-        )
-        for part in range(parts)
-    ],
+every_kind = over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(120), 14), j2=(drifting_mission, range(40), 6),
+    given=(given_field, range(60), 12),
 )  # fmt: skip
-"""Random campaigns; a part of each kind in every run of the tests."""
 
 
-@every_part
+@every_kind
 @pytest.mark.parametrize("method", ["auto", "greedy-guarded"])
 def test_plans_pass_and_bounds_hold(method, draw, seeds):
     """Plans pass `check`, and enumeration knows nothing above what is proven."""
@@ -60,7 +51,7 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
         assert proven >= 0.8 * planned
 
 
-@every_part
+@every_kind
 def test_the_least_expense_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
     closed, dear = [], 0

@@ -15,6 +15,7 @@ from random_rules import (
     random_mission,
     towing,
 )
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.constants import SLACK_M_S
@@ -24,8 +25,6 @@ from adr_opt.kernels.rules.loads import after_service
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import loads_of
 from adr_opt.problem.instance import Instance
-
-CASES = 60
 
 
 def drawn(seed: int) -> Instance:
@@ -38,16 +37,10 @@ def drawn(seed: int) -> Instance:
     return made if seed % 2 or made.given is not None else towing(made, seed)
 
 
-every_part = pytest.mark.parametrize(
-    "seeds",
-    [
-        pytest.param(range(part, CASES, 4), id=f"{part}", marks=[pytest.mark.slow] if part else [])
-        for part in range(4)
-    ],
-)
+some_seeds = over_kinds("seeds", drawn=(range(60), 12))
 
 
-@every_part
+@some_seeds
 @pytest.mark.parametrize("method", ["auto", "exact", "greedy", "greedy-guarded"])
 def test_plans_pass_and_bounds_hold(method, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""

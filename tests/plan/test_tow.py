@@ -17,6 +17,7 @@ from random_rules import (
     random_mission,
     towing,
 )
+from seeds import over_kinds
 from towed_fields import field
 
 import adr_opt
@@ -40,8 +41,6 @@ from adr_opt.plan.tows import leaving_orbits, removals_of
 from adr_opt.problem.instance import Instance
 from adr_opt.ui.plot.segments import segments
 
-CASES = 96
-
 
 @cache
 def planned(dynamics: str = "two-body") -> Plan:
@@ -60,16 +59,10 @@ def drawn(seed: int) -> Instance:
     return towing(carrying(made, seed) if seed % 4 < 2 else made, seed)
 
 
-every_part = pytest.mark.parametrize(
-    "seeds",
-    [
-        pytest.param(range(part, CASES, 4), id=f"{part}", marks=[pytest.mark.slow] if part else [])
-        for part in range(4)
-    ],
-)
+some_seeds = over_kinds("seeds", drawn=(range(96), 16))
 
 
-@every_part
+@some_seeds
 @pytest.mark.parametrize("method", ["auto", "exact", "greedy"])
 def test_plans_pass_and_bounds_hold(method, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""

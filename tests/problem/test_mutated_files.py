@@ -32,6 +32,7 @@ from mutations import (
     spoilt_lines,
     spoilt_numbers,
 )
+from seeds import over_kinds
 from toy_roads import NAMES, solved
 from two_chasers import campaign
 
@@ -42,7 +43,7 @@ from adr_opt.common.stop import MaxIterations
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given_files import read_given
 
-FEW, MANY = 100, 5600
+CASES, FEW = range(5700), 100
 SLOWEST_S = 60.0
 """Kernels that have to be compiled included."""
 
@@ -52,13 +53,7 @@ STUCK_S = 10
 LONGEST_SENTENCE = 900
 TANKS = Axis("delta-v", (130.0, 300.0))
 
-SAMPLES = pytest.mark.parametrize(
-    "numbers",
-    [
-        pytest.param(range(FEW), id="few"),
-        pytest.param(range(FEW, FEW + MANY), id="many", marks=pytest.mark.slow),
-    ],
-)
+SAMPLES = over_kinds("numbers", cases=(CASES, FEW))
 
 
 class Found:
@@ -215,7 +210,7 @@ class Over(MaxIterations):
 def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
     """Files of results are gone on from, or refused and left as they are."""
     path, instance = tmp_path / "r.csv", hand_made()
-    tradeoff(instance, [TANKS], path=path, time_limit=20.0)
+    tradeoff(instance, [TANKS], path=path, time_limit=60.0)
     whole = path.read_bytes()
     cells = (instance.sha256, "method auto, 20 s, seed 0", "auto", "beam+auto", "magic")
     found = Found("tradeoff", tmp_path)
@@ -230,7 +225,7 @@ def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
 
         def judge(data: bytes = data, stop: Any = stop) -> str:
             try:
-                made = tradeoff(instance, [TANKS], path=path, time_limit=20.0, stop=stop)
+                made = tradeoff(instance, [TANKS], path=path, time_limit=60.0, stop=stop)
             except InputError:
                 assert stop is None or path.read_bytes() == data
                 raise
@@ -255,7 +250,7 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
         ("campaign", campaign(), "auto"),
         ("drifting", towed, "auto"),
     ):  # fmt: skip
-        plan = adr_opt.solve(instance, method, time_limit=5.0).plan
+        plan = adr_opt.solve(instance, method, time_limit=60.0).plan
         assert plan is not None, name
         yield name, instance, plan.to_json()
     instance, plan = solved()

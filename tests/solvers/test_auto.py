@@ -145,9 +145,9 @@ def test_interrupted_at_once() -> None:
     assert mission.rules.prize.size == 51
     stop = Interrupted()
     stop.interrupt()
-    began = time.perf_counter()
+    began = time.process_time()
     result = auto(mission, seed=0, stop=stop, progress=silent)
-    assert time.perf_counter() - began < 5.0
+    assert time.process_time() - began < 5.0
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()
     greedy = adr_opt.solve(mission, "greedy-guarded", time_value_m_s_per_h=TIME_VALUE_M_S_PER_H)
@@ -189,13 +189,13 @@ def test_proof_and_search_help_each_other(field: Mission) -> None:
 
 
 def test_a_large_field_ends_on_time() -> None:
-    """120 targets over two days: a legal plan within the time limit of three seconds."""
+    """120 targets over two days: a legal plan within the time limit of a second."""
     instance = adr_opt.generate("nominal", 0, targets=120)
     mission = Mission(instance.with_limits(duration_s=2.0 * 86400.0))
     assert mission.rules.prize.size == 121
-    began = time.perf_counter()
-    result = adr_opt.solve(mission, "auto", time_limit=3.0)
-    assert time.perf_counter() - began < 15.0
+    began = time.process_time()
+    result = adr_opt.solve(mission, "auto", time_limit=1.0)
+    assert time.process_time() - began < 10.0
     assert result.plan is not None
     assert adr_opt.check(mission.instance, result.plan) == ()
     assert result.objective >= adr_opt.solve(mission, "greedy-guarded").objective

@@ -14,6 +14,7 @@ from brute_force import brute_force
 from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
 from on_a_layer import best_on_layer
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.constants import STATION
@@ -102,9 +103,9 @@ def large() -> Mission:
 def test_a_search_under_way_is_hurried_to_its_end(large: Mission) -> None:
     """A search that is out of time ends soon all the same, with a plan to the mission's end."""
     plan(large, width=10)
-    began = time.perf_counter()
+    began = time.process_time()
     found, value, _, _ = beam_search(large, BeamSettings(150_000, 0.17, 0.38), stop=MaxRuntime(0.3))
-    assert time.perf_counter() - began < 4.0
+    assert time.process_time() - began < 4.0
     assert value >= adr_opt.solve(large, "greedy-guarded").objective
     assert large.time(found).made == found.size
 
@@ -122,9 +123,9 @@ def test_a_beam_is_as_wide_as_the_time_allows(
     # With these options it practises once, which is no part of the time limit.
     adr_opt.solve(large, "beam", time_limit=0.1, width=1_000_000)
     monkeypatch.setattr(timely_beams, "beam_search", spied)
-    began = time.perf_counter()
+    began = time.process_time()
     result = adr_opt.solve(large, "beam", time_limit=1.0, width=1_000_000)
-    assert time.perf_counter() - began < 3.0
+    assert time.process_time() - began < 3.0
     assert widths[0] == timely_beams.PILOT_WIDTH
     assert 1 <= widths[1] < 100_000
     assert result.objective > adr_opt.solve(large, "greedy-guarded").objective
@@ -163,10 +164,11 @@ def test_the_guard_keeps_narrow_beams_from_stranding_themselves() -> None:
     assert found[guarded] > 1.2 * found[unguarded]
 
 
-def test_zones_are_waited_out() -> None:
+@over_kinds("seeds", fields=(range(4), 1))
+def test_zones_are_waited_out(seeds: range) -> None:
     """A station that is closed for a while strands nobody: beams stay near optimal."""
     lost = 0.0
-    for seed in range(4):
+    for seed in seeds:
         mission = Mission(adr_opt.generate("reduced-time", seed, zones=6))
         optimal = adr_opt.solve(mission, "exact", time_limit=60.0)
         assert optimal.status == "optimal"

@@ -20,6 +20,7 @@ from random_rules import (
     towing,
 )
 from resonant_fields import RARE, resonant
+from seeds import over_kinds, over_seeds
 
 import adr_opt
 from adr_opt.mission.mission import Mission
@@ -28,27 +29,15 @@ from solvers.labels.label_search import LabelSearch
 from solvers.walks.walks import WalkBound
 
 PROVING = ("auto", "exact")
-CAMPAIGNS = 100
-DRIFTING, GIVEN = 30, 40
 
-every_part = pytest.mark.parametrize(
-    ("draw", "seeds"),
-    [
-        pytest.param(
-            draw, range(part, most, parts), id=f"{name}-{part}",
-            marks=[pytest.mark.slow] if part else [],
-        )
-        for name, draw, most, parts in (
-            ("two-body", random_mission, CAMPAIGNS, 4), ("j2", drifting_mission, DRIFTING, 3),
-            ("given", given_field, GIVEN, 2),
-        )
-        for part in range(parts)
-    ],
+every_kind = over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(100), 14), j2=(drifting_mission, range(30), 6),
+    given=(given_field, range(40), 12),
 )  # fmt: skip
-"""Random campaigns; a part of each kind in every run of the tests."""
 
 
-@every_part
+@every_kind
 @pytest.mark.parametrize("method", [*PROVING, "greedy-guarded", "ortools"])
 def test_plans_pass_and_bounds_hold(method, draw, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""
@@ -64,7 +53,7 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
         assert proven == planned
 
 
-@every_part
+@every_kind
 @pytest.mark.parametrize("method", [*PROVING, "ortools"])
 def test_chasers_of_many_kinds(method, draw, seeds):
     """What differs between chasers is each one's own, a margin is kept by all, proofs hold."""
@@ -83,7 +72,7 @@ def test_chasers_of_many_kinds(method, draw, seeds):
         assert proven >= 0.6 * planned
 
 
-@every_part
+@every_kind
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])
 def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
@@ -101,7 +90,7 @@ def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
     assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
 
 
-@pytest.mark.parametrize("seed", [*RARE, *range(30)])
+@over_seeds([*RARE, *range(30)], gate=14)
 def test_proofs_hold_on_knife_edges(seed):
     """Where rounding decides, what is proven of several chasers is what enumeration finds."""
     rng = np.random.default_rng([6, seed])
@@ -118,11 +107,15 @@ def test_proofs_hold_on_knife_edges(seed):
         assert result.objective == pytest.approx(prizes)
 
 
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission])
-def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
+@over_kinds(
+    "draw, seeds",
+    two_body=(random_mission, range(120), 40), j2=(drifting_mission, range(120), 30),
+    given=(given_mission, range(120), 40),
+)  # fmt: skip
+def test_every_set_of_targets_that_is_worth_enough_is_listed(draw, seeds):
     """What ends proofs has a route for each set that enumeration finds, and for no other."""
     listed = several = 0
-    for seed in range(120):
+    for seed in seeds:
         mission = Mission(draw(seed))
         rng = np.random.default_rng([7, seed])
         multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.planning_prizes
@@ -153,11 +146,11 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw):
         assert found <= {done for done in worth if worth[done] > least - 1e-3}, seed
         listed += len(found)
         several += any(one & other == one for one in found for other in found - {one})
-    assert listed > 100
-    assert several > 10
+    assert listed > 0.8 * len(seeds)
+    assert several > 0
 
 
-@pytest.mark.parametrize("seed", range(1, 40, 3))
+@over_seeds(range(1, 40, 3), gate=5)
 def test_the_order_of_chasers_decides_nothing(seed):
     """In whatever order chasers are listed, as much is proven, and one more takes nothing away."""
     instance = mixed_campaign(seed)

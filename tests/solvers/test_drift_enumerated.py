@@ -7,22 +7,15 @@ import math
 import pytest
 from brute_force import brute_force
 from random_rules import weeks_mission
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 
-SEEDS = [range(4), *(range(first, first + 12) for first in range(4, 100, 12))]
 
-
-@pytest.mark.parametrize(
-    "seeds",
-    [
-        pytest.param(seeds, id=str(seeds[0]), marks=[pytest.mark.slow] if part else [])
-        for part, seeds in enumerate(SEEDS)
-    ],
-)
+@over_kinds("seeds", weeks=(range(100), 4))
 def test_proofs_of_weeks_end_at_the_optimum(seeds: range) -> None:
     """`exact` proves the best plan of enumeration, `check` and `verify` agree, and legs drift."""
     drifting = 0

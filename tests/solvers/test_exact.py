@@ -12,6 +12,7 @@ from brute_force import brute_force
 from calling import call
 from exact_variants import variant
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt.common.stop import MaxIterations, MaxRuntime
@@ -38,7 +39,7 @@ def test_equals_brute_force_on_the_tiny_family(path: Path) -> None:
     assert result.upper_bound == pytest.approx(result.objective)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@over_seeds(range(30), gate=10)
 def test_equals_brute_force_on_variants(seed: int) -> None:
     """So are variants with zones, unequal prizes, short tanks and short missions."""
     mission = Mission(variant(seed), threads=1)
@@ -50,7 +51,7 @@ def test_equals_brute_force_on_variants(seed: int) -> None:
     assert adr_opt.check(mission.instance, result.plan) == ()
 
 
-@pytest.mark.parametrize("seed", range(10))
+@over_seeds(range(10), gate=5)
 def test_cut_short_the_bound_is_valid(seed: int) -> None:
     """After any number of iterations the bound holds, and more of them never loosen it."""
     mission = Mission(variant(seed), threads=1)

@@ -10,6 +10,7 @@ from brute_force import brute_force, brute_force_campaign
 from calling import call
 from nasty_prizes import KINDS, with_prizes
 from random_rules import random_campaign
+from seeds import over_kinds, over_seeds
 from varied_fields import varied
 
 import adr_opt
@@ -27,9 +28,7 @@ from adr_opt.run.methods import BOUNDS, PLANNERS, get, spec
 LIMIT_S = 30.0
 
 all_kinds = pytest.mark.parametrize("kind", KINDS)
-some_seeds = pytest.mark.parametrize(
-    "seeds", [range(3), pytest.param(range(3, 25), marks=pytest.mark.slow)], ids=["few", "many"]
-)
+some_seeds = over_kinds("seeds", drawn=(range(25), 2))
 
 
 def drawn(kind: str, seed: int) -> Instance:
@@ -106,19 +105,19 @@ def test_campaigns_equal_enumeration(kind: str, seeds: range) -> None:
 
 @all_kinds
 @pytest.mark.parametrize("method", ["lagrangian", "routing-bound", "cpsat", "mip"])
-def test_no_method_states_too_much(kind: str, method: str) -> None:
+@over_seeds(range(3), gate=1)
+def test_no_method_states_too_much(kind: str, method: str, seed: int) -> None:
     """Bounds are not below the best plan by a single unit, and what is optimal is the best."""
     function = get(method, PLANNERS if method in ("cpsat", "mip") else BOUNDS)
-    for seed in range(3):
-        instance = drawn(kind, seed)
-        mission = Mission(instance, threads=1)
-        best, _, sequence = brute_force(mission)
-        more = {"start": sequence} if best > -math.inf else {}
-        try:
-            result = call(function, mission, stop=MaxRuntime(3.0), **more)
-        except MissingExtra as missing:
-            pytest.skip(str(missing))
-        hold(instance, result, best, seed)
+    instance = drawn(kind, seed)
+    mission = Mission(instance, threads=1)
+    best, _, sequence = brute_force(mission)
+    more = {"start": sequence} if best > -math.inf else {}
+    try:
+        result = call(function, mission, stop=MaxRuntime(3.0), **more)
+    except MissingExtra as missing:
+        pytest.skip(str(missing))
+    hold(instance, result, best, seed)
 
 
 def test_a_large_prize_hides_no_visit() -> None:
@@ -178,7 +177,7 @@ def test_all_collected_is_a_bound(method: str) -> None:
             for target, prize in zip(instance.targets, (0.1, 0.2, 0.4), strict=True)
         )
     )
-    result = adr_opt.solve(instance, method=method, time_limit=5.0)
+    result = adr_opt.solve(instance, method=method, time_limit=60.0)
     total = math.fsum((0.1, 0.2, 0.4))
     assert (result.status, result.objective) == ("optimal", total)
     assert (result.upper_bound, result.gap) == (total, 0.0)

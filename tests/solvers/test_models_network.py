@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from brute_force import brute_force
+from seeds import over_seeds
 from small_missions import DAY_S, featured_mission, network_of, random_mission
 
 from adr_opt.mission.mission import Mission
@@ -30,7 +31,7 @@ def fits(found, legs, rules):
 
 
 @pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
-@pytest.mark.parametrize("seed", range(60))
+@over_seeds(range(60), gate=20)
 def test_network_holds_the_plans(seed, mission_of):
     """The best plan is a path of the network, whole or cut down, and such a path can be flown."""
     mission = mission_of(seed)
@@ -48,7 +49,7 @@ def test_network_holds_the_plans(seed, mission_of):
         assert bodies_along(found, legs[::-1]) == best[: len(legs)]
 
 
-@pytest.mark.parametrize("seed", range(60))
+@over_seeds(range(60), gate=20)
 def test_paths_are_schedules(seed):
     """Every path of the network that visits no target twice can be flown as the rules have it."""
     mission = featured_mission(seed)
@@ -91,7 +92,7 @@ def test_a_network_without_what_is_needed_is_caught(monkeypatch):
 
 
 @pytest.mark.parametrize("mission_of", [random_mission, featured_mission])
-@pytest.mark.parametrize("seed", range(60))
+@over_seeds(range(60), gate=20)
 def test_reduced_costs_never_remove_the_best_plan(seed, mission_of):
     """For any multipliers and slots every leg of the best plan may belong to one worth as much."""
     mission = mission_of(seed)

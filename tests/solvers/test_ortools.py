@@ -211,9 +211,9 @@ def test_nothing_to_gain(changes):
 def test_stops_in_time(nominal):
     """A time limit and an interruption are obeyed within one window."""
     plan(nominal, windows=1)
-    begun = time.perf_counter()
+    begun = time.process_time()
     ortools(nominal, seed=0, stop=MaxRuntime(0.5), progress=silent)
-    assert time.perf_counter() - begun < 10.0
+    assert time.process_time() - begun < 10.0
     interrupted = Interrupted()
     interrupted.interrupt()
     stop = AnyOf(interrupted, MaxIterations(50))

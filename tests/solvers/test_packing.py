@@ -38,9 +38,9 @@ def test_the_time_limit_is_kept_however_many_columns_there_are():
         LinearConstraint(np.ones((1, columns)), -np.inf, 3.0),
         LinearConstraint(sizes[None, :], 38.0, np.inf),
     ]
-    began = time.perf_counter()
+    began = time.process_time()
     found = cheapest_of(-sizes, constraints, 2.0)
-    assert time.perf_counter() - began < 8.0
+    assert time.process_time() - began < 8.0
     assert found.taken is None or sizes[found.taken].sum() >= 38.0
 
 

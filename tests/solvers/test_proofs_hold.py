@@ -6,13 +6,14 @@ costs exactly the budget, or ends exactly with the mission.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from calling import call
 from judge import accepted
 from resonant_fields import RARE, resonant
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt.common.errors import MissingExtra
@@ -24,8 +25,7 @@ from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
 
 PROVERS = ("auto", "exact", "mip", "cpsat")
 
-EVERY_TIME = 24
-"""So many of each kind in every run of the tests."""
+SEEDS = [*range(40), *range(1000, 1300)]
 
 LIMIT_S = 120.0
 """Nothing takes a second, but for kernels that have to be compiled."""
@@ -80,21 +80,13 @@ def assert_holds(instance: Instance) -> None:
             assert result.objective == pytest.approx(best, rel=1e-6), result.method
 
 
-@pytest.mark.parametrize("seed", [*range(EVERY_TIME), *RARE])
+@over_seeds([*RARE, *SEEDS], gate=14)
 def test_no_proof_is_beaten_by_a_plan_that_check_accepts(seed: int) -> None:
     """Where a chaser is ready exactly at events, bounds and optima are those of `check`."""
     assert_holds(resonant(seed))
 
 
-@pytest.mark.parametrize("seed", range(EVERY_TIME))
+@over_seeds(SEEDS, gate=10)
 def test_limits_that_a_plan_just_meets(seed: int) -> None:
     """Where a plan takes all there is to the last bit, all proofs end, and hold against `check`."""
     assert_holds(tight(seed))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("make", [resonant, tight])
-def test_many_more(make: Callable[[int], Instance]) -> None:
-    """The same for hundreds of instances of both kinds."""
-    for seed in (*range(EVERY_TIME, 40), *range(1000, 1300)):
-        assert_holds(make(seed))

@@ -6,10 +6,10 @@ import importlib
 import math
 
 import numpy as np
-import pytest
 from brute_force import brute_force
 from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from seeds import over_seeds
 from small_missions import TINY, featured_mission, random_mission
 
 import adr_opt
@@ -17,7 +17,7 @@ from adr_opt.mission.mission import Mission
 from solvers.bounds.routing_bound import routing_bound, static_costs
 
 
-@pytest.mark.parametrize("seed", range(120))
+@over_seeds(range(120), gate=20)
 def test_routing_bound_is_valid(seed):
     """Brute force lies under the static bound, whatever the zones, prizes, tank and duration."""
     mission = random_mission(1000 + seed)
@@ -27,7 +27,7 @@ def test_routing_bound_is_valid(seed):
     assert result.plan is None
 
 
-@pytest.mark.parametrize("seed", range(80))
+@over_seeds(range(80), gate=20)
 def test_routing_bound_is_valid_with_every_feature(seed):
     """So it does with several stations or none, windows, ends, and a start of its own."""
     mission = featured_mission(1000 + seed)
@@ -38,7 +38,7 @@ def test_routing_bound_is_valid_with_every_feature(seed):
         assert prove(routing_bound, mission, start=best).upper_bound >= least
 
 
-@pytest.mark.parametrize("seed", range(30))
+@over_seeds(range(30), gate=10)
 def test_static_costs_out_of_time(seed):
     """Costs known in closed form, where time is short, are nowhere above the best of all legs."""
     mission = featured_mission(seed)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from random_rules import drifting_mission
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.stop import MaxIterations
@@ -41,7 +42,7 @@ def begun(mission: Mission, order: list[int], length: int) -> bit_orders.BitOrde
     return course
 
 
-@pytest.mark.parametrize("seeds", [range(part, 60, 3) for part in range(3)])
+@over_kinds("seeds", drawn=(range(60), 20))
 def test_what_is_found_can_be_flown_under_all_rules(seeds):
     """Plans of random missions are legal, collect no more than the best, and mostly as much."""
     best = drawn = 0

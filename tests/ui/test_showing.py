@@ -57,7 +57,7 @@ def shown() -> dict[str, Any]:
         "mission": mission,
         "campaign": Problem(campaign()),
         "result": result,
-        "bound": adr_opt.bound(mission, "routing-bound", time_limit=5.0),
+        "bound": adr_opt.bound(mission, "routing-bound", time_limit=60.0),
         "plan": plan,
         "plan of two": planned(),
         "route": plan.routes[0],
@@ -69,7 +69,7 @@ def shown() -> dict[str, Any]:
         "route of it": price(instance, plan).routes[0],
         "comparison": compare(instance, {"one": plan, "two": guarded}),
         "replanned": replan(instance, plan, plan.legs[0].end_s, method="greedy"),
-        "tradeoff": tradeoff(instance, [Axis("delta-v", (200.0, 300.0))], time_limit=5.0),
+        "tradeoff": tradeoff(instance, [Axis("delta-v", (200.0, 300.0))], time_limit=60.0),
         "certificate": certificate_of(instance, result),
     }  # fmt: skip
 

@@ -58,7 +58,7 @@ def windows(tiny: Instance) -> Instance:
 @pytest.fixture(scope="module", params=[two_stations, no_station, there_and_home, windows])
 def flown(request: pytest.FixtureRequest) -> tuple[Instance, Plan]:
     instance = request.param(adr_opt.generate("tiny", 0))
-    plan = adr_opt.solve(instance, "exact", time_limit=20).plan
+    plan = adr_opt.solve(instance, "exact", time_limit=60.0).plan
     assert plan is not None
     assert plan.legs
     assert adr_opt.check(instance, plan) == ()
@@ -87,7 +87,7 @@ def test_phases_fill_the_plan_and_are_those_that_are_flown(flown) -> None:
 def test_who_is_early_waits_at_the_target() -> None:
     """Before its window opens the chaser waits there, and service takes as long as elsewhere."""
     instance = windows(adr_opt.generate("tiny", 0))
-    plan = adr_opt.solve(instance, "exact", time_limit=20).plan
+    plan = adr_opt.solve(instance, "exact", time_limit=60.0).plan
     assert plan is not None
     opens = {target.name: target.window_s[0] for target in instance.targets}
     early = [
