@@ -77,8 +77,7 @@ def solve(  # noqa: PLR0913
     time_limit : float
         Wall time, the timetable included, ``math.inf`` for no limit [s]. Quick planners end by
         themselves. Where it is short of the timetable, that of the nearest pairs is planned on, and
-        a note says so; see :mod:`.table_budget`. What has to be compiled, once on a machine, is compiled before:
-        see :func:`warm_up`.
+        a note says so; see :mod:`.table_budget`. Time spent compiling does not count.
     seed : int
     stop : Stop, optional
         A further criterion; planning ends at whichever comes first.
