@@ -86,20 +86,20 @@ def test_wrong_calls_are_refused(script, capsys, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("folder", [pytest.param("optw", marks=external("optw"))])
-def test_a_missing_file_is_said_before_any_row(command, capsys, tmp_path, folder):
+def test_a_missing_file_is_said_before_any_row(script, capsys, tmp_path, folder):
     """Travel times that the last instances need are missed before the first one is planned."""
     for path in (DATA / folder).iterdir():
         if path.name != "tt50.TXT":
             (tmp_path / path.name).symlink_to(path.resolve())
-    assert command([folder, "--data", str(tmp_path)]) == 2
+    assert script.main([folder, "--data", str(tmp_path)]) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert "tt50.TXT: no such file" in said.err
 
 
-def test_a_place_that_cannot_be_written_is_said_before_any_row(command, capsys, tmp_path):
+def test_a_place_that_cannot_be_written_is_said_before_any_row(script, capsys, tmp_path):
     """A folder that is not there is no place for rows that take an hour."""
-    assert command(["odrc", "--data", str(tmp_path), "--out", str(tmp_path / "no" / "it")]) == 2
+    assert script.main(["odrc", "--data", str(tmp_path), "--out", str(tmp_path / "no" / "it")]) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert f"{tmp_path / 'no' / 'it'}: " in said.err
