@@ -13,11 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from ..kernels.core import archive, cache
-from .method_call import warm_up
 from .method_spec import MethodSpec
 from .methods import BOUNDS
-
-DRIFTS = "--drifts"
 
 
 @contextmanager
@@ -31,24 +28,17 @@ def compiling_ahead(method: MethodSpec, drifts: bool) -> Iterator[None]:
         Whether nodes drift, as in :func:`.method_call.warm_up`.
     """
     is_cold = cache.is_empty() and not archive.is_usable()
-    if not (is_cold and method.late and (os.cpu_count() or 1) > 1):
+    if not (is_cold and method.late is not None and (os.cpu_count() or 1) > 1):
         yield
         return
-    call = [sys.executable, "-m", __name__, *method.late, *([DRIFTS] if drifts else [])]
+    program = (
+        f"from adr_opt.run.front import warm_up\nwarm_up({BOUNDS!r}, {method.late!r}, {drifts=})"
+    )
     silent = subprocess.DEVNULL
-    with subprocess.Popen(call, stdin=silent, stdout=silent, stderr=silent) as worker:
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdin=silent, stdout=silent, stderr=silent
+    ) as worker:
         try:
             yield
         finally:
             worker.terminate()
-
-
-def main(arguments: list[str]) -> None:
-    """Compile the kernels of bounds."""
-    for bound in arguments:
-        if bound != DRIFTS:
-            warm_up(BOUNDS, bound, drifts=DRIFTS in arguments)
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

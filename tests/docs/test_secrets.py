@@ -149,9 +149,11 @@ def imported(source: str, package: str) -> Iterator[str]:
 
 
 def may_be_imported(module: str) -> bool:
-    """NumPy, Numba, the llvmlite that it stands on, the standard library, constants, kernels."""
+    """NumPy, Numba, llvmlite under it, the standard library, constants, the clock, kernels."""
     known = {"numpy", "numba", "llvmlite"} | sys.stdlib_module_names
-    own = module == "adr_opt.common.constants" or module.startswith("adr_opt.kernels.")
+    own = module in ("adr_opt.common.constants", "adr_opt.common.clock") or module.startswith(
+        "adr_opt.kernels."
+    )
     return own or module.split(".")[0] in known
 
 

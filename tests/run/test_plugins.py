@@ -83,7 +83,6 @@ def calls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple]:
     (metadata / "entry_points.txt").write_text("\n".join(lines) + "\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     sys.modules.pop("plugins_of_others", None)
-    monkeypatch.setattr(method_call, "_warm", set())  # as in a process that is new
     import plugins_of_others
 
     found: list[tuple] = plugins_of_others.CALLS

@@ -6,6 +6,7 @@ are compiled when they are first called. ``bench/wheel.py`` makes it.
 """
 
 import zipfile
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -47,10 +48,20 @@ def serves_this_processor() -> bool:
     return all(features.get(name, False) for name in FEATURES)
 
 
-def read(name: str) -> bytes | None:
-    """The kernel of a name; None if the archive lacks it or cannot be read."""
+def find(name: Callable[[tuple[str, ...]], str], own: tuple[str, ...]) -> bytes | None:
+    """A kernel; None if the archive lacks it, cannot be read or is not for this machine.
+
+    Parameters
+    ----------
+    name : callable
+        The name of the kernel, compiled for a processor.
+    own : tuple of str
+        The processor of this machine.
+    """
+    if not is_usable():
+        return None
     try:
-        return _opened().read(name)
+        return _opened().read(name(processor(own)))
     except (KeyError, OSError, zipfile.BadZipFile):
         return None
 

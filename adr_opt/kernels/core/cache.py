@@ -17,7 +17,7 @@ import pickle
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from enum import Enum
 from pathlib import Path
@@ -29,11 +29,9 @@ import llvmlite
 import numba
 import numpy as np
 from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 from numba.misc.appdirs import AppDirs
-
-from . import archive
-from .inner import is_inner, rebuilt, set_environments
 
 VARIABLE = "ADR_OPT_CACHE_DIR"
 """Environment variable that names another folder."""
@@ -88,16 +86,25 @@ def _temporary() -> list[Path]:
     return []
 
 
+Processor = tuple[str, ...]
+"""Triple, name and features of a processor."""
+
+Archived = Callable[[Callable[[Processor], str], Processor], bytes | None]
+
+
 class KernelCache(_Cache):
     """The cache of one kernel, for Numba.
 
     Parameters
     ----------
     dispatcher : numba.core.dispatcher.Dispatcher
+    archived : callable
+        Looks elsewhere for what no folder has, see :func:`.archive.find`.
     """
 
-    def __init__(self, dispatcher: Any) -> None:
+    def __init__(self, dispatcher: Any, archived: Archived) -> None:
         self._dispatcher = dispatcher
+        self._archived = archived
         self._enabled = True
 
     @property
@@ -124,34 +131,37 @@ class KernelCache(_Cache):
                 # Its checksum is right, so this is a file of ours; whatever may be wrong with it
                 # all the same, compiling is the answer.
                 with suppress(Exception):
-                    compiled = rebuilt(target_context, pickle.loads(payload))
-                    if file is not None and not is_inner(compiled):
-                        _used.add(file)
+                    rebuild, parts = pickle.loads(payload)
+                    compiled = rebuild(target_context, *parts)
+                    self._note(compiled, file)
                     return compiled
         return None
 
-    def _found(self, sig: Any, own: tuple[str, ...]) -> Iterator[tuple[bytes, Path | None]]:
+    def _found(self, sig: Any, own: Processor) -> Iterator[tuple[bytes, Path | None]]:
         """What is kept of a kernel: in the folders, with the file, then in the archive."""
         name = self._name(sig, own)
         for folder in folders():
             payload = read(folder / name)
             if payload is not None:
                 yield payload, folder / name
-        if archive.is_usable():
-            payload = archive.read(self._name(sig, archive.processor(own)))
-            if payload is not None:
-                yield payload, None
+        payload = self._archived(lambda other: self._name(sig, other), own)
+        if payload is not None:
+            yield payload, None
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep a compiled kernel."""
-        set_environments(data)
         if not self._enabled or data.lifted or data.library.has_dynamic_globals:
             return
-        file = _write(self._name(sig, data.codegen.magic_tuple()), dumps(data._reduce()))
-        if file is not None and not is_inner(data):
+        rebuild = getattr(data.library, "rebuild", CompileResult._rebuild)
+        payload = dumps((rebuild, data._reduce()))
+        self._note(data, _write(self._name(sig, data.codegen.magic_tuple()), payload))
+
+    def _note(self, compiled: Any, file: Path | None) -> None:
+        """Remember the file of a kernel that Python calls."""
+        if file is not None and not getattr(compiled.library, "is_inner", False):
             _used.add(file)
 
-    def _name(self, sig: Any, processor: tuple[str, ...]) -> str:
+    def _name(self, sig: Any, processor: Processor) -> str:
         versions = numba.__version__, llvmlite.__version__, np.__version__
         python = str(sys.implementation.cache_tag)
         depends = (*versions, python, *processor, _type(sig), sources(self._dispatcher))

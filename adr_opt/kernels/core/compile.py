@@ -8,9 +8,10 @@ from typing import Any
 from numba import njit, types
 from numba.core import event
 
-from ...common import clock
+from ...common.clock import leave_out
+from .archive import find
 from .cache import KernelCache
-from .inner import InnerCompiler
+from .inner import InnerCompiler, OuterCompiler
 
 Function = Callable[..., Any]
 
@@ -22,14 +23,14 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
     # No ``cache``: Numba would write beside the sources and overlook changes of other files.
     # ``no_cfunc_wrapper``: nobody calls kernels from C, and it is an eighth of the compiling.
     options |= {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-    decorate = njit(**options)
+    decorate = njit(**options, pipeline_class=OuterCompiler)
     inner = options | {"no_cpython_wrapper": True, "pipeline_class": InnerCompiler}
     decorate_within = njit(**inner)
 
     def decorator(function: Function) -> Function:
         dispatcher: Any = decorate(function)
         if dispatcher is not function:  # it is where NUMBA_DISABLE_JIT is set
-            dispatcher._cache = KernelCache(dispatcher)
+            dispatcher._cache = KernelCache(dispatcher, find)
             _call_within(dispatcher, decorate_within(function))
         return dispatcher  # type: ignore[no-any-return]
 
@@ -41,7 +42,7 @@ def _call_within(dispatcher: Any, within: Any) -> None:
 
     To unpack a mission from Python's objects takes a fifth of all compiling.
     """
-    within._cache = KernelCache(within)
+    within._cache = KernelCache(within, find)
     own_template, own_overload = dispatcher.get_call_template, dispatcher.get_overload
 
     def template(args: Any, kws: Any) -> Any:
@@ -113,7 +114,7 @@ class _Clock(event.Listener):
 
 _clock = _Clock()
 event.register("numba:compile", _clock)
-clock.leave_out(_clock.seconds)
+leave_out(_clock.seconds)
 
 
 def compiling_s() -> float:

@@ -8,7 +8,7 @@ from typing import Any
 
 from llvmlite import binding as llvm
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, CompileResult, compile_result
+from numba.core.compiler import Compiler, compile_result
 
 
 class _NoMachineCode:
@@ -16,11 +16,13 @@ class _NoMachineCode:
 
     @staticmethod
     def set_env(name: str, env: Any) -> None:
-        """Do nothing: the caller's machine code has the variable; see :func:`set_environments`."""
+        """Do nothing: the caller's machine code has the variable; see :class:`OuterCompiler`."""
 
 
 class InnerLibrary(JITCodeLibrary):
     """The code of a function, to be linked into that of others."""
+
+    is_inner = True
 
     @property
     def codegen(self) -> Any:
@@ -40,8 +42,13 @@ class InnerLibrary(JITCodeLibrary):
         self._ensure_finalized()
         return 0
 
+    @property
+    def rebuild(self) -> Any:
+        """What makes a compiled function of its parts."""
+        return rebuilt
+
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
-        """The code of callers is all that there is."""
+        """Name, kind and intermediate code."""
         return (self.name, "inner", self._get_module_for_linking().as_bitcode())
 
 
@@ -54,35 +61,37 @@ class InnerCompiler(Compiler):
         return super().compile_extra(func)
 
 
-def is_inner(compiled: Any) -> bool:
-    """Whether a function has been compiled for other kernels only."""
-    return isinstance(compiled.library, InnerLibrary)
+class OuterCompiler(Compiler):
+    """Numba's compiler, for functions that Python calls."""
 
-
-def set_environments(compiled: Any) -> None:
-    """Tell machine code of the environments of inner kernels that it holds."""
-    if not is_inner(compiled):
+    def compile_extra(self, func: Any) -> Any:
+        """Compile a Python function."""
+        compiled: Any = super().compile_extra(func)
+        # Its machine code holds the variables of the inner functions that it calls.
         for env in compiled._find_referenced_environments():
             compiled.codegen.set_env(env.env_name, env)
+        return compiled
 
 
-def rebuilt(target: Any, parts: tuple[Any, ...]) -> Any:
-    """A compiled function of the parts that ``_reduce`` takes it into.
+def rebuilt(
+    target: Any, code: tuple[str, str, bytes], description: Any, env: Any, signature: Any,
+    *more: Any,
+) -> Any:  # fmt: skip
+    """An inner function, of the parts that ``CompileResult._reduce`` takes it into.
 
     Parameters
     ----------
     target : numba.core.base.BaseContext
-    parts : tuple
-        Of an inner kernel or of another one.
+    code : tuple
+        What :meth:`InnerLibrary.serialize_using_object_code` gives.
+    description, env, signature, *more
+        As ``CompileResult._rebuild`` takes them.
     """
-    (name, kind, code), description, env, signature, *rest = parts
-    if kind != "inner":
-        return CompileResult._rebuild(target, *parts)
-    objectmode, lifted, annotation, reload_init, envs = rest
+    objectmode, lifted, annotation, reload_init, envs = more
     for initialise in reload_init:
         initialise()
-    library = InnerLibrary(target.codegen(), name)
-    library._final_module = llvm.parse_bitcode(code)
+    library = InnerLibrary(target.codegen(), code[0])
+    library._final_module = llvm.parse_bitcode(code[2])
     library._finalize_final_module()
     return compile_result(
         typing_context=target.typing_context, target_context=target,
