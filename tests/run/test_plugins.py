@@ -13,7 +13,7 @@ import pytest
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certified import certify, certify_routes
-from adr_opt.run import front, method_call, methods
+from adr_opt.run import front, methods
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.testing import CASES, PlannerFault, validate_planner
 
