@@ -18,7 +18,7 @@ PROVISIONAL = ("RefinedPlan", "RefinedResult", "load_refined", "refine", "solve_
 
 
 def stability(name: str) -> Stability | None:
-    """How far one may rely on a public name of ``adr_opt``; None if it is not public."""
+    """Stability of a public name of ``adr_opt``; None if it is not public."""
     if name in STABLE:
         return "stable"
     return "provisional" if name in PROVISIONAL else None

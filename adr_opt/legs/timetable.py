@@ -36,7 +36,7 @@ SLICE_ENTRIES = 20_000
 """Number of entries computed at once: about 20 ms, after which a build can be interrupted."""
 
 SLICE_SAMPLES = 1_000_000
-"""Entries of matrices looked up in one go, after which Ctrl-C is heard."""
+"""Number of matrix entries looked up at once, after which an interrupt is noticed."""
 
 
 class Timetable(Shown):

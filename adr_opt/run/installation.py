@@ -1,4 +1,4 @@
-"""The installation: versions, machine, cache of kernels, extras and methods, and what is wrong."""
+"""State of the installation: versions, machine, cache of kernels, extras, methods, and problems."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from ..common.version import __version__
 from .methods import BOUNDS, PLANNERS, names
 
 LEAST_MEMORY_BYTES = 2.0**30
-"""A process with the kernels and the timetable of 50 targets takes about half of it."""
+"""Memory below which a warning is due: kernels and a timetable of 50 targets take half of it."""
 
 OF_OTHERS = ("llvmlite", "pydantic-core")
-"""Packages that come with those that are needed, and whose versions matter."""
+"""Packages that come with required ones, and whose versions matter."""
 
 UNCOMPILED = "NUMBA_DISABLE_JIT"
 """Environment variable of Numba under which nothing is compiled."""
@@ -88,7 +88,7 @@ class Installation:
 
 
 def examine() -> Installation:
-    """Look at everything that a run depends on."""
+    """Examine everything that a run depends on."""
     needed = requirements()
     base = [each for each in needed if not each.extra]
     problems = [*_of_versions(needed), *_of_imports(base)]
@@ -130,7 +130,7 @@ def _cores() -> int:
 
 
 def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:
-    """Packages that are missing, too old, or known to be bad, and metadata of another version."""
+    """Packages that are missing, too old or known to be bad, and metadata of another version."""
     stated = installed(OURS)
     if stated is None or not needed:
         yield f"{OURS} is not installed in this Python ({sys.executable}); install it with pip"
@@ -158,7 +158,7 @@ def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:
 
 
 def _of_imports(base: list[Requirement]) -> Iterator[str]:
-    """Packages that are there and broken."""
+    """Packages that are installed but broken."""
     for each in base:
         if installed(each.package) is None:
             continue
@@ -173,7 +173,7 @@ def _of_imports(base: list[Requirement]) -> Iterator[str]:
 
 
 def _of_methods() -> Iterator[str]:
-    """Planners, bounds and families of legs that cannot be loaded, and what hides ours."""
+    """Planners, bounds and families of legs that cannot be loaded, and packages that hide ours."""
     from ..plan.leg_kinds import leg_kinds
     from .method_call import method_of
 
@@ -197,7 +197,7 @@ def _of_methods() -> Iterator[str]:
 
 
 def kernel_cache() -> Cache:
-    """The folder that compiled kernels are kept in, and what is in it."""
+    """The folder of compiled kernels, with its contents."""
     from ..kernels.core import cache
 
     first: str | None = None
@@ -216,7 +216,7 @@ def kernel_cache() -> Cache:
 
 
 def _unwritable(folder: Path) -> str | None:
-    """Why no file can be written to a folder; None if one can, or could once it is made."""
+    """Reason why a folder cannot be written to; None if it can be, or could be once created."""
     try:
         if folder.is_dir():
             with tempfile.TemporaryFile(dir=folder) as file:
@@ -242,7 +242,7 @@ def archive() -> str:
 
 
 def _extras(needed: tuple[Requirement, ...]) -> dict[str, tuple[str, ...]]:
-    """Of each extra the packages that are missing, those of extras that it stands for included."""
+    """Missing packages of each extra, including those of extras that it refers to."""
 
     def missing(extra: str) -> Iterator[str]:
         for each in needed:

@@ -28,7 +28,7 @@ ONE_DEPOT = (".vrp", ".oplib")
 
 
 Building = Callable[[float], None]
-"""Hears of the share of the timetable that is built."""
+"""Callback for the share of the timetable that is built."""
 
 
 def whole_suffixes() -> tuple[str, ...]:
@@ -146,7 +146,7 @@ def write_timetable(
     *,
     building: Building = lambda share: None,
 ) -> None:
-    """Write every connection of every pair, whole or not at all.
+    """Write every connection of every pair, completely or not at all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Bars on a terminal, gone at the end: how many parts are done, or that something is being done."""
+"""Transient progress bars on a terminal: parts done, or just activity."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Show = Callable[[int, int], None]
 
 @contextmanager
 def counting_bar(shown: bool, what: str) -> Iterator[Show]:
-    """Yields what hears of the parts done and of how many there are.
+    """Yield a callback for the numbers of finished parts and of all parts.
 
     Parameters
     ----------
@@ -39,14 +39,14 @@ def counting_bar(shown: bool, what: str) -> Iterator[Show]:
 
 @contextmanager
 def percent_bar(shown: bool, what: str) -> Iterator[Callable[[float], None]]:
-    """The same of a share: yields what hears of it."""
+    """Yield a callback for the share that is done."""
     with counting_bar(shown, f"{what}, %") as show:
         yield lambda share: show(round(100.0 * share), 100)
 
 
 @contextmanager
 def busy_bar(shown: bool, what: str) -> Iterator[None]:
-    """A bar that moves while something takes its time, for as long as nobody can say how long.
+    """A moving bar for work of unknown length.
 
     Parameters
     ----------

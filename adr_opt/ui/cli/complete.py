@@ -12,7 +12,7 @@ import click
 from click.shell_completion import CompletionItem
 
 VARIABLE = "_ADR_OPT_COMPLETE"
-"""Environment variable by which a shell asks, as click names it."""
+"""Environment variable by which a shell requests completions, as click names it."""
 
 Complete = Callable[[click.Context, click.Parameter, str], list[Any]]
 
@@ -70,4 +70,4 @@ def trainings(context: click.Context, parameter: click.Parameter, incomplete: st
 
 
 BY_METAVAR: dict[str, Complete] = {"FILE": files, "PLAN": files, "DIR": folders}
-"""Values of options, by what the help calls them."""
+"""Completions of option values, by their name in the help."""

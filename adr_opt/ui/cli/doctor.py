@@ -1,4 +1,4 @@
-"""``doctor``: what adr-opt stands on, on this machine, and what is wrong with it."""
+"""``doctor``: report the installation on this machine and its problems."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ INTERNAL = {"bench", "dev", "docs", "peers", "test"}
 """Extras for the development of adr-opt itself."""
 
 
-@click.command("doctor", short_help="Examine the installation, and say what is wrong.")
+@click.command("doctor", short_help="Examine the installation and report problems.")
 @take.as_json
 def command(as_json: bool) -> int:
-    """Examine the installation and say what is wrong with it.
+    """Examine the installation and report its problems.
 
     Versions, cores, free memory, where compiled kernels are kept, extras, and whether every planner
     and bound can be loaded. Each problem is one sentence that says what to do. Exit status 1: there

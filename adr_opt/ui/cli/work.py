@@ -39,7 +39,7 @@ class Watch:
         self.size = size
 
     def building(self, share: float) -> None:
-        """Hear of the share of the timetable that is built."""
+        """Receive the share of the timetable that is built."""
         self.built = share
 
     def __call__(self, incumbent: float, bound: float) -> None:

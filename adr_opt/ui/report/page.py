@@ -241,7 +241,7 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
 def _data(
     instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
-    """What the script of the page draws from."""
+    """Data for the script of the page."""
     drawn, is_given = known.drawn, instance.transfer.given is not None
     numbers = range(1, len(plan.legs) + 1)
     charts = {

@@ -180,7 +180,7 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
 
 
 def budget_note(instance: Instance) -> str:
-    """What the steps of the chart of budgets are."""
+    """Explanation of the steps in the chart of budgets."""
     step = "burn" if instance.transfer.given is None else "arrival"
     refills = ", back to the full budget at every refuelling (▲)" if instance.stations else ""
     return f"A step down at every {step}{refills}."
