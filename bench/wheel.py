@@ -24,9 +24,9 @@ ROOT = Path(__file__).resolve().parents[1]
 
 FIELDS = {
     "field": "generate reduced-time --seed 0 --targets 12 --out field.json",
-    "drifting": "generate rocket-bodies --seed 0 --targets 8 --out drifting.json",
-    "campaign": "generate campaign --seed 0 --targets 12 --out campaign.json",
-    "removal": "generate removal --seed 0 --targets 8 --out removal.json",
+    "drifting": "generate rocket-bodies --seed 0 --targets 6 --out drifting.json",
+    "campaign": "generate campaign --seed 0 --targets 8 --out campaign.json",
+    "removal": "generate removal --seed 0 --targets 4 --out removal.json",
 }
 """Small missions of four kinds."""
 

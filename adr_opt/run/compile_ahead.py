@@ -1,7 +1,7 @@
-"""A second process that compiles late kernels of a method while the first begins to plan.
+"""A second process that compiles the late kernels of a method while the first begins to plan.
 
-Where no kernel has been compiled yet, planning waits for one after the other, on one core. What a
-method calls last, the kernels of a proof, can be compiled meanwhile on another one.
+With an empty cache, planning waits for one kernel after another, on one core. Those called last,
+the kernels of a proof, can be compiled meanwhile on another core.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .methods import BOUNDS
 
 @contextmanager
 def compiling_ahead(method: MethodSpec, drifts: bool) -> Iterator[None]:
-    """Compile in a process of its own what a method calls late, where nothing is compiled yet.
+    """Compile the late kernels of a method in a second process, if the cache is empty.
 
     Parameters
     ----------

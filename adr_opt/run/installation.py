@@ -236,8 +236,10 @@ def archive() -> str:
 
     if not archive.FILE.is_file():
         return "none in this installation, so that kernels are compiled when first called"
-    if not archive.is_usable():
+    if not archive.serves_this_processor():
         return f"for processors of level {archive.LEVEL}, which this one is not"
+    if not archive.is_usable():
+        return f"for {archive.versions_of_archive()}, which this Python has not"
     return f"{len(archive.names())} kernels for processors of level {archive.LEVEL}"
 
 

@@ -1,4 +1,4 @@
-"""A mission to practise on: a method that has run on it has compiled the kernels that it needs."""
+"""Practice missions: a method that has run on them has compiled its kernels."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from ..problem.transfer_sizes import transfers_for
 from ..sources.generator import generate
 
 LONGEST_S = 10.0
-"""For methods that ask for the time alone. Compiling is not counted."""
+"""Limit for methods that ask for the time alone, without compiling [s]."""
 
 
 @cache
 def practice_mission(drifts: bool = False) -> Mission:
-    """A small field on which no method is done at once, and which has everything that one can.
+    """A small field with zones and unequal prizes, on which no method ends at once.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def practice_mission(drifts: bool = False) -> Mission:
 
 @cache
 def asking_problem(several: bool = False) -> Problem:
-    """The same field, with rows of its timetables that are worked out on demand."""
+    """The practice field, with rows of its timetables computed on demand."""
     problem = Problem(practice_problem(several=several).instance)
     problem.ask(neighbours(problem.instance, len(problem.names)))
     return problem
@@ -49,7 +49,7 @@ def asking_problem(several: bool = False) -> Problem:
 
 @cache
 def practice_problem(drifts: bool = False, several: bool = False) -> Problem:
-    """The same field as a problem, or with two chasers, of two kinds."""
+    """The practice field as a problem, with one chaser or two of different kinds."""
     mission = practice_mission(drifts)
     if not several:
         return problem_of(mission)
@@ -59,7 +59,7 @@ def practice_problem(drifts: bool = False, several: bool = False) -> Problem:
 
 
 def _drifting() -> Instance:
-    """Some weeks among nodes that drift."""
+    """A mission of some weeks among drifting nodes."""
     days = 40.0
     field = generate("sso", 0, targets=6).with_limits(duration_s=days * DAY_S)
     # Coarse, so that models with a variable for each connection are made in a moment.
@@ -71,7 +71,7 @@ def _drifting() -> Instance:
 
 
 class PracticeStop:
-    """The stop of a practice run: after some rounds.
+    """Stop of a practice run, after some rounds.
 
     Parameters
     ----------

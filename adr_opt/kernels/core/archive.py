@@ -1,15 +1,20 @@
-"""The archive of compiled kernels that a wheel brings along, so that nothing need be compiled.
+"""Archive of compiled kernels in a wheel, so that users compile nothing.
 
-Its kernels are compiled for x86-64-v3, which most processors of the last ten years are. It serves
-with the versions of Python, Numba, llvmlite and NumPy that it was made with; with others, kernels
-are compiled when they are first called. ``bench/wheel.py`` makes it.
+Its kernels are compiled for x86-64-v3, the level of most processors since 2015. They serve with the
+versions of Python, Numba, llvmlite and NumPy they were made with; with other versions, kernels are
+compiled when they are first called. ``bench/wheel.py`` makes the archive.
 """
 
+import platform
+import sys
 import zipfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import llvmlite
+import numba
+import numpy as np
 from llvmlite import binding as llvm
 from numba.core import config
 
@@ -23,33 +28,48 @@ FEATURES = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
 
 
 def processor(own: tuple[str, ...]) -> tuple[str, ...]:
-    """The processor that the archive is for: triple, name and features.
+    """Triple, name and features of the processors that the archive is for.
 
     Parameters
     ----------
     own : tuple of str
-        The same of this machine.
+        Those of this machine.
     """
     return (own[0], LEVEL, "")
 
 
-@cache
-def is_usable() -> bool:
-    """Whether there is an archive, and this processor is of its level."""
-    asked: str | None = vars(config)["CPU_NAME"]
-    return FILE.is_file() and asked in (None, LEVEL) and serves_this_processor()
-
-
 def serves_this_processor() -> bool:
-    """Whether this machine's processor is of the level that archives are for."""
+    """Whether the processor of this machine is of the level that archives are for."""
     if not llvm.get_process_triple().startswith("x86_64"):
         return False
     features = llvm.get_host_cpu_features()
     return all(features.get(name, False) for name in FEATURES)
 
 
+def versions() -> str:
+    """System and versions that compiled kernels depend on."""
+    made_by = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}, numpy {np.__version__}"
+    return f"{platform.system()}, {sys.implementation.cache_tag}, {made_by}"
+
+
+def versions_of_archive() -> str | None:
+    """System and versions that the archive was made with; None if it cannot be read."""
+    try:
+        return _opened().comment.decode()
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return None
+
+
+@cache
+def is_usable() -> bool:
+    """Whether there is an archive that serves this processor and these versions."""
+    asked: str | None = vars(config)["CPU_NAME"]
+    is_for_this = asked in (None, LEVEL) and serves_this_processor()
+    return is_for_this and FILE.is_file() and versions_of_archive() == versions()
+
+
 def find(name: Callable[[tuple[str, ...]], str], own: tuple[str, ...]) -> bytes | None:
-    """A kernel; None if the archive lacks it, cannot be read or is not for this machine.
+    """Stored form of a kernel; None if the archive lacks it or is not usable.
 
     Parameters
     ----------
@@ -67,7 +87,7 @@ def find(name: Callable[[tuple[str, ...]], str], own: tuple[str, ...]) -> bytes 
 
 
 def write(kernels: dict[str, bytes], file: Path = FILE) -> None:
-    """Make an archive.
+    """Write an archive.
 
     Parameters
     ----------
@@ -76,6 +96,7 @@ def write(kernels: dict[str, bytes], file: Path = FILE) -> None:
     file : Path
     """
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as made:
+        made.comment = versions().encode()
         for name, content in sorted(kernels.items()):
             # Without the time of day, so that the same kernels make the same file.
             made.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)

@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: in one folder of the user, and never beside the sources.
+"""Cache of compiled kernels: files in one folder of the user, never beside the sources.
 
 A file holds one kernel compiled for one signature. Its name is a digest of everything that the
 machine code depends on: the versions of what compiles, the processor, the types of the arguments,
@@ -7,8 +7,8 @@ is ever out of date, two checkouts do not disturb each other, and a file that is
 not seen: it appears under its name at once or not at all. What the folder lacks may be in the
 :mod:`.archive` that a wheel brings along.
 
-No file is needed. One that cannot be read is compiled anew, one that cannot be written is done
-without, and :func:`trouble` says why. Those that were not used for longest go first.
+Files are optional: an unreadable one is compiled anew, an unwritable one is skipped, and
+:func:`trouble` says why. The least recently used are removed first.
 """
 
 import hashlib
@@ -37,10 +37,10 @@ VARIABLE = "ADR_OPT_CACHE_DIR"
 """Environment variable that names another folder."""
 
 MOST_BYTES = 256 * 2**20
-"""Beyond this the folder is halved: a full set of kernels takes about a tenth."""
+"""Size beyond which the folder is halved; a full set of kernels takes about a tenth."""
 
 _LIBRARIES = sys.stdlib_module_names | {"numpy", "numba", "llvmlite"}
-"""What comes from here is known by its version."""
+"""Packages that a version identifies."""
 
 _PLAIN = (bool, int, float, complex, str, bytes, type(None), np.generic, np.dtype, numba.types.Type)
 
@@ -50,12 +50,12 @@ _is_pruned = False
 
 
 def trouble() -> str | None:
-    """Why compiled kernels could not be kept, if they could not."""
+    """Reason why compiled kernels could not be kept; None if they could."""
     return _troubles[0] if _troubles else None
 
 
 def used() -> set[Path]:
-    """Files of the kernels that Python has called in this process, read or written."""
+    """Files of the kernels that Python has called in this process."""
     return set(_used)
 
 
@@ -65,7 +65,7 @@ def is_empty() -> bool:
 
 
 def folders() -> list[Path]:
-    """Folders to look in and to write to, the best one first; they need not exist."""
+    """Folders to read from and write to, in order of preference; they need not exist."""
     named = os.environ.get(VARIABLE)
     if named:
         return [Path(named)]
@@ -75,7 +75,7 @@ def folders() -> list[Path]:
 
 
 def _temporary() -> list[Path]:
-    """A folder for those who may not write to their home; no other user may write to it."""
+    """Folder in place of an unwritable home; no other user may write to it."""
     with suppress(OSError, AttributeError):  # AttributeError: Windows, where homes are writable
         path = Path(tempfile.gettempdir()) / f"adr-opt-{os.getuid()}"
         path.mkdir(mode=0o700, exist_ok=True)
@@ -109,7 +109,7 @@ class KernelCache(_Cache):
 
     @property
     def cache_path(self) -> str:
-        """The folder that is asked first."""
+        """Folder of first choice."""
         return str(next(iter(folders()), ""))
 
     def enable(self) -> None:
@@ -121,10 +121,10 @@ class KernelCache(_Cache):
         self._enabled = False
 
     def flush(self) -> None:
-        """Nothing to do: no file is out of date."""
+        """Do nothing: no file is out of date."""
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled kernel of a signature; None if it has to be compiled."""
+        """Compiled kernel of a signature; None if it has to be compiled."""
         target_context.refresh()
         if self._enabled:
             for payload, file in self._found(sig, target_context.codegen().magic_tuple()):
@@ -138,7 +138,7 @@ class KernelCache(_Cache):
         return None
 
     def _found(self, sig: Any, own: Processor) -> Iterator[tuple[bytes, Path | None]]:
-        """What is kept of a kernel: in the folders, with the file, then in the archive."""
+        """Stored forms of a kernel: those in the folders, with their files, then the archive's."""
         name = self._name(sig, own)
         for folder in folders():
             payload = read(folder / name)
@@ -172,7 +172,7 @@ class KernelCache(_Cache):
 
 
 def read(path: Path) -> bytes | None:
-    """What a file holds; None if there is none or if it is damaged."""
+    """Content of a file; None if it is missing or damaged."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -186,7 +186,7 @@ def read(path: Path) -> bytes | None:
 
 
 def _write(name: str, payload: bytes) -> Path | None:
-    """Write a file; where it is, or None if it could not be written."""
+    """Write a file and return its path, or None if it cannot be written."""
     failures = []
     for folder in folders():
         unfinished = folder / f".{uuid4().hex}"
@@ -206,7 +206,7 @@ def _write(name: str, payload: bytes) -> Path | None:
 
 
 def _prune(folder: Path) -> None:
-    """Remove the files that were not used for longest, once in a process, if there are too many."""
+    """Remove the least recently used files if there are too many, once in a process."""
     global _is_pruned
     if _is_pruned:
         return
@@ -224,7 +224,7 @@ def _prune(folder: Path) -> None:
 
 
 def sources(dispatcher: Any) -> str:
-    """A digest of a kernel and of all that it can reach: code, constants, options of compiling.
+    """Digest of a kernel and all it can reach: code, constants and compiler options.
 
     Global names are followed, attributes of modules by their names alone: what else has such a
     name is taken along, which at worst compiles once too often.
@@ -239,7 +239,7 @@ def sources(dispatcher: Any) -> str:
 
 
 def _describe(item: Any, waiting: list[Any]) -> Iterator[str]:
-    """A kernel or function; the others that it names are put on the list."""
+    """Description of a kernel or function; those that it names join the list."""
     function = _function(item)
     yield f"{function.__module__}.{function.__qualname__}"
     yield repr(sorted(getattr(item, "targetoptions", {}).items(), key=lambda pair: pair[0]))
@@ -263,7 +263,7 @@ def _describe(item: Any, waiting: list[Any]) -> Iterator[str]:
 
 
 def _code(code: CodeType, doc: str | None, names: dict[str, None], waiting: list[Any]) -> Any:
-    """Bytecode and constants, without what does not matter: file, lines and description."""
+    """Bytecode and constants, without file, line numbers and docstring."""
     names |= dict.fromkeys(code.co_names)
     yield code.co_code.hex()
     yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars))
@@ -275,7 +275,7 @@ def _code(code: CodeType, doc: str | None, names: dict[str, None], waiting: list
 
 
 def _value(value: Any, waiting: list[Any]) -> str:
-    """A constant, or the name of what is described by itself."""
+    """A constant, or the name of an object with a description of its own."""
     if isinstance(value, _PLAIN):
         return f"{type(value).__name__} {value!r}"
     if isinstance(value, (tuple, frozenset)):
@@ -295,7 +295,7 @@ def _value(value: Any, waiting: list[Any]) -> str:
 
 
 def _function(value: Any) -> Any:
-    """The Python function of a kernel, of an intrinsic or of itself; None of anything else."""
+    """Python function of a kernel, an intrinsic or a function; None of other objects."""
     for name in ("py_func", "_defn"):
         if isinstance(getattr(value, name, None), FunctionType):
             return getattr(value, name)
@@ -307,7 +307,7 @@ def _of_library(module: str | None) -> bool:
 
 
 def _type(kind: Any) -> str:
-    """A type of arguments; of named tuples with their fields, which the name of one leaves out."""
+    """Type of an argument; named tuples with their fields, which Numba's names leave out."""
     if hasattr(kind, "instance_class"):
         owner = kind.instance_class
         fields = zip(kind.fields, kind.types, strict=True)

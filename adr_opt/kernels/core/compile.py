@@ -1,4 +1,4 @@
-"""How every kernel is compiled: one place, so that all of them behave alike."""
+"""Compiler settings of all kernels, and the time spent compiling."""
 
 import gc
 import time
@@ -38,9 +38,9 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
 
 
 def _call_within(dispatcher: Any, within: Any) -> None:
-    """Let other kernels call a twin of a kernel that Python cannot call, unless Python has before.
+    """Give kernels a twin to call that Python cannot call, unless Python has called the kernel.
 
-    To unpack a mission from Python's objects takes a fifth of all compiling.
+    Code that unpacks a mission from Python objects takes a fifth of all compiling.
     """
     within._cache = KernelCache(within, find)
     own_template, own_overload = dispatcher.get_call_template, dispatcher.get_overload
@@ -58,7 +58,7 @@ def _call_within(dispatcher: Any, within: Any) -> None:
 
 
 def _plain(kind: Any) -> Any:
-    """The type of argument that a kernel takes from another one.
+    """Type of argument that a kernel takes from another one.
 
     Numba would compile it anew for each width of an integer and for each one written out in a call.
     """
@@ -75,7 +75,7 @@ inlined = _compiled(forceinline=True)
 
 
 class _Clock(event.Listener):
-    """Hears of every compilation; those of what a kernel calls lie within its own."""
+    """Listener that times compilations; those of callees lie within their caller's."""
 
     def __init__(self) -> None:
         self._depth = 0
@@ -85,7 +85,7 @@ class _Clock(event.Listener):
         self._spent: tuple[float, float | None] = (0.0, None)
 
     def on_start(self, event: Any) -> None:
-        """Hear of a beginning."""
+        """Note a beginning."""
         if self._depth == 0:
             self._spent = self._spent[0], time.perf_counter()
             # Looking for garbage takes a tenth of the time of compiling, and finds none.
@@ -94,7 +94,7 @@ class _Clock(event.Listener):
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Hear of an end."""
+        """Note an end."""
         self._depth -= 1
         if self._depth == 0:
             self._spent = self.seconds(), None
@@ -118,7 +118,7 @@ leave_out(_clock.seconds)
 
 
 def compiling_s() -> float:
-    """Seconds that this process has spent compiling; 0 if it found all kernels compiled."""
+    """Seconds that this process has spent compiling; 0 if all kernels were cached."""
     return _clock.seconds()
 
 

@@ -1,7 +1,7 @@
-"""Kernels that only other kernels call: code to be linked into that of callers, and not run.
+"""Inner kernels: intermediate code to be linked into callers, without machine code of its own.
 
-Numba optimises each function and emits its machine code, and does so again in all of its callers.
-Functions that Python never calls need neither: they are optimised where they end up.
+Numba optimises each function and emits its machine code, and does both again in every caller.
+A function that only kernels call needs neither: it is optimised in its callers.
 """
 
 from typing import Any
@@ -12,21 +12,21 @@ from numba.core.compiler import Compiler, compile_result
 
 
 class _NoMachineCode:
-    """Takes the environments of functions, which are variables of their machine code."""
+    """Stand-in for the code generator, whose machine code holds the environments of functions."""
 
     @staticmethod
     def set_env(name: str, env: Any) -> None:
-        """Do nothing: the caller's machine code has the variable; see :class:`OuterCompiler`."""
+        """Do nothing: the variable is in the callers; see :class:`OuterCompiler`."""
 
 
 class InnerLibrary(JITCodeLibrary):
-    """The code of a function, to be linked into that of others."""
+    """Intermediate code of a function, to be linked into its callers."""
 
     is_inner = True
 
     @property
     def codegen(self) -> Any:
-        """What environments are given to."""
+        """Receiver of environments; other methods use ``_codegen``."""
         return _NoMachineCode
 
     def _optimize_final_module(self) -> None:
@@ -38,13 +38,13 @@ class InnerLibrary(JITCodeLibrary):
         self._finalized = True
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Address of machine code: there is none."""
+        """Address of the machine code: 0, there is none."""
         self._ensure_finalized()
         return 0
 
     @property
     def rebuild(self) -> Any:
-        """What makes a compiled function of its parts."""
+        """Function that restores a compiled function; see :func:`rebuilt`."""
         return rebuilt
 
     def serialize_using_object_code(self) -> tuple[str, str, bytes]:
@@ -77,7 +77,7 @@ def rebuilt(
     target: Any, code: tuple[str, str, bytes], description: Any, env: Any, signature: Any,
     *more: Any,
 ) -> Any:  # fmt: skip
-    """An inner function, of the parts that ``CompileResult._reduce`` takes it into.
+    """Inner function, restored from the parts that ``CompileResult._reduce`` gives.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""``warm-up``: compile the kernels of methods before anybody waits for them."""
+"""``warm-up``: compile the kernels of methods in advance."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...run.method_spec import MethodSpec
 
 ENVIRONMENT = "environment"
-"""Stands for what the environment and its policies call."""
+"""Name for the kernels of the environment and its policies."""
 
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
@@ -69,7 +69,7 @@ def _compiled(seconds: float) -> str:
 
 
 def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
-    """Report of this process: time, problems, and the files of the kernels that it called."""
+    """Report of this process: time, problems, and files of its kernels."""
     from ...kernels.core import cache
     from ...kernels.core.compile import compiling_s
 
@@ -82,7 +82,7 @@ def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
 
 
 def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
-    """Compile the kernels of methods, in processes side by side; a report of each."""
+    """Compile the kernels of methods in parallel processes; one report each."""
     # First what all of them need, or each process would compile it anew.
     return [_common(), *_compile_all(methods, jobs)]
 
@@ -105,7 +105,7 @@ def _common() -> dict[str, Any]:
 
 
 def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
-    """Compile for each method in a process of its own, several at a time."""
+    """Compile for each method in its own process, several at a time."""
     import multiprocessing
     import signal
     from concurrent.futures import ProcessPoolExecutor
@@ -148,7 +148,7 @@ KINDS = (
     Kind(several=True, drifts=True),
     Kind(several=True, asks=True),
 )
-"""Missions and calls for which methods call kernels of their own."""
+"""Missions and calls that reach kernels of their own."""
 
 
 def _compile_one(method: str) -> dict[str, Any]:
