@@ -36,15 +36,15 @@ VERBS = (
     "solve {}.json --time-limit 5 --bound exact --out plan.json --certificate proof.json",
     "check {}.json plan.json",
     "verify {}.json plan.json proof.json",
-    "refine {}.json plan.json --out refined.json",
     "fly {}.json plan.json",
-    "fly {}.json refined.json --samples 3",
     "replan {}.json plan.json --at 1 --time-limit 2 --out rest.json",
     "tradeoff {}.json --vary duration=1:2:1 --time-limit 2 --out curve.csv",
 )
 """Verbs that call kernels."""
 
 ONE_CHASER = (
+    "refine {}.json plan.json --out refined.json",
+    "fly {}.json refined.json --samples 3",
     "price {}.json debris-001 debris-002",
     "matrix {}.json --every 43200 --out costs.npz",
     "export {}.json plan.json --out mission.oem",

@@ -19,7 +19,6 @@ from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
-from .compile_ahead import compiling_ahead
 from .method_call import method_of, prepare, refuse_unable, spec_of, warm_up
 from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
@@ -235,34 +234,33 @@ def run(
     drifts = whole.connecting.is_listed
     if drifts and not whole.has_timetable:
         _announce(whole.instance, sizing)
-    with compiling_ahead(known, drifts):
-        criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
-        # Some methods look at all pairs by themselves: what they prove is proven of all.
-        of_all = known.bounds_all_pairs
-        hasty = of_all and group == BOUNDS and whole.alone is not None
-        chosen = candidates(
-            whole,
-            wanted.time_limit,
-            first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
-            interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
-            building=building,
-            table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
-            hasty=hasty,
-            on_demand=prepared.on_demand,
-        )
-        progress(-math.inf, math.inf)
-        if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):
-            return chosen.nothing(method, wanted.seed)
-        if start is not None:
-            prepared = prepared.beginning_from(whole, destinations, repair)
-        if bound is None or prover is None or not chosen.all:
-            planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
-            return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
-        proving = prepare(BOUNDS, bound, seed=wanted.seed, jobs=both_jobs)
-        if start is not None and prover.starts:
-            proving = proving.beginning_from(whole, destinations, repair)
-        result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
-        return _beyond_the_model(whole, result)
+    criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
+    # Some methods look at all pairs by themselves: what they prove is proven of all.
+    of_all = known.bounds_all_pairs
+    hasty = of_all and group == BOUNDS and whole.alone is not None
+    chosen = candidates(
+        whole,
+        wanted.time_limit,
+        first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
+        interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
+        building=building,
+        table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
+        hasty=hasty,
+        on_demand=prepared.on_demand,
+    )
+    progress(-math.inf, math.inf)
+    if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):
+        return chosen.nothing(method, wanted.seed)
+    if start is not None:
+        prepared = prepared.beginning_from(whole, destinations, repair)
+    if bound is None or prover is None or not chosen.all:
+        planned = prepared(whole, AnyOf(*criteria, *limits[:1]), progress)
+        return _beyond_the_model(whole, chosen.of_the_whole(planned, of_all=of_all))
+    proving = prepare(BOUNDS, bound, seed=wanted.seed, jobs=both_jobs)
+    if start is not None and prover.starts:
+        proving = proving.beginning_from(whole, destinations, repair)
+    result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
+    return _beyond_the_model(whole, result)
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:

@@ -60,8 +60,6 @@ class MethodSpec:
     table_options : tuple of str
         Options that, once set, make it need that table all the same.
     practice : Practice
-    late : str, optional
-        A bound whose kernels it calls after others, to be compiled beside them.
     """
 
     name: str
@@ -75,7 +73,6 @@ class MethodSpec:
     on_demand: bool = False
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)
-    late: str | None = None
 
     def load(self) -> Any:
         """The method itself, imported.

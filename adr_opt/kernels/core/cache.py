@@ -59,11 +59,6 @@ def used() -> set[Path]:
     return set(_used)
 
 
-def is_empty() -> bool:
-    """Whether no kernel is kept in any folder."""
-    return not any(True for folder in folders() for _ in folder.glob("*.kernel"))
-
-
 def folders() -> list[Path]:
     """Folders to read from and write to, in order of preference; they need not exist."""
     named = os.environ.get(VARIABLE)
