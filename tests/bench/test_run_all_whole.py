@@ -270,7 +270,7 @@ def test_ctrl_c_ends_a_run_and_its_workers(
 ) -> None:
     """Interrupted, a run says one sentence, exits with 130, and no worker plans on."""
     with held_after(environment, 3):
-        run = start(tmp_path / "out", "--cases", 100, "--methods", "slow", "--jobs", 2)
+        run = start(tmp_path / "out", "--cases", 20, "--methods", "slow", "--jobs", 2)
         wait_for_rows(tmp_path / "out", 3)
         run.send_signal(signal.SIGINT)
         # Messages end when the last worker, which inherits the pipe, has ended.

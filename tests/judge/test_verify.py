@@ -194,7 +194,7 @@ def test_packed_and_plain_files_are_the_same(tmp_path):
 
 def test_a_proof_of_the_library_is_verified():
     """A proof of a field of 50 targets is verified."""
-    instance = adr_opt.load(INSTANCES / "nominal" / "nominal-001.json")
+    instance = adr_opt.load(INSTANCES / "nominal" / "nominal-000.json")
     result, certificate = proven(instance)
     assert result.status == "optimal"
     verdict = verify(instance, result.plan, certificate)
