@@ -1,7 +1,8 @@
 """Build the wheel and the sdist; the wheel holds an archive of compiled kernels.
 
     python bench/wheel.py --out dist
-    python bench/wheel.py --archive kernels.zip        the archive alone
+    python bench/wheel.py --archive kernels.zip                      the archive alone
+    python bench/wheel.py --archive kernels.zip --methods beam       with the kernels of a method
 
 Kernels are compiled for the processors of :data:`adr_opt.kernels.core.archive.LEVEL` by planning
 small missions with all methods and by calling all verbs. They are kept in the user's folder like
@@ -57,11 +58,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=Path, help="folder for wheel and sdist")
     parser.add_argument("--archive", type=Path, help="file for the archive")
+    parser.add_argument("--methods", nargs="+", help="compile for these alone, and for no verb")
     asked = parser.parse_args()
     _compile_for_all()
     from adr_opt.kernels.core import archive
 
-    kernels = compiled()
+    kernels = compiled(asked.methods)
     made = asked.archive or archive.FILE
     archive.write(kernels, made)
     print(f"{len(kernels)} kernels, {made.stat().st_size / 1e6:.1f} MB: {made}")
@@ -82,20 +84,22 @@ def _compile_for_all() -> None:
         os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | wanted)
 
 
-def compiled() -> dict[str, bytes]:
-    """All kernels that Python calls, by the names of their files."""
+def compiled(methods: list[str] | None) -> dict[str, bytes]:
+    """Kernels of methods, or of all methods and verbs, by the names of their files."""
     from adr_opt.kernels.core import cache
     from adr_opt.run.methods import BOUNDS, PLANNERS, names
     from adr_opt.ui.cli.warm_up import ENVIRONMENT, compile_for
 
-    methods = list(dict.fromkeys((*names(PLANNERS), *names(BOUNDS), ENVIRONMENT)))
-    rows = compile_for(methods, os.cpu_count() or 1)
+    everything = list(dict.fromkeys((*names(PLANNERS), *names(BOUNDS), ENVIRONMENT)))
+    rows = compile_for(methods or everything, os.cpu_count() or 1)
     for row in rows:
         if row["problem"]:
             print(f"{row['method']}: {row['problem']}")
     files: set[Path] = set().union(*(row["files"] for row in rows))
-    with ProcessPoolExecutor(os.cpu_count(), get_context("spawn"), max_tasks_per_child=1) as pool:
-        files.update(*pool.map(run_verbs, FIELDS))
+    if methods is None:
+        spawn = get_context("spawn")
+        with ProcessPoolExecutor(os.cpu_count(), spawn, max_tasks_per_child=1) as pool:
+            files.update(*pool.map(run_verbs, FIELDS))
     found = {file.name: cache.read(file) for file in files}
     return {name: content for name, content in found.items() if content is not None}
 

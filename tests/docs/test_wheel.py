@@ -17,7 +17,19 @@ from pathlib import Path
 import pytest
 from pages import ROOT
 
+from adr_opt.kernels.core import archive
+from adr_opt.kernels.core.cache import VARIABLE
+from adr_opt.run.front import spec_of
+from adr_opt.run.methods import BOUNDS, PLANNERS, names
+
 PACKAGES = ("adr_opt", "solvers")
+
+METHOD = "beam"
+"""Method whose kernels are in the archive of the wheel; all are in that of the slow test."""
+
+needs_level = pytest.mark.skipif(
+    not archive.serves_this_processor(), reason="no archive is for this processor"
+)
 BUILD = "from setuptools import build_meta; build_meta.build_{}({!r})"
 
 
@@ -40,12 +52,22 @@ def build(folder: Path, kind: str) -> Path:
     return made
 
 
-def run(command: list[str], folder: Path) -> str:
+def run(command: list[str], folder: Path, **variables: str) -> str:
     """Run a program that sees nothing of the checkout; returns what it prints."""
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    environment |= variables
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
     assert done.returncode == 0, (command, done.stdout[-2000:], done.stderr[-2000:])
     return done.stdout
+
+
+def make_archive(file: Path, *methods: str) -> None:
+    """Make an archive of kernels, by the script of the project."""
+    some = ["--methods", *methods] if methods else []
+    subprocess.run(
+        [sys.executable, str(ROOT / "bench/wheel.py"), "--archive", str(file), *some],
+        check=True, capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +81,8 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Archives:
         )
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source / name)
+    if archive.serves_this_processor():
+        make_archive(source / "adr_opt" / archive.FILE.relative_to(ROOT / "adr_opt"), METHOD)
     sdist, wheel = build(source, "sdist"), build(source, "wheel")
     with tarfile.open(sdist) as file:
         file.extractall(tmp_path_factory.mktemp("unpacked"), filter="data")
@@ -175,6 +199,65 @@ def test_its_commands_work(programs: Path, tmp_path: Path) -> None:
     assert len(page) > 100_000
     by_module = [str(programs / "python"), "-m", "adr_opt", "schema", "plan"]
     assert json.loads(run(by_module, tmp_path))["properties"]
+
+
+PLANS = """
+import json, os, sys
+from pathlib import Path
+from numba.core import event
+import adr_opt
+from adr_opt.kernels.core import archive, cache
+from adr_opt.run.front import RunOptions, run
+assert archive.is_usable()
+compiled = []
+class Listener(event.Listener):
+    def on_start(self, event):
+        compiled.append(event.data["dispatcher"].py_func.__qualname__)
+    def on_end(self, event):
+        pass
+event.register("numba:compile", Listener())
+method, *groups = sys.argv[1].split()
+for family, how in json.loads(sys.argv[2]):
+    field = adr_opt.generate(family, 0, **how)
+    for group in groups:
+        result = run(group, field, method, RunOptions(5.0))
+        assert result.plan is None or adr_opt.check(field, result.plan) == ()
+print(json.dumps([compiled, [str(file) for file in cache.folders()[0].glob("*")]]))
+"""
+
+
+@needs_level
+def test_the_wheel_brings_kernels(programs: Path, tmp_path: Path) -> None:
+    """With an empty folder for kernels a plan is made, and nothing is compiled or written."""
+    fields = json.dumps([["tiny", {}], ["nominal", {"targets": 12}]])
+    call = [str(programs / "python"), "-c", PLANS, f"{METHOD} {PLANNERS}", fields]
+    said = run(call, tmp_path, **{VARIABLE: str(tmp_path / "kept")})
+    assert json.loads(said.splitlines()[-1]) == [[], []]
+
+
+@pytest.mark.slow
+@needs_level
+def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) -> None:
+    """With it no planner and no bound compiles for six kinds of missions."""
+    file = tmp_path / "compiled.zip"
+    make_archive(file)
+    where = (
+        "from pathlib import Path\nfrom adr_opt.kernels.core import archive\n"
+        f"archive.FILE = Path({str(file)!r})\n"
+    )
+    one = [["nominal", {}], ["reduced-time", {"zones": 3}], ["rocket-bodies", {"targets": 6}]]
+    several = [["campaign", {"targets": 10}], ["removal", {"targets": 4}]]
+    for method in dict.fromkeys((*names(PLANNERS), *names(BOUNDS))):
+        groups = [group for group in (PLANNERS, BOUNDS) if method in names(group)]
+        able = spec_of(method, groups[0])
+        fields = [*one, *(several[:1] if able.several else []), *(several if able.rules else [])]
+        ran = subprocess.run(
+            [sys.executable, "-c", where + PLANS, " ".join([method, *groups]), json.dumps(fields)],
+            capture_output=True, text=True,
+            env=os.environ | {VARIABLE: str(tmp_path / "kept"), "PYTHONPATH": str(ROOT)},
+        )  # fmt: skip
+        assert ran.returncode == 0, (method, ran.stderr[-2000:])
+        assert json.loads(ran.stdout.splitlines()[-1]) == [[], []], method
 
 
 @pytest.mark.slow
