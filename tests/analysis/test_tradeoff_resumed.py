@@ -232,7 +232,7 @@ def test_campaigns_go_on_too(tmp_path: Path) -> None:
 def test_control_characters_of_a_file_do_not_reach_the_terminal(cli: Cli, content: str) -> None:
     """Settings, methods and names in an edited file are said with escapes."""
     hand_made().save("h.json")
-    call = ("tradeoff", "h.json", "--vary", "delta-v=130,300", "--time-limit", 20)
+    call = ("tradeoff", "h.json", "--vary", "delta-v=130,300", "--time-limit", 60)
     for cells in (
         {"settings": "\x1b[2J\x07 gone"},
         {"method": "\x1b[2J"},
