@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import stand_ins
+from hypothesis import settings
 from run_all_rows import BENCH, Load
 
 import adr_opt
@@ -26,6 +27,10 @@ class Outcome:
 
 
 Cli = Callable[..., Outcome]
+
+# What Hypothesis draws is the same in every run, too.
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 LONG = {
     "test_all_rules", "test_campaigns", "test_launched", "test_proofs_hold", "test_refining",

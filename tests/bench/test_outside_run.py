@@ -115,6 +115,7 @@ def report(folder, doing):
     yield "| one |"
     doing("the second", 1, 2)
     yield "| two |"
+    doing("the third", 2, 2)
     time.sleep(100)
 
 run.of_odrc.report = report
@@ -143,7 +144,7 @@ def test_rows_are_printed_and_kept_as_they_are_done(tmp_path):
         printed.append(process.stdout.readline())
         assert printed[-1], process.poll()
     said = b""
-    while b"the second" not in said:
+    while b"the third" not in said:
         said += os.read(ours, 4096)
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=30.0) == 130

@@ -93,14 +93,14 @@ def test_a_large_field_has_a_certificate(monkeypatch):
     monkeypatch.setattr(table_budget, "LARGE_ENTRIES", 0)
     for name in ("LEAST_S", "MOMENT_S", "SHARE"):
         monkeypatch.setattr(table_budget, name, 0.0)
-    instance = adr_opt.generate("nominal", 1, targets=60).with_limits(duration_s=3.0 * 86400.0)
+    instance = adr_opt.generate("nominal", 1, targets=40).with_limits(duration_s=3.0 * 86400.0)
     result = adr_opt.solve(instance, "auto", iterations=1, time_limit=60.0)
     result = replace(result, evidence=floors_of(instance, result.evidence))
     certificate = certificate_of(instance, result)
     assert certificate.floors is not None
     verdict = verify(instance, None, certificate)
     assert verdict.verified
-    assert verdict.upper_bound == certificate.upper_bound < 60.0
+    assert verdict.upper_bound == certificate.upper_bound < 40.0
     lower = certificate.replace(upper_bound=certificate.upper_bound - 1.0)
     assert not verify(instance, None, lower).verified
     for factor in (0.0, 0.5, 2.0):

@@ -136,7 +136,7 @@ def test_plans_without_a_table(monkeypatch, method, dynamics):
     instance = instance.replace(
         targets=(*instance.targets[:7], required, *instance.targets[8:]), dynamics=dynamics
     )
-    result = adr_opt.solve(instance, method, time_limit=60.0)
+    result = adr_opt.solve(instance, method, time_limit=60.0, iterations=2)
     assert adr_opt.check(instance, result.plan) == ()
     best = adr_opt.solve(instance, "greedy-guarded").objective
     assert 0.4 * best <= result.objective <= result.upper_bound

@@ -468,5 +468,5 @@ def test_without_its_packages_the_verb_says_how_to_get_them(
                     ("adr_opt.ui.serve.server", "adr_opt.ui.serve.app", f"{package}.")
                 ):
                     patch.delitem(sys.modules, name)
-            refused(cli("serve", "my.json", "--no-open"), package, "'.[serve]'")
+            refused(cli("serve", "my.json", "--no-open"), package, "[serve]")
     assert not os.path.lexists(world / "my-served")

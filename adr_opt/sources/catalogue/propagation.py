@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import MissingExtra
+from ...common.records import LARGEST_LENGTH_M
 from .records import Dropped, ElementSet
 
 ELEMENTS = (
@@ -75,6 +76,8 @@ def mean_elements(records: Sequence[ElementSet], epoch: datetime) -> tuple[FLOAT
                 why = _failure(code, (*position, *velocity, *elements[row]), api.SGP4_ERRORS)
                 if why is not None:
                     break
+            if why is None and elements[row, 0] > LARGEST_LENGTH_M:
+                why = "sgp4-error", f"its semi-major axis is above {LARGEST_LENGTH_M:g} m"
             if why is None and elements[row, 0] > LARGEST_RISE * satellite.a * EARTH_RADIUS_M:
                 why = "sgp4-error", "SGP4 makes the orbit far larger, as it does after a decay"
         if why is None and elements[row, 0] * (1.0 - elements[row, 1]) <= EARTH_RADIUS_M:
