@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import field, fields, make_dataclass
-from functools import partial, wraps
+from functools import lru_cache, partial, wraps
 from importlib.metadata import EntryPoint, entry_points
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -45,8 +47,23 @@ class Planner(Protocol):
         ...
 
 
-def _found(group: str) -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in sorted(entry_points(group=group), key=lambda e: e.name)}
+def _found(group: str) -> Mapping[str, EntryPoint]:
+    places = tuple((place, _changed_ns(place)) for place in sys.path)
+    return _entries(group, entry_points, places)
+
+
+def _changed_ns(place: str) -> int | None:
+    try:
+        return os.stat(place or os.curdir).st_mtime_ns
+    except OSError:
+        return None
+
+
+@lru_cache(maxsize=16)
+def _entries(group: str, read: Callable[..., Any], places: object) -> Mapping[str, EntryPoint]:
+    """Entry points by name; kept, as reading what is installed takes longer than a small plan."""
+    entries = sorted(read(group=group), key=lambda entry: entry.name)
+    return {entry.name: entry for entry in entries}
 
 
 def names(group: str = PLANNERS) -> tuple[str, ...]:

@@ -82,7 +82,7 @@ def test_no_leg_of_a_cell_is_cheaper_than_its_bound(field):
 def test_a_plan_is_legal_and_above_the_bound(field, tmp_path):
     """A campaign planned from nothing keeps all rules, and J is no less than the bound."""
     rows = read_debris(field)
-    found = planned(rows, seed=1, chains=1, step_d=0.5, iterations=1000)
+    found = planned(rows, seed=1, chains=1, step_d=0.5, iterations=200)
     assert found.judged.violations == ()
     below = proven(rows, time_limit_s=0.5)
     assert 30.0 < below.value <= found.judged.total_meur

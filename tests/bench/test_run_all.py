@@ -9,6 +9,7 @@ import pytest
 from run_all_rows import Load, protocol, row
 
 import adr_opt
+from adr_opt.common import cluster
 from adr_opt.common.errors import InputError
 
 # --- methods and trials ---------------------------------------------------------------------------
@@ -227,7 +228,7 @@ def test_an_unwritable_folder_and_a_silent_address_are_one_sentence(
     call = ["--suite", "tiny", "--methods", "greedy"]
     assert load("run_all").main([*call, "--out", str(tmp_path / "file" / "out")]) == 2
     assert "cannot be written to" in capsys.readouterr().err
-    monkeypatch.setattr(adr_opt.common.cluster, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(cluster, "PATIENCE_S", 0.5)
     out = ["--out", str(tmp_path / "out")]
     for address, said in (
         ("dask://127.0.0.1:1", "no Dask scheduler answers at dask://127.0.0.1:1"),

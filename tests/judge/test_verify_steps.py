@@ -93,11 +93,8 @@ def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw, seed
             by_price += bool(price)
         asked += 1
     assert asked > len(seeds) / 3
-    assert by_price > len(seeds) / 3 or draw not in (
-        random_mission,
-        drifting_mission,
-        given_mission,
-    )
+    if draw in (random_mission, drifting_mission, given_mission):
+        assert by_price > len(seeds) / 3
 
 
 @pytest.fixture

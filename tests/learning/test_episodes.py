@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -37,11 +38,12 @@ def varied(seed: int) -> Instance:
     )
 
 
-def test_rules_steps_masks_and_check_agree() -> None:
+@over_kinds("seeds", fields=(range(40), 12))
+def test_rules_steps_masks_and_check_agree(seeds: range) -> None:
     """On thousands of states step, legal_moves, masks and timing say the same; plans pass check."""
-    rng = np.random.default_rng(5)
     states = ends_in_windows = refuelled = 0
-    for seed in range(40):
+    for seed in seeds:
+        rng = np.random.default_rng([5, seed])
         instance = varied(seed)
         mission = Mission(instance, threads=1)
         rules, size = mission.rules, len(mission.names)
@@ -92,9 +94,9 @@ def test_rules_steps_masks_and_check_agree() -> None:
             assert adr_opt.check(instance, plan) == ()
             mean = rules.prize[rules.prize > 0.0].mean()
             assert plan.objective == pytest.approx(episodes.collected[0] * mean)
-    assert states > 2000
-    assert ends_in_windows > 100
-    assert refuelled > 50
+    assert states > 50 * len(seeds)
+    assert ends_in_windows > 2 * len(seeds)
+    assert refuelled > len(seeds)
 
 
 def test_rewards_are_prizes_in_mean_prizes() -> None:

@@ -21,7 +21,7 @@ from .parameters import parse_assignments, run_options
     "Bound; 'methods' lists them and the default.",
     shell_complete=complete.bounds,
 )
-@take.number("--time-limit", "S", "Wall time, the timetable included; 60 s.")
+@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 60 s.")
 @run_options
 @certificate_option
 @take.as_json
