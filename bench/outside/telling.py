@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import queue
+import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
@@ -24,7 +25,8 @@ def nobody(what: str, done: int, total: int) -> None:
 def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
     """Print lines when they come, and write them to a file; the heading before the first.
 
-    They come from a thread of their own, so that Ctrl-C does not wait for what it does.
+    They come from a thread of their own, so that Ctrl-C does not wait for it. An interrupt is queued
+    like a line: raised anywhere, it would meet the bar half drawn.
 
     Parameters
     ----------
@@ -44,6 +46,9 @@ def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
             said.put(error)
 
     kept: TextIO | None = None
+    former: Any = None
+    if threading.current_thread() is threading.main_thread():
+        former = signal.signal(signal.SIGINT, lambda number, frame: said.put(KeyboardInterrupt()))
     try:
         with _bar() as (doing, hidden):
             threading.Thread(target=run, args=(doing,), name="benchmark", daemon=True).start()
@@ -59,6 +64,8 @@ def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
                         print(*text, sep="\n", file=stream, flush=True)
                 heading = ""
     finally:
+        if former is not None:
+            signal.signal(signal.SIGINT, former)
         if kept is not None:
             kept.close()
 
