@@ -25,8 +25,8 @@ def nobody(what: str, done: int, total: int) -> None:
 def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
     """Print lines when they come, and write them to a file; the heading before the first.
 
-    They come from a thread of their own, so that Ctrl-C does not wait for it. An interrupt is queued
-    like a line: raised anywhere, it would meet the bar half drawn.
+    They come from a thread of their own, so that Ctrl-C does not wait for it. An interrupt is
+    queued like a line: raised anywhere, it would meet the bar half drawn.
 
     Parameters
     ----------
