@@ -17,6 +17,7 @@ from random_rules import (
     random_mission,
     towing,
 )
+from seeds import over_seeds
 from towed_fields import TANK
 
 import adr_opt
@@ -147,7 +148,7 @@ def as_enumerated(instance: Instance) -> Field:
 
 
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
-@pytest.mark.parametrize("seed", range(3))
+@over_seeds(range(3), gate=1)
 def test_the_rest_is_the_best_there_is(seed: int, dynamics: str) -> None:
     """Nothing collects more on from the object that is towed, by the connections of the whole."""
     instance, plan = simple(seed, dynamics)

@@ -36,7 +36,8 @@ def script():
             marks=external("gtoc9"),
         ),
         pytest.param(
-            "odrc", "mcrdv", "*", ("44830.8 | 44830.8", "44278.7"), marks=external("mcrdv")
+            "odrc", "mcrdv", "*", ("44830.8 | 44830.8", "44278.7"),
+            marks=[*external("mcrdv"), pytest.mark.slow],
         ),
         pytest.param(
             "kttsp --time-limit 0", "kttsp", "*",
@@ -47,7 +48,7 @@ def script():
             "optw", "optw", "*tt?0.TXT 20.4.2.TXT 50.4.1.TXT optima.csv",
             ("| 20.4.2 | 299 | 299 | 299 | 299 |", "| 50.4.1 | 498 | – | 498 | 498 |",
              "Of the 2 that CPLEX proved, 2 have the same score", "2 of 2 proven"),
-            marks=external("optw"),
+            marks=[*external("optw"), pytest.mark.slow],
         ),
     ],
 )  # fmt: skip

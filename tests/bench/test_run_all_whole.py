@@ -182,6 +182,7 @@ def notes(environment: dict[str, str]) -> list[str]:
     return lines
 
 
+@pytest.mark.slow
 def test_a_run_that_is_killed_goes_on_where_it_was(
     start: Start, tmp_path: Path, environment: dict[str, str]
 ) -> None:

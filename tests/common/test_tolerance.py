@@ -21,7 +21,9 @@ SCALES = (1e-7, 1.0, 1e7)
 
 
 @pytest.mark.parametrize("prizes", [(1.0,), (3.0, 1.0, 2.0), (0.7, 2.3, 0.0, 1.1), (0.317, 1.618)])
-@pytest.mark.parametrize("method", ["auto", "exact", "mip", "cpsat"])
+@pytest.mark.parametrize(
+    "method", ["auto", "exact", pytest.param("mip", marks=pytest.mark.slow), "cpsat"]
+)
 @over_seeds(range(3), gate=1)
 def test_scaled_prizes_change_nothing(method: str, prizes: tuple[float, ...], seed: int) -> None:
     """All prizes a ten-millionth, or ten million times: optimal plans and proofs of the same."""

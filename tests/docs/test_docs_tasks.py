@@ -39,6 +39,9 @@ SHORTER = {
 }  # fmt: skip
 """What is put in the place of what in the commands of a page, so that they take seconds."""
 
+LONG = ("campaign", "own-policy")
+"""Take longest even so."""
+
 
 @pytest.fixture(autouse=True)
 def everything_is_there(tmp_path: Path) -> None:
@@ -97,7 +100,10 @@ def test_every_task_is_tried() -> None:
             assert part in page
 
 
-@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in TASKS],
+)
 def test_the_commands_of_a_task_run(cli: Cli, name: str) -> None:
     """One after the other, on a smaller mission, they do what they say and write their files."""
     page = read(f"docs/tasks/{name}.md")

@@ -138,6 +138,7 @@ def test_the_dynamic_programme_keeps_its_own_limits(tmp_path: Path) -> None:
     assert len(shorter) < len(order)
 
 
+@pytest.mark.slow
 def test_highs_loses_nothing(tmp_path: Path) -> None:
     """The exact model's order is legal as it is, so what is promised is kept."""
     module = example("highs_model")

@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 def test_the_page_says_what_the_picture_shows() -> None:
     """The totals and shares beside the picture of planned and flown legs are those drawn."""
     pytest.importorskip("matplotlib")

@@ -192,6 +192,7 @@ def test_packed_and_plain_files_are_the_same(tmp_path):
     assert (tmp_path / "c.json.gz").read_bytes()[:2] == b"\x1f\x8b"
 
 
+@pytest.mark.slow
 def test_a_proof_of_the_library_is_verified():
     """A proof of a field of 50 targets is verified."""
     instance = adr_opt.load(INSTANCES / "nominal" / "nominal-000.json")

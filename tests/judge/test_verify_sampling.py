@@ -139,7 +139,7 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 5),
+    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 3),
     given=(given_mission, range(24), 24),
 )  # fmt: skip
 def test_connections_are_those_of_check(draw, seeds):

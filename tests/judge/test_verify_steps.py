@@ -52,7 +52,7 @@ def changes_tanks(instance: Instance) -> bool:
 @over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(40), 14)
+        draw.__name__: (draw, range(40), 8)
         for draw in (
             random_mission, drifting_mission, given_mission, variant, laden, towing_mission,
             towing_and_laden, refuelling,
@@ -104,12 +104,18 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("no_network")
-@pytest.mark.parametrize("draw", [random_mission, drifting_mission, given_mission, variant])
+@over_kinds(
+    "draw, seeds",
+    **{
+        draw.__name__: (draw, range(16), 6)
+        for draw in (random_mission, drifting_mission, given_mission, variant)
+    },
+)  # fmt: skip
 @pytest.mark.parametrize("iterations", [5, 40])
-def test_what_streams_of_legs_prove_is_verified(draw, iterations):
+def test_what_streams_of_legs_prove_is_verified(draw, seeds, iterations):
     """The bound without a network is verified as it is stated, and no plan is beyond it."""
     in_steps = by_price = 0
-    for seed in range(16):
+    for seed in seeds:
         instance = draw(seed)
         result = adr_opt.bound(instance, "lagrangian", time_limit=60.0, iterations=iterations)
         if result.upper_bound == math.inf:
@@ -123,8 +129,8 @@ def test_what_streams_of_legs_prove_is_verified(draw, iterations):
         assert verdict.upper_bound >= most_collected(instance) - 1e-9, seed
         in_steps += certificate.time_step_s is not None
         by_price += any(walks.worth_per_m_s is not None for walks in certificate.walks)
-    assert in_steps >= 2
-    assert by_price >= 2
+    assert in_steps >= 1
+    assert by_price >= 1
 
 
 @pytest.mark.usefixtures("no_network")

@@ -185,7 +185,8 @@ def test_without_oblateness_connections_are_those_of_two_bodies(resolution):
     assert compared > 20000
 
 
-def test_no_connection_dominates_another():
+@pytest.mark.parametrize("count", [8, pytest.param(18, marks=pytest.mark.slow)])
+def test_no_connection_dominates_another(count):
     """Of short and long ones together hardly any is worth nothing beside another one.
 
     One in a hundred is allowed for: on crossings whose arrivals lie seconds apart, the sifting of
@@ -193,7 +194,7 @@ def test_no_connection_dominates_another():
     """
     law = oblate_rule()
     both = all_ = superfluous = 0
-    for number, pair in enumerate(pairs(5, 18, spread_deg=6.0)):
+    for number, pair in enumerate(pairs(5, count, spread_deg=6.0)):
         times = Times(DAY_S * (number % 2), DAY_S, 40.0 * DAY_S, 1500.0)
         resolution = (0.1, 1.0, 5.0)[number % 3]
         found = connections_of(pair.i, pair.j, 0.0, law, times, 60.0 * DAY_S, resolution)
@@ -211,7 +212,7 @@ def test_no_connection_dominates_another():
         all_ += len(listed)
         assert np.all(found.delta_v <= 1500.0)
         both += bool((found.revolutions >= 0).any() and (found.revolutions < 0).any())
-    assert both > 5
+    assert both > count / 4
     assert superfluous <= 0.01 * all_
 
 

@@ -314,6 +314,7 @@ def make() -> MissionEnv:
     return MissionEnv(fields=SMALL)
 
 
+@pytest.mark.slow
 def test_masks_through_processes() -> None:
     """``SubprocVecEnv`` gives masks, and steps as the same environments in one process do."""
     there = SubprocVecEnv([make, make], start_method="spawn")
@@ -409,6 +410,7 @@ def test_the_examples_of_the_page_run(tmp_path: Path, monkeypatch: pytest.Monkey
     exec(second.replace("256, VARIED", "4, SMALL").replace("slots=64", "slots=2"), names | {})
 
 
+@pytest.mark.slow
 def test_the_script_that_trains_runs(tmp_path: Path) -> None:
     """examples/training/maskable_ppo.py trains on a small family, and writes a plan that passes."""
     root, out = Path(__file__).parents[2], tmp_path / "plan.json"

@@ -53,7 +53,11 @@ def rows_of(observation: Any, index: int) -> Any:
 
 @pytest.mark.parametrize(
     ("fields", "observation"),
-    [*((SMALL, name) for name in OBSERVATIONS), (DRIFTING, "lookahead"), (DRIFTING, "published")],
+    [
+        *((SMALL, name) for name in OBSERVATIONS),
+        (DRIFTING, "lookahead"),
+        pytest.param(DRIFTING, "published", marks=pytest.mark.slow),
+    ],
 )
 def test_single_missions_keep_in_lock_step(fields: Fields, observation: str) -> None:
     """A single environment on the same instance sees, may do and earns the same at every step."""

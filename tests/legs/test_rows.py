@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt.kernels.tables import on_demand
@@ -42,7 +43,7 @@ def asking(instance: adr_opt.Instance) -> Mission:
     return mission
 
 
-@pytest.mark.parametrize("seed", range(6))
+@over_seeds(range(6), gate=2)
 @pytest.mark.parametrize("worth", [0.0, 20.0, 110.0, 2000.0])
 def test_what_is_asked_for_is_what_a_table_holds(seed, worth):
     """Whatever an hour is worth, at any time, of any pair: the same ΔV and the same arrival."""
@@ -65,7 +66,7 @@ def test_what_is_asked_for_is_what_a_table_holds(seed, worth):
     assert found > LOOKED_UP / 10
 
 
-@pytest.mark.parametrize("seed", range(8))
+@over_seeds(range(8), gate=3)
 def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
     """It is as good as the best of the list, up to the resolution of that, unless that waits."""
     rng = np.random.default_rng(seed)
@@ -97,7 +98,7 @@ def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
     assert others <= found / 50  # nearly coplanar pairs, of which lists and rows miss some each
 
 
-@pytest.mark.parametrize("seed", range(4))
+@over_seeds(range(4), gate=1)
 def test_a_search_that_asks_finds_what_one_on_a_table_finds(seed):
     """With all pairs to look at greedy orders and beams are the same, move by move."""
     instance = drawn(seed)

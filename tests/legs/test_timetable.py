@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hand_made import PERIOD_S, hand_made
 from random_rules import all_filled, random_mission
+from seeds import over_kinds
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, SLACK_M_S, SLACK_S
@@ -26,15 +27,15 @@ def table() -> adr_opt.Timetable:
     return adr_opt.Timetable(adr_opt.generate("tiny", 3, zones=3))
 
 
-@pytest.mark.parametrize("part", range(3))
-def test_entries_are_the_best_of_all_that_leave_then_or_later(part):
+@over_kinds("seeds", drawn=(range(40), 10))
+def test_entries_are_the_best_of_all_that_leave_then_or_later(seeds):
     """Each entry is the least ΔV + w · (time until service) of all (k, m) of this and later events.
 
     Those that zones block are not among them, nor those whose service would end too late, nor
     those that leave before a chaser is there.
     """
     waits = finite = early = 0
-    for seed in range(part, 40, 3):
+    for seed in seeds:
         # Where what was spent before the start is charged, connections are listed.
         instance = all_filled(random_mission(seed))
         rng = np.random.default_rng(seed)

@@ -43,7 +43,7 @@ from adr_opt.common.stop import MaxIterations
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.given_files import read_given
 
-CASES, FEW = range(5700), 100
+CASES, FEW = range(5700), 60
 SLOWEST_S = 60.0
 """Kernels that have to be compiled included."""
 

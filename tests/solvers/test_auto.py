@@ -11,6 +11,7 @@ import pytest
 from brute_force import brute_force
 from calling import call
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt.common.progress import silent
@@ -87,7 +88,7 @@ def test_cores_do_not_change_the_plan(field: Mission) -> None:
     assert one.counters == two.counters
 
 
-@pytest.mark.parametrize("seed", range(2))
+@over_seeds(range(2), gate=1)
 def test_never_behind_beam(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """A single round does every search of the planner beam, and keeps what is best."""
     searched: list[timely_beams.BeamSettings] = []

@@ -32,8 +32,8 @@ PROVING = ("auto", "exact")
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(100), 14), j2=(drifting_mission, range(30), 6),
-    given=(given_field, range(40), 12),
+    two_body=(random_mission, range(100), 8), j2=(drifting_mission, range(30), 4),
+    given=(given_field, range(40), 8),
 )  # fmt: skip
 
 
@@ -90,7 +90,7 @@ def test_the_least_cost_is_that_of_enumeration(make, draw, seeds):
     assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
 
 
-@over_seeds([*RARE, *range(30)], gate=14)
+@over_seeds([*RARE, *range(30)], gate=10)
 def test_proofs_hold_on_knife_edges(seed):
     """Where rounding decides, what is proven of several chasers is what enumeration finds."""
     rng = np.random.default_rng([6, seed])

@@ -104,7 +104,14 @@ def test_campaigns_equal_enumeration(kind: str, seeds: range) -> None:
 
 
 @all_kinds
-@pytest.mark.parametrize("method", ["lagrangian", "routing-bound", "cpsat", "mip"])
+@pytest.mark.parametrize(
+    "method",
+    [
+        "lagrangian",
+        "routing-bound",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("cpsat", "mip")),
+    ],
+)
 @over_seeds(range(3), gate=1)
 def test_no_method_states_too_much(kind: str, method: str, seed: int) -> None:
     """Bounds are not below the best plan by a single unit, and what is optimal is the best."""

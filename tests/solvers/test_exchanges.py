@@ -83,6 +83,7 @@ def test_plans_by_expense_are_made_cheaper_without_being_asked():
     assert not search.anneal(100, Proven())
 
 
+@pytest.mark.slow
 def test_exchanges_find_what_beams_miss():
     """In a long campaign they bring in targets that flying anew chaser by chaser leaves out."""
     campaign = Problem(adr_opt.generate("removal", 7, targets=40, chasers=3))

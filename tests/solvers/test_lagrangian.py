@@ -56,7 +56,7 @@ def nominal():
     return Mission(adr_opt.generate("nominal", 0))
 
 
-@over_seeds(range(150), gate=20)
+@over_seeds(range(150), gate=15)
 def test_bound_is_valid_and_tight_on_tiny_instances(seed):
     """Brute force lies under the bound for any slot, and the finished search proves it optimal."""
     mission = tiny_mission(seed, refuelling=seed % 5 < 2)

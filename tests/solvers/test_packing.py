@@ -39,8 +39,8 @@ def test_the_time_limit_is_kept_however_many_columns_there_are():
         LinearConstraint(sizes[None, :], 38.0, np.inf),
     ]
     began = time.process_time()
-    found = cheapest_of(-sizes, constraints, 2.0)
-    assert time.process_time() - began < 8.0
+    found = cheapest_of(-sizes, constraints, 0.5)
+    assert time.process_time() - began < 6.0
     assert found.taken is None or sizes[found.taken].sum() >= 38.0
 
 

@@ -25,6 +25,7 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     sys.modules.pop("best_known", None)
 
 
+@pytest.mark.slow
 def test_the_benchmark_plans_checks_and_bounds_them() -> None:
     """A trial of rocket bodies comes back with a legal plan below its bound, not of the clock."""
     trials, methods = import_module("harness.trials"), import_module("harness.methods")
@@ -47,6 +48,7 @@ def test_the_benchmark_plans_checks_and_bounds_them() -> None:
     assert row["objective"] <= bound["upper_bound"] <= 20.0
 
 
+@pytest.mark.slow
 def test_the_table_takes_their_plans_and_gives_them_back(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

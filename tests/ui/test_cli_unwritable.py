@@ -154,7 +154,10 @@ def test_a_matrix_that_cannot_be_written(
 
 
 @pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
-@pytest.mark.parametrize("encoding", [{"PYTHONUTF8": "1"}, {"PYTHONUTF8": "0"}])
+@pytest.mark.parametrize(
+    "encoding",
+    [{"PYTHONUTF8": "0"}, pytest.param({"PYTHONUTF8": "1"}, marks=pytest.mark.slow)],
+)
 def test_names_that_no_encoding_can_say(
     tiny_file: Path, tmp_path: Path, encoding: dict[str, str]
 ) -> None:
