@@ -35,7 +35,7 @@ from outside.gtoc9 import known as of_gtoc9
 from outside.kttsp import known as of_kttsp
 from outside.odrc import known as of_odrc
 from outside.optw import known as of_optw
-from outside.telling import Doing, nobody, tell
+from outside.telling import Doing, silent, tell
 
 DONE, WRONG, INTERRUPTED = 0, 2, 130
 
@@ -87,7 +87,7 @@ def report(
     time_limit_s: float | None = None,
     cells: Path | None = None,
     write: Path | None = None,
-    doing: Doing = nobody,
+    doing: Doing = silent,
 ) -> Iterator[str]:
     """What is known of a benchmark, in Markdown, line by line."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):

@@ -1,4 +1,4 @@
-"""What a benchmark comes to, line by line as it is known: printed, kept, and a bar meanwhile."""
+"""Output of a benchmark: lines printed and kept as they come, and a progress bar."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import Any, TextIO
 
 Doing = Callable[[str, int, int], None]
-"""Hears what is done now, the parts that are done, and how many there are."""
+"""Takes the current step, the number of finished parts and the number of all parts."""
 
 Lines = Callable[[Doing], Iterable[str]]
-"""What gives the lines; anything wrong with the call is raised before the first of them."""
+"""Source of lines, which raises what is wrong with the call before the first of them."""
 
 
-def nobody(what: str, done: int, total: int) -> None:
-    """A :data:`Doing` that does not listen."""
+def silent(what: str, done: int, total: int) -> None:
+    """Ignore progress."""
 
 
 def tell(lines: Lines, heading: str, out: Path | None = None) -> None:
@@ -79,7 +79,7 @@ def _bar() -> Iterator[tuple[Doing, Callable[[], Any]]]:
         yield
 
     if not sys.stderr.isatty():
-        yield nobody, shown
+        yield silent, shown
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn

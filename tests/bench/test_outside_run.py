@@ -10,6 +10,7 @@ import sys
 
 import pytest
 from from_outside import BENCH, DATA, external
+from terminals import read_until
 
 
 @pytest.fixture(scope="module")
@@ -144,16 +145,10 @@ def test_rows_are_printed_and_kept_as_they_are_done(tmp_path):
     while not printed or "| two |" not in printed[-1]:
         printed.append(process.stdout.readline())
         assert printed[-1], process.poll()
-    said = b""
-    while b"the third" not in said:
-        said += os.read(ours, 4096)
+    said = read_until(ours, b"the third")
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=30.0) == 130
-    try:
-        while part := os.read(ours, 4096):
-            said += part
-    except OSError:  # Linux says EIO when the other end is closed
-        pass
+    said += read_until(ours)
     os.close(ours)
     printed.append(process.stdout.read())
     assert f"interrupted: what was done is printed and kept in {out}" in said.decode()

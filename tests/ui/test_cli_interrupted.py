@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from terminals import parts, read_until
 
 import adr_opt
 from adr_opt.plan.plan import load_plan
@@ -107,14 +108,11 @@ def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
     os.close(theirs)
     said = b""
     sent = 0
-    try:
-        while part := os.read(ours, 4096):
-            said += part
-            if sent == (b"to abort" in said):
-                process.send_signal(signal.SIGINT)
-                sent += 1
-    except OSError:  # Linux says EIO when the other end is closed
-        pass
+    for part in parts(ours):
+        said += part
+        if sent == (b"to abort" in said):
+            process.send_signal(signal.SIGINT)
+            sent += 1
     os.close(ours)
     assert process.wait(timeout=30.0) == 130
     hidden, shown = said.rfind(b"\x1b[?25l"), said.rfind(b"\x1b[?25h")
@@ -130,15 +128,9 @@ def test_live_line_only_on_a_terminal(tiny_file: Path, more: list[str]) -> None:
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "80"}
     process = begin(tiny_file, "patient", *more, stderr=theirs, env=environment)
     os.close(theirs)
-    said = b""
-    while not more and b"gap 75.0%" not in said:
-        said += os.read(ours, 4096)
+    said = b"" if more else read_until(ours, b"gap 75.0%")
     process.send_signal(signal.SIGINT)
-    try:
-        while part := os.read(ours, 4096):
-            said += part
-    except OSError:  # Linux says EIO when the other end is closed
-        pass
+    said += read_until(ours)
     os.close(ours)
     out, _ = process.communicate(timeout=30.0)
     assert process.returncode == 0
@@ -172,14 +164,11 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     os.close(theirs)
     said = b""
     sent = math.inf
-    try:
-        while part := os.read(ours, 4096):
-            said += part
-            if b"timetable" in said and sent == math.inf:
-                process.send_signal(signal.SIGINT)
-                sent = time.monotonic()
-    except OSError:  # Linux says EIO when the other end is closed
-        pass
+    for part in parts(ours):
+        said += part
+        if b"timetable" in said and sent == math.inf:
+            process.send_signal(signal.SIGINT)
+            sent = time.monotonic()
     os.close(ours)
     process.communicate(timeout=30.0)
     assert time.monotonic() - sent < 60.0
@@ -198,17 +187,6 @@ def on_terminal(code: str, arguments: list[str], folder: Path) -> tuple[subproce
     )  # fmt: skip
     os.close(theirs)
     return process, ours
-
-
-def read_until(ours: int, wanted: bytes = b"\0") -> bytes:
-    """What a terminal shows until something is there, or until nobody writes to it any more."""
-    said = b""
-    try:
-        while wanted not in said and (part := os.read(ours, 4096)):
-            said += part
-    except OSError:  # Linux says EIO when the other end is closed
-        pass
-    return said
 
 
 SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "

@@ -16,7 +16,7 @@ from adr_opt.common.files import check_writable
 from adr_opt.fly.refine.leg import NoWay
 
 from ..reading import FloatArray
-from ..telling import Doing, nobody
+from ..telling import Doing, silent
 from .campaign import Removals, Stop, read_campaign
 from .campaigns import better_times
 from .ephemeris import Debris, read_ephemeris
@@ -35,7 +35,7 @@ LATER_D = 0.0, 0.02, 0.05, 0.1, 0.2, 0.4
 
 
 def fly(
-    missions: Sequence[Removals], debris: Sequence[Debris], jobs: int = 2, doing: Doing = nobody
+    missions: Sequence[Removals], debris: Sequence[Debris], jobs: int = 2, doing: Doing = silent
 ) -> Iterator[FlownMission]:
     """Fly missions at their times, each leg in its turn; a mission comes when its legs are flown.
 
@@ -98,7 +98,7 @@ def in_phase(
 
 def report_flights(
     debris_file: Path, campaign: Path, rows: FloatArray, number: int | None, write: Path | None,
-    jobs: int = 2, doing: Doing = nobody,
+    jobs: int = 2, doing: Doing = silent,
 ) -> Iterator[str]:  # fmt: skip
     """Fly a campaign, or one mission of it, and judge it; in Markdown, mission by mission.
 

@@ -14,7 +14,7 @@ import numpy as np
 from adr_opt.common.files import check_writable
 
 from ..tables import Row, head, line
-from ..telling import Doing, nobody
+from ..telling import Doing, silent
 from . import campaign, debris
 from .ephemeris import read_ephemeris
 from .estimate import legs_m_s
@@ -50,14 +50,14 @@ FLOWN = Path(__file__).parent / "flown.json"
 
 
 def flights(
-    folder: Path, plan: Path, number: int | None, write: Path | None, doing: Doing = nobody
+    folder: Path, plan: Path, number: int | None, write: Path | None, doing: Doing = silent
 ) -> Iterator[str]:
     """A campaign as flown, or one mission of it, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
     yield from report_flights(folder / debris.FILE, plan, rows, number, write, doing=doing)
 
 
-def judged_again(folder: Path, flown: Path, doing: Doing = nobody) -> Iterator[str]:
+def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[str]:
     """A campaign with its impulses flown once more and scored, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
     missions = read_flown(flown, len(rows))
@@ -73,7 +73,7 @@ def report(
     chains: int = 2,
     write: Path | None = None,
     bound_limit_s: float | None = None,
-    doing: Doing = nobody,
+    doing: Doing = silent,
 ) -> Iterator[str]:
     """The tables, in Markdown, each line as soon as it is known.
 

@@ -12,7 +12,7 @@ import numpy as np
 from adr_opt.common.files import check_writable, write_text
 
 from ..tables import Row, head, line
-from ..telling import Doing, nobody
+from ..telling import Doing, silent
 from .ours import plan
 from .proof import bound
 from .reading import FILE, Problem, Tour, read_problem, read_tour
@@ -59,7 +59,7 @@ def report(
     time_limit_s: float | None = None,
     cells: Path | None = None,
     write: Path | None = None,
-    doing: Doing = nobody,
+    doing: Doing = silent,
 ) -> Iterator[str]:
     """The tables, in Markdown, each figure as soon as it is known.
 

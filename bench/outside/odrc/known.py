@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..tables import Row, head, line
-from ..telling import Doing, nobody
+from ..telling import Doing, silent
 from .ours import NAME, plan
 from .published import PLAN, TOTAL_M_S
 from .reading import FILE, read_debris, with_centroid
@@ -21,7 +21,7 @@ TIME_LIMIT_S = 60.0
 
 
 def report(
-    folder: Path, steps: int = STEPS, finer: int = FINER, doing: Doing = nobody
+    folder: Path, steps: int = STEPS, finer: int = FINER, doing: Doing = silent
 ) -> Iterator[str]:
     """The tables, in Markdown, row by row.
 

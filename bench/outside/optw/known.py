@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..tables import Row, head, line
-from ..telling import Doing, nobody
+from ..telling import Doing, silent
 from .ours import plan
 from .reading import Optimum, Places, instance_files, read_optima, read_places, travel_of
 from .scoring import score
@@ -18,7 +18,7 @@ TIME_LIMIT_S = 120.0
 
 
 def report(
-    folder: Path, time_limit_s: float = TIME_LIMIT_S, doing: Doing = nobody
+    folder: Path, time_limit_s: float = TIME_LIMIT_S, doing: Doing = silent
 ) -> Iterator[str]:
     """The tables, in Markdown, row by row: static first, then time-dependent.
 
