@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from compiled_kernels import LISTEN
 from pages import ROOT
 
 from adr_opt.kernels.core import archive
@@ -201,21 +202,13 @@ def test_its_commands_work(programs: Path, tmp_path: Path) -> None:
     assert json.loads(run(by_module, tmp_path))["properties"]
 
 
-PLANS = """
-import json, os, sys
-from pathlib import Path
-from numba.core import event
+PLANS = f"""{LISTEN}
+import json, sys
 import adr_opt
 from adr_opt.kernels.core import archive, cache
 from adr_opt.run.front import RunOptions, run
 assert archive.is_usable()
-compiled = []
-class Listener(event.Listener):
-    def on_start(self, event):
-        compiled.append(event.data["dispatcher"].py_func.__qualname__)
-    def on_end(self, event):
-        pass
-event.register("numba:compile", Listener())
+listen()
 method, *groups = sys.argv[1].split()
 for family, how in json.loads(sys.argv[2]):
     field = adr_opt.generate(family, 0, **how)

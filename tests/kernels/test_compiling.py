@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from compiled_kernels import LISTEN
 
 import adr_opt
 from adr_opt.common.clock import now_s
@@ -359,21 +360,13 @@ def test_kernel_answers_python_and_another_kernel(folder: Path, python_first: bo
     assert len(list(folder.glob("*double*"))) == (1 if python_first else 2)
 
 
-PRACTISED = """
+PRACTISED = f"""{LISTEN}
 import json, sys
 import adr_opt
 from adr_opt.run import front
-from adr_opt.kernels.core.compile import compiling_s
-from numba.core import event
 group, method, path, limit = sys.argv[1:]
 problem = front.warm_up(group, method)
-compiled = []
-class Listener(event.Listener):
-    def on_start(self, event):
-        compiled.append(event.data["dispatcher"].py_func.__qualname__)
-    def on_end(self, event):
-        pass
-event.register("numba:compile", Listener())
+listen()
 front.run(group, adr_opt.load(path), method, front.RunOptions(float(limit)))
 print(json.dumps([problem and str(problem), compiled]))
 """
