@@ -92,9 +92,9 @@ def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw, seed
             assert most >= least, (seed, price)
             by_price += bool(price)
         asked += 1
-    assert asked > len(seeds) / 3
+    assert asked > len(seeds) / 2
     if draw in (random_mission, drifting_mission, given_mission):
-        assert by_price > len(seeds) / 3
+        assert by_price > len(seeds) / 2
 
 
 @pytest.fixture
@@ -129,8 +129,8 @@ def test_what_streams_of_legs_prove_is_verified(draw, seeds, iterations):
         assert verdict.upper_bound >= most_collected(instance) - 1e-9, seed
         in_steps += certificate.time_step_s is not None
         by_price += any(walks.worth_per_m_s is not None for walks in certificate.walks)
-    assert in_steps >= 1
-    assert by_price >= 1
+    assert in_steps >= len(seeds) / 8
+    assert by_price >= len(seeds) / 8
 
 
 @pytest.mark.usefixtures("no_network")

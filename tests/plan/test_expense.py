@@ -63,7 +63,7 @@ def test_the_least_expense_is_that_of_enumeration(draw, seeds):
         dear += bool(closed[-1]) and by_expense and result.plan.cost > 0.0
     asked = [each for each in closed if each is not None]
     assert sum(asked) >= 0.8 * len(asked) > 0.2 * len(seeds)
-    assert dear > 0.1 * len(seeds)
+    assert dear >= 0.2 * len(seeds)
 
 
 @cache

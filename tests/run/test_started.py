@@ -101,11 +101,15 @@ def test_what_is_impossible_is_known_at_once() -> None:
 
 
 @pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
-@either
+@over_kinds(
+    "draw, seeds",
+    two_body=(of_two_bodies, range(100, 113), 7), j2=(of_drift, range(100, 108), 4),
+    given=(of_given, range(100, 108), 4),
+)  # fmt: skip
 def test_planners_keep_to_the_tank(method: str, draw, seeds: range) -> None:
     """What a planner returns passes `check`, and is worth no more than the optimum."""
-    for seed in seeds[: -(-len(seeds) // 2)]:
-        mission = Mission(draw(100 + seed), threads=1)
+    for seed in seeds:
+        mission = Mission(draw(seed), threads=1)
         prizes, _, _ = brute_force(mission)
         result = adr_opt.solve(mission, method, time_limit=20.0, iterations=2)
         if result.plan is not None:

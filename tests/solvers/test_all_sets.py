@@ -52,7 +52,7 @@ def test_that_there_is_no_plan_is_proven(draw, seeds: range) -> None:
         elif not by_weight:
             assert result.status == "infeasible", seed
             infeasible += 1
-    assert min(feasible, infeasible) >= 1
+    assert min(feasible, infeasible) >= len(seeds) / 10
 
 
 def test_no_route_takes_more_than_a_chaser_can() -> None:
