@@ -1,4 +1,4 @@
-"""The clock of planners and limits, which stands still while kernels are compiled."""
+"""The clock of planners and limits, which stands still while kernels are compiled, read or kept."""
 
 from __future__ import annotations
 

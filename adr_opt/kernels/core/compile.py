@@ -75,22 +75,17 @@ inlined = _compiled(forceinline=True)
 
 
 class _Clock(event.Listener):
-    """Listener that times compilations; those of callees lie within their caller's."""
+    """Listener that times what Numba does; what lies within another counts once."""
 
     def __init__(self) -> None:
         self._depth = 0
-        self._collects = True
-        # The time spent before, and when the compilation began that is running. Other threads read
-        # both at once.
+        # The time spent before, and since when more is. Other threads read both at once.
         self._spent: tuple[float, float | None] = (0.0, None)
 
     def on_start(self, event: Any) -> None:
         """Note a beginning."""
         if self._depth == 0:
             self._spent = self._spent[0], time.perf_counter()
-            # Looking for garbage takes a tenth of the time of compiling, and finds none.
-            self._collects = gc.isenabled()
-            gc.disable()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -98,12 +93,10 @@ class _Clock(event.Listener):
         self._depth -= 1
         if self._depth == 0:
             self._spent = self.seconds(), None
-            if self._collects:
-                gc.enable()
 
     @property
     def is_running(self) -> bool:
-        """Whether something is being compiled."""
+        """Whether something is being done."""
         return self._spent[1] is not None
 
     def seconds(self) -> float:
@@ -112,16 +105,40 @@ class _Clock(event.Listener):
         return spent if since is None else spent + time.perf_counter() - since
 
 
-_clock = _Clock()
-event.register("numba:compile", _clock)
-leave_out(_clock.seconds)
+class _WithoutGarbage(event.Listener):
+    """Listener that keeps garbage from being collected: a tenth of compiling, which finds none."""
+
+    def __init__(self) -> None:
+        self._depth = 0
+        self._collects = True
+
+    def on_start(self, event: Any) -> None:
+        """Collect no more."""
+        if self._depth == 0:
+            self._collects = gc.isenabled()
+            gc.disable()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Collect again."""
+        self._depth -= 1
+        if self._depth == 0 and self._collects:
+            gc.enable()
+
+
+# Kernels that are compiled, and those that are read, compiled or kept, which takes time as well.
+_compiled_now, _made_now = _Clock(), _Clock()
+for _listener in (_compiled_now, _WithoutGarbage()):
+    event.register("numba:compile", _listener)
+event.register("numba:compiler_lock", _made_now)
+leave_out(_made_now.seconds)
 
 
 def compiling_s() -> float:
     """Seconds that this process has spent compiling; 0 if all kernels were cached."""
-    return _clock.seconds()
+    return _compiled_now.seconds()
 
 
 def is_compiling() -> bool:
     """Whether this process is compiling a kernel."""
-    return _clock.is_running
+    return _compiled_now.is_running
