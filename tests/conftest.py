@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -37,6 +38,11 @@ LONG = {
     "test_registry", "test_run_all_whole", "test_verify",
 }  # fmt: skip
 """Begun with: a file is for one process, and none should be left with one of these at the end."""
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """One process more than cores: browsers, commands and signals are waited for."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

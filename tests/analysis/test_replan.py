@@ -216,6 +216,7 @@ def test_kits_that_are_aboard_weigh_until_they_are_left(seed: int) -> None:
     assert heavier == pytest.approx(idle * instance.chaser.kit_mass_kg)
 
 
+@pytest.mark.slow
 def test_with_kits_nothing_new_is_nothing_worse() -> None:
     """Whatever kits a better plan would not need, the former rest stays one that may be flown."""
     idle = 0

@@ -211,6 +211,7 @@ def test_an_object_is_towed_where_nothing_is_left_to_do() -> None:
 
 
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.slow
 def test_after_the_last_tow_a_chaser_is_on_the_disposal_orbit(dynamics: str) -> None:
     """It is where the tow has led, with what is left, and what it flies from there can be flown."""
     instance, plan = simple(1, dynamics)

@@ -107,6 +107,7 @@ def test_ortools_routing_keeps_a_legal_plan(peers, tiny):
 
 
 @STATIC_PEERS
+@pytest.mark.slow
 def test_static_peers_plan_campaigns(peers, peer):
     """Routes of several chasers share no target, pass check once cut, and are not above the best.
 

@@ -216,6 +216,7 @@ def test_best_known_plans_of_the_repository_count(load: Load, tmp_path: Path) ->
 
 
 @pytest.mark.skipif(EXECUTABLE is None, reason="no Chromium on this machine")
+@pytest.mark.slow
 def test_the_page_draws_offline_and_fits_a_phone(load: Load, tmp_path: Path) -> None:
     """Both figures are drawn, nothing is fetched or complained of, the page is not too wide."""
     store = filled(load, tmp_path, protocol(load, "greedy", "mcts", "beam", fields=5))

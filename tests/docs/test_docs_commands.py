@@ -109,7 +109,10 @@ OF_ONE_MISSION = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("page", OF_ONE_MISSION)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=[pytest.mark.slow] * (page != "report")) for page in OF_ONE_MISSION],
+)
 def test_the_commands_of_a_page_run(cli: Cli, tmp_path: Path, page: str) -> None:
     """With an instance and a plan as the quick start leaves them, each command of a page does."""
     for package in ("boinor", "h5netcdf", "onnxruntime", "plotly", "pyarrow", "sgp4"):

@@ -80,6 +80,7 @@ def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> 
         assert capsys.readouterr().out == printed
 
 
+@pytest.mark.slow
 def test_what_the_page_on_given_costs_prints(capsys: pytest.CaptureFixture[str]) -> None:
     """The Lambert arcs of the page are planned as it says."""
     pytest.importorskip("boinor")

@@ -45,7 +45,14 @@ def example(name: str):
     return import_module(name)
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+QUICK = "lkh_tour", "networkx_tour", "numpy_dynamic_programme"
+
+
+@pytest.mark.parametrize(
+    "script",
+    [pytest.param(path, marks=[pytest.mark.slow] * (path.stem not in QUICK)) for path in SCRIPTS],
+    ids=lambda path: path.stem,
+)
 def test_the_commands_of_an_example_run(
     script: Path,
     cli: Cli,

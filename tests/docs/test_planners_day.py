@@ -15,7 +15,9 @@ BREAKS = ("price",)
 """Verbs whose answer may be no on the small field."""
 
 
-@pytest.mark.parametrize("page", PAGES)
+@pytest.mark.parametrize(
+    "page", [pytest.param("planners-day.md", marks=pytest.mark.slow), "replanning.md"]
+)
 def test_the_commands_of_the_page_run(cli: Cli, page: str) -> None:
     """One after the other they do what the page says, and write the files that it names."""
     text = (DOCS / page).read_text(encoding="utf-8")

@@ -69,6 +69,7 @@ def hold(out: Path, said: str, deadline_days: float) -> None:
     assert "mass kg" in page
 
 
+@pytest.mark.slow
 def test_the_made_up_catalogue_becomes_a_campaign(
     plan_removal: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

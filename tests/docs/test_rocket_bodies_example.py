@@ -104,6 +104,7 @@ def test_the_made_up_catalogue_is_what_its_script_prints(
     assert capsys.readouterr().out == (FOLDER / "bodies.tle").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_made_up_catalogue_is_planned(
     plan_a_year: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

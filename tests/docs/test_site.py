@@ -110,6 +110,7 @@ def test_links_out_of_docs_are_kept_or_become_text(site: Path) -> None:
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 @pytest.mark.parametrize("width", [1280, PHONE])
+@pytest.mark.slow
 def test_the_site_in_a_browser(site: Path, tmp_path: Path, width: int) -> None:
     """Opened as files, no page complains, asks the network, or is wider than the window."""
     with browser.Browser(tmp_path / "profile", width=width) as tab:

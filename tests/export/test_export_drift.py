@@ -258,7 +258,9 @@ def test_mean_states_are_averages_of_numerical_flight() -> None:
         assert np.ptp(along) < 3e3
 
 
-@pytest.mark.parametrize(("leg", "missed_km"), [(1, 0.2), (2, 223.0)])
+@pytest.mark.parametrize(
+    ("leg", "missed_km"), [(1, 0.2), pytest.param(2, 223.0, marks=pytest.mark.slow)]
+)
 def test_gmat_would_miss_by_as_much_as_the_page_says(
     tmp_path: Path, leg: int, missed_km: float
 ) -> None:

@@ -92,6 +92,7 @@ def test_flights_are_nearly_linear(freedom: str) -> None:
     assert found.linearity.standoff_m < max(0.1 * worst, 5.0)
 
 
+@pytest.mark.slow
 def test_weeks_of_drift_are_nearly_linear() -> None:
     """Errors that grow for weeks are still led back, and exact flights say the same."""
     instance, plan = drifting_instance(), drifting_plan()

@@ -103,7 +103,7 @@ def test_higher_harmonics_hold_too(gravity: str) -> None:
     assert one.flown_delta_v_m_s == pytest.approx(refined(1).flown_delta_v_m_s, rel=0.01)
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.003])
+@pytest.mark.parametrize("eccentricity", [0.0, pytest.param(0.003, marks=pytest.mark.slow)])
 def test_weeks_of_drift_are_met(eccentricity: float) -> None:
     """A leg that drifts for weeks arrives, with about the ΔV of its plan."""
     instance, plan = drifting_instance(eccentricity), drifting_plan(eccentricity)

@@ -33,8 +33,8 @@ DRIFTING = 12
 ECCENTRIC = 10
 """A mission whose last leg drifts from e = 0.004 to e = 0.033."""
 
-GATE = (5, 9, DRIFTING)
-"""Tows before short legs, kits before drifts, tows before drifts."""
+GATE = (5, DRIFTING)
+"""Tows before short legs, and before drifts."""
 
 DRAWN, PARTS, TOWS = 140, 4, 100
 """Missions that are drawn, in so many parts, and plans with tows among theirs, at least."""

@@ -61,7 +61,12 @@ def scarce(seed: int) -> Instance:
 
 @pytest.mark.parametrize(
     ("draw", "seeds", "least_paid"),
-    [(running_empty, range(0, 40, 2), 0), (scarce, [*range(12), 30, 43], 3)],
+    [
+        (running_empty, range(0, 16, 2), 0),
+        (scarce, [0, 1, 2, 3, 30, 43], 1),
+        pytest.param(running_empty, range(0, 40, 2), 0, marks=pytest.mark.slow),
+        pytest.param(scarce, [*range(12), 30, 43], 3, marks=pytest.mark.slow),
+    ],
 )
 def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
     """The bound before the last packing is verified and holds, refuellings paid for or not."""
@@ -76,7 +81,7 @@ def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
         assert verdict.upper_bound >= brute_force_campaign(Problem(instance))[0] - 1e-9, seed
         asked += bool(certificate.walks)
         paid += any(station.name in certificate.multipliers for station in instance.stations)
-    assert asked > 6
+    assert asked > 0.3 * len(seeds)
     assert paid >= least_paid
 
 

@@ -95,6 +95,7 @@ def test_of_sequences_that_meet_on_one_crossing_the_cheapest_is_enough():
     assert sample_connections(instance, ConnectionFinder(instance), 100, 63).faults == ()
 
 
+@pytest.mark.slow
 def test_every_listed_short_transfer_is_missed_once_it_is_gone():
     """At no event anything is missing; without any one connection something is.
 
@@ -139,8 +140,8 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 3),
-    given=(given_mission, range(24), 24),
+    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 1),
+    given=(given_mission, range(24), 12),
 )  # fmt: skip
 def test_connections_are_those_of_check(draw, seeds):
     """All that are drawn can be flown, none is missing; spoilt ones are found out."""

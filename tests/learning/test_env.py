@@ -112,7 +112,7 @@ def test_random_episodes_stay_in_their_space_and_count_what_check_counts(observa
     assert len(set(returns)) > 3
 
 
-@pytest.mark.parametrize("family", ["nominal", "cloud"])
+@pytest.mark.parametrize("family", [pytest.param("nominal", marks=pytest.mark.slow), "cloud"])
 def test_whole_fields_too(family: str) -> None:
     """One episode on a field of 50 targets with zones: in its space, and check agrees."""
     rng = np.random.default_rng(2)
@@ -497,6 +497,7 @@ def test_without_a_pool_every_reset_draws_another_field() -> None:
     assert names(pool=3, pool_seed=1).isdisjoint(names(pool=3, pool_seed=2))
 
 
+@pytest.mark.slow
 def test_practice_compiles_all_that_an_environment_calls() -> None:
     """After ``episodes.practise`` neither environment asks for a kernel of other arguments."""
     code = """

@@ -54,7 +54,10 @@ def rows_of(observation: Any, index: int) -> Any:
 @pytest.mark.parametrize(
     ("fields", "observation"),
     [
-        *((SMALL, name) for name in OBSERVATIONS),
+        *(
+            pytest.param(SMALL, name, marks=[pytest.mark.slow] * (name != "lookahead"))
+            for name in OBSERVATIONS
+        ),
         (DRIFTING, "lookahead"),
         pytest.param(DRIFTING, "published", marks=pytest.mark.slow),
     ],

@@ -123,7 +123,7 @@ def test_no_sortie_is_shorter_than_said(seed):
     assert 0.0 < own <= Mission(instance).rules.shortest_sortie
 
 
-@pytest.mark.parametrize("dynamics", ["two-body", "j2"])
+@pytest.mark.parametrize("dynamics", ["two-body", pytest.param("j2", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("method", ["auto", "exact", "beam", "greedy", "greedy-guarded"])
 def test_plans_without_a_table(monkeypatch, method, dynamics):
     """Where no table is built a plan is legal, its bound holds, and a note says what was done."""

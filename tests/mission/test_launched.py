@@ -138,6 +138,7 @@ def test_kits_without_masses_are_told(cli: Cli) -> None:
     assert not any(" kg" in line for line in said)
 
 
+@pytest.mark.slow
 def test_every_verb_takes_a_launch(files: tuple[Instance, Plan], cli: Cli) -> None:
     """The plan is flown, refined, flown with errors, reported, exported, and a start of another."""
     pytest.importorskip("boinor")
@@ -210,6 +211,7 @@ def test_the_page_of_one_chaser_says_what_it_carries() -> None:
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 @pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.slow
 def test_the_page_looks_right_in_a_browser(tmp_path: Path, width: int) -> None:
     """It opens without complaints, is no wider than the window, and its tables scroll."""
     pytest.importorskip("plotly")

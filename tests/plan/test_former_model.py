@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import pytest
 from drifting_plans import drifting_instance, drifting_plan
 from hand_made import hand_made
 
@@ -56,6 +57,7 @@ def test_former_plans_without_drifts_stand():
     assert not adr_opt.check(instance, plan.replace(model=2, cost=plan.delta_v_m_s))
 
 
+@pytest.mark.slow
 def test_former_certificates_of_drifts_are_refused():
     """`verify` refuses what was proven of drift legs of the former model, and no other proof."""
     mission = adr_opt.Mission(drifting_instance())

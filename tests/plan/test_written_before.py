@@ -12,7 +12,7 @@ from adr_opt.fly.flight.refined import fly_refined
 FOLDER = Path(__file__).parents[1] / "fields" / "written_before"
 
 
-@pytest.mark.parametrize("field", ["tiny", "rocket-bodies"])
+@pytest.mark.parametrize("field", ["tiny", pytest.param("rocket-bodies", marks=pytest.mark.slow)])
 def test_files_that_were_written_before_are_read_and_hold(field: str) -> None:
     """An instance keeps its digest, its plan is legal and flown, all written the same."""
     instance = adr_opt.load(FOLDER / f"{field}.json")

@@ -60,12 +60,16 @@ EDGES: dict[str, Callable[[], Instance]] = {
     "no time, J2": lambda: varied(0, days=0.0).replace(dynamics="j2"),
     "limits": lambda: varied(0, prizes=(1e12, 1.0, 3e11), delta_v_m_s=1e9, targets=4),
 }
-INSTANCES = {**SMALL, **EDGES, "nominal": lambda: adr_opt.generate("nominal", 0)}
+INSTANCES = {
+    **SMALL, **EDGES, "nominal": lambda: adr_opt.generate("nominal", 0, targets=25),
+    "whole": lambda: adr_opt.generate("nominal", 0),
+}  # fmt: skip
+WHOLE = pytest.param("whole", marks=pytest.mark.slow)
 
 planners = pytest.mark.parametrize("method", names(PLANNERS))
 bounds = pytest.mark.parametrize("method", names(BOUNDS))
 small = pytest.mark.parametrize("name", SMALL)
-everywhere = pytest.mark.parametrize("name", INSTANCES)
+everywhere = pytest.mark.parametrize("name", [*SMALL, *EDGES, "nominal", WHOLE])
 
 
 @cache
@@ -241,7 +245,7 @@ def test_best_planner_meets_brute_force(name: str) -> None:
     assert best == pytest.approx(optimum(name)[0])
 
 
-@pytest.mark.parametrize("name", ["fractional", "refuelling", "nominal"])
+@pytest.mark.parametrize("name", ["fractional", "refuelling", "nominal", WHOLE])
 @planners
 def test_same_seed_same_plan(method: str, name: str) -> None:
     """The same seed and the same number of iterations give the same plan and the same bound.
@@ -253,7 +257,7 @@ def test_same_seed_same_plan(method: str, name: str) -> None:
     assert again.upper_bound == first.upper_bound
 
 
-@pytest.mark.parametrize("name", ["fractional", "refuelling", "nominal"])
+@pytest.mark.parametrize("name", ["fractional", "refuelling", "nominal", WHOLE])
 @bounds
 def test_same_seed_same_bound(method: str, name: str) -> None:
     """The same number of iterations gives the same bound, however many cores there are."""

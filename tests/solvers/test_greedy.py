@@ -83,6 +83,7 @@ def test_first_move_is_the_cheapest(fields: list[Mission]) -> None:
     assert result.sequence[0] == 1 + int(np.argmin(delta_v))
 
 
+@pytest.mark.slow
 def test_published_order_of_the_planners(fields: list[Mission]) -> None:
     """On nominal fields greedy visits less than guarded greedy, and that at most what beam does."""
     for mission in fields:

@@ -172,6 +172,7 @@ def test_finer_slots_bound_no_worse(nominal):
     assert values[0] >= values[1] >= values[2]
 
 
+@pytest.mark.slow
 def test_bound_is_above_greedy_and_only_falls(nominal):
     """Reported bounds fall, stay above guarded greedy, and reach 30 on nominal-000."""
     heard = []

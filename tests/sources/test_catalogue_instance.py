@@ -160,6 +160,7 @@ def test_an_imported_instance_is_planned_and_checked() -> None:
     assert adr_opt.check(instance, result.plan) == ()
 
 
+@pytest.mark.slow
 def test_a_catalogue_of_24000_objects_takes_less_than_5_s(tmp_path: Path) -> None:
     """24,000 objects are read, propagated, filtered and made an instance in under 5 s of work."""
     path = tmp_path / "all.csv"

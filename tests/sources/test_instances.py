@@ -259,6 +259,7 @@ def test_names_lead_to_instances():
             by_name(name)
 
 
+@pytest.mark.slow
 def test_a_library_that_does_not_fit_is_noticed(tmp_path, capsys):
     """Another checksum is told with exit 1, wrong input with exit 2, and the rest is written."""
     write = script(INSTANCES / "write.py")

@@ -151,6 +151,7 @@ def test_no_live_line_without_a_terminal(tiny_file: Path) -> None:
 
 
 @posix
+@pytest.mark.slow
 def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     """A build of minutes is shown, and Ctrl-C ends it soon: a plan or a sentence, no traceback."""
     path = tmp_path / "large.json"

@@ -153,10 +153,11 @@ def test_a_matrix_that_cannot_be_written(
     assert {path.name for path in tmp_path.iterdir()} == {"tiny.json", f"first{suffix}"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
 @pytest.mark.parametrize(
     "encoding",
-    [{"PYTHONUTF8": "0"}, pytest.param({"PYTHONUTF8": "1"}, marks=pytest.mark.slow)],
+    [{"PYTHONUTF8": "0"}, {"PYTHONUTF8": "1"}],
 )
 def test_names_that_no_encoding_can_say(
     tiny_file: Path, tmp_path: Path, encoding: dict[str, str]

@@ -424,7 +424,9 @@ def only_local(requests: list[str]) -> bool:
 
 
 @with_browser
-@pytest.mark.parametrize(("width", "dark"), [(1280, False), (390, True)])
+@pytest.mark.parametrize(
+    ("width", "dark"), [pytest.param(1280, False, marks=pytest.mark.slow), (390, True)]
+)
 def test_in_a_browser(mission, tmp_path: Path, width: int, dark: bool) -> None:
     """At desk and at phone width: no error, no request, no sideways scrolling, all charts there."""
     write_report(*mission, tmp_path / "mission.html")

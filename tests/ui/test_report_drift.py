@@ -253,6 +253,7 @@ def test_a_refined_plan_is_judged_by_its_refined_flight(cli: Cli) -> None:
     assert "When flown this plan breaks" not in broken
 
 
+@pytest.mark.slow
 def test_a_refined_plan_on_eccentric_orbits_is_flown_on_the_true_ones() -> None:
     """Its page does not say that nobody has flown it there, as that of the plan alone does."""
     instance, plan = drifting_instance(0.003), drifting_plan(0.003)
@@ -317,7 +318,7 @@ def test_plots_draw_a_drift(name: str) -> None:
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.slow)])
 def test_in_a_browser(tmp_path: Path, width: int) -> None:
     """At desk and at phone width: no error, no sideways scrolling, the chart of nodes among all.
 

@@ -172,6 +172,7 @@ CHART = "document.getElementById('{}').data.find(({{ name }}) => name === 'coast
 
 
 @with_browser
+@pytest.mark.slow
 def test_the_earth_turns_and_is_painted_early(tmp_path: Path) -> None:
     """Coasts turn with Greenwich, tiles come before charts, and pictures come as one archive."""
     instance, plan = long_mission()
@@ -236,6 +237,7 @@ def test_the_earth_turns_and_is_painted_early(tmp_path: Path) -> None:
 
 
 @with_browser
+@pytest.mark.slow
 def test_the_far_side_is_hidden_without_webgl(tmp_path: Path) -> None:
     """Drawn flat, coasts behind the Earth are left out, as they would be seen through it."""
     (tmp_path / "page.html").write_text(page(campaign(), planned()), encoding="utf-8")

@@ -155,6 +155,7 @@ def press(tab: browser.Browser, key: str) -> None:
 
 
 @with_browser
+@pytest.mark.slow
 def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
     """By keys: chasers are where the propagator has them; playing goes on, and stops again."""
     pytest.importorskip("plotly")
