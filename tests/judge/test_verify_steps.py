@@ -107,7 +107,7 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
 @over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(16), 6)
+        draw.__name__: (draw, range(16), 16 if draw is given_mission else 6)
         for draw in (random_mission, drifting_mission, given_mission, variant)
     },
 )  # fmt: skip
