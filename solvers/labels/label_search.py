@@ -297,10 +297,8 @@ class LabelSearch:
         if best < need:
             return True, -math.inf, None, 0
         path = np.empty(bound.most_legs + 1, dtype=np.int64)
-        plan, grown = learn(
+        length, grown = learn(
             bound.network, labels, body, count, least, WALKS, self.neighbourhood, path
         )
-        sequence = None
-        if plan >= 0:
-            sequence = path[: path_of(labels, self._rows.body, plan, path)].copy()
+        sequence = path[:length].copy() if length >= 0 else None
         return True, best * self._unit + self.total, sequence, int(grown)

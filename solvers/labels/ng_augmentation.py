@@ -119,12 +119,13 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
     neighbourhood : (bodies, words) int64
         Updated.
     path : (legs,) int64
-        Desk.
+        Written: the bodies of the walk of greatest value that has no cycle and ends where a mission
+        may end.
 
     Returns
     -------
-    plan : int
-        A label of the greatest value without any cycle, where a mission may end; −1 for none.
+    length : int
+        Number of its legs; −1 if there is no such walk.
     grown : int
         How many memories were added.
     """
@@ -147,7 +148,7 @@ def learn(network, labels, body, count, least, most_walks, neighbourhood, path):
                 plan, most = label, value
         elif fewest > 0 and number % stride == 0:
             grown += _forbid(network, path, length, neighbourhood, seen, max(fewest, SHORT))[1]
-    return plan, grown
+    return (path_of(labels, body, plan, path) if plan >= 0 else -1), grown
 
 
 @kernel
