@@ -11,7 +11,6 @@ from from_outside import DATA, broken, external
 from outside.kttsp import costs, kepler, lambert
 from outside.kttsp.reading import Problem, Tour, read_problem, read_tour, tour_of
 from outside.kttsp.scoring import score
-from seeds import over_seeds
 
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
@@ -84,7 +83,8 @@ def test_the_anomaly_solves_its_equation():
             assert anomaly - eccentricity * math.sin(anomaly) == pytest.approx(mean, abs=1e-12)
 
 
-@over_seeds(range(12), gate=2)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(12))
 def test_arcs_are_those_of_another_solver(seed):
     """All arcs with up to three revolutions are those that boinor finds, and there are no more."""
     izzo = pytest.importorskip("boinor.core.iod").izzo

@@ -160,7 +160,10 @@ def test_many_places_are_too_many_for_all_subsets():
 
 
 @pytest.mark.parametrize("varying", [False, True])
-@pytest.mark.parametrize("name", ["20.1.1", "20.2.1", "20.4.2"])
+@pytest.mark.parametrize(
+    "name",
+    ["20.1.1", *(pytest.param(name, marks=pytest.mark.slow) for name in ("20.2.1", "20.4.2"))],
+)
 def test_ours_are_proven_optima(name, varying):
     """Our tours of 20 places are worth what the best of all subsets is, and proven to be."""
     path = FOLDER / f"{name}.TXT"

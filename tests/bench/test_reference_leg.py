@@ -9,7 +9,6 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from seeds import over_seeds
 
 import adr_opt
 from adr_opt.kernels.legs import co_elliptic, sequences
@@ -59,7 +58,8 @@ def assert_agree(
     assert found[1] == pytest.approx(arrival, abs=1e-3), leg
 
 
-@over_seeds(range(24), gate=1)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(24))
 def test_legs_of_the_reference_scenario(reference: ModuleType, seed: int) -> None:
     """ΔV agrees to 1e-6 and the arrival to a millisecond, whichever pair and time."""
     rng, instance = np.random.default_rng(seed), adr_opt.generate("tiny", seed)

@@ -84,7 +84,9 @@ def test_the_pages_have_commands() -> None:
     assert {line.split()[1] for line in MAKE} >= {"solve", "test", "docs"}
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", pytest.param("docs/index.md", marks=pytest.mark.slow)]
+)
 def test_the_commands_of_the_quick_start_run(cli: Cli, tmp_path: Path, page: str) -> None:
     """One after the other, the commands of a quick start do what they say, on small missions."""
     for package in ("boinor", "h5netcdf", "plotly", "sgp4"):

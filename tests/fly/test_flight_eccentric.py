@@ -74,6 +74,7 @@ def test_circles_tell_nothing_new() -> None:
     assert flight.correction_delta_v_m_s == 0.0
 
 
+@pytest.mark.slow
 def test_the_true_miss_is_what_the_target_is_off_its_circle() -> None:
     """From the circular station the chaser flies as planned, so the target alone is elsewhere."""
     instance, plan = ellipses(0.01)

@@ -15,7 +15,7 @@ from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.mission import Mission
 
 
-@over_kinds("seeds", weeks=(range(100), 2))
+@over_kinds("seeds", weeks=(range(100), 4))
 def test_proofs_of_weeks_end_at_the_optimum(seeds: range) -> None:
     """`exact` proves the best plan of enumeration, `check` and `verify` agree, and legs drift."""
     drifting = 0

@@ -318,7 +318,8 @@ def test_plots_draw_a_drift(name: str) -> None:
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
-@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 390])
 def test_in_a_browser(tmp_path: Path, width: int) -> None:
     """At desk and at phone width: no error, no sideways scrolling, the chart of nodes among all.
 
