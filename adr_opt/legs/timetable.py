@@ -513,6 +513,9 @@ def _in_slices(
     if pairs == 0:
         return 0
     fill(0, 1)  # compiles once, before the threads
+    if 1 < pairs <= 1 + step and not enough(1):
+        fill(1, pairs)  # one slice, not worth a thread
+        return pairs
     begun = done = 1
     running: deque[tuple[int, Future[None]]] = deque()
     with ThreadPoolExecutor(threads) as pool:
