@@ -80,6 +80,7 @@ def test_legs_of_the_reference_scenario(reference: ModuleType, seed: int) -> Non
     ],
     ids=["crossing", "equatorial", "retrograde", "coplanar", "same-orbit", "equal-radii", "high"],
 )
+@pytest.mark.slow
 def test_special_geometries(reference: ModuleType, orbit: dict[str, float]) -> None:
     """Planes and radii that are special in some way give what the reference gives, both ways."""
     instance = adr_opt.generate("tiny", 3, targets=1)

@@ -39,7 +39,7 @@ SHORTER = {
 }  # fmt: skip
 """What is put in the place of what in the commands of a page, so that they take seconds."""
 
-LONG = ("campaign", "own-policy")
+LONG = ("campaign", "cloud", "own-policy")
 """Take longest even so."""
 
 

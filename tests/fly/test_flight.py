@@ -89,6 +89,7 @@ def test_detours_around_zones_fly() -> None:
     assert_flies(fly(instance, plan), plan.legs)
 
 
+@pytest.mark.slow
 def test_an_eccentric_orbit_flies_as_the_circle_of_its_mean_body() -> None:
     """With e > 0 the planned circle has u = argument of perigee + mean anomaly, here as there."""
     round_one = adr_opt.generate("tiny", 4)

@@ -72,6 +72,7 @@ def connections(instance: Instance) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize("planes", PLANES)
+@pytest.mark.slow
 def test_special_planes_are_planned_proven_and_flown(planes: str) -> None:
     """A plan among them passes the check, meets its targets in flight, and no bound is below it."""
     instance = mission(PLANES[planes])

@@ -27,17 +27,17 @@ from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
 KINDS_OF_FIELDS = {
-    "two_body": (random_mission, range(150), 20), "j2": (drifting_mission, range(90), 16),
-    "given": (given_mission, range(80), 16),
+    "two_body": (random_mission, range(150), 20), "j2": (drifting_mission, range(90), 10),
+    "given": (given_mission, range(80), 12),
 }  # fmt: skip
 every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
 every_kind_and_tows = over_kinds(
-    "draw, seeds", **KINDS_OF_FIELDS, tow=(towing_mission, range(80), 16)
+    "draw, seeds", **KINDS_OF_FIELDS, tow=(towing_mission, range(80), 10)
 )
 searched = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(40), 16), j2=(drifting_mission, range(40), 16),
-    given=(given_mission, range(40), 16),
+    two_body=(random_mission, range(40), 16), j2=(drifting_mission, range(40), 8),
+    given=(given_mission, range(40), 8),
 )  # fmt: skip
 
 KINDS = {
@@ -132,7 +132,7 @@ SHARES = {
 
 @over_kinds(
     "method, draw, share, seeds",
-    **{f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 14)
+    **{f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 8)
        for draw, shares in SHARES.items() for method, share in shares.items()},
 )  # fmt: skip
 def test_planners_keep_to_all_rules(method, draw, share, seeds):

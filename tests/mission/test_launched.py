@@ -199,6 +199,7 @@ def test_the_page_has_masses(files: tuple[Instance, Plan]) -> None:
     assert " kg</th>" not in tables.legs(bare, other)
 
 
+@pytest.mark.slow
 def test_the_page_of_one_chaser_says_what_it_carries() -> None:
     """One chaser has no lanes, but a table of what it carries."""
     pytest.importorskip("plotly")

@@ -30,8 +30,8 @@ from solvers.walks.tariffs import tariffs_of
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(120), 10), j2=(drifting_mission, range(40), 5),
-    given=(given_field, range(60), 9),
+    two_body=(random_mission, range(120), 10), j2=(drifting_mission, range(40), 3),
+    given=(given_field, range(60), 6),
 )  # fmt: skip
 
 
@@ -199,7 +199,7 @@ def test_the_expense_is_that_of_gtoc9() -> None:
     assert Expense().of(carried) == 0.0
 
 
-@over_kinds("seeds", routes=(range(300), 40))
+@over_kinds("seeds", routes=(range(300), 24))
 def test_no_tariff_is_more_than_the_expense(seeds: range) -> None:
     """Whatever a route spends and leaves, the tariff of its load, and any other, takes no more."""
     field = adr_opt.generate("removal", 0, targets=6, chasers=1)

@@ -57,7 +57,7 @@ def of_given(seed: int) -> Instance:
 
 either = over_kinds(
     "draw, seeds",
-    two_body=(of_two_bodies, range(40), 20), j2=(of_drift, range(24), 9),
+    two_body=(of_two_bodies, range(40), 20), j2=(of_drift, range(24), 6),
     given=(of_given, range(24), 9),
 )  # fmt: skip
 

@@ -32,8 +32,8 @@ PROVING = ("auto", "exact")
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(100), 8), j2=(drifting_mission, range(30), 4),
-    given=(given_field, range(40), 8),
+    two_body=(random_mission, range(100), 6), j2=(drifting_mission, range(30), 3),
+    given=(given_field, range(40), 6),
 )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from solvers.labels.waiting import (
     room,
 )
 
-LABELS = 1500
+LABELS = 900
 
 
 def random_labels(rng: np.random.Generator, words: int) -> Labels:

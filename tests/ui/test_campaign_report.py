@@ -156,6 +156,7 @@ def test_the_page_lists_chasers_and_traffic(mission: tuple[Instance, Plan]) -> N
     assert "500 or 400 m/s" in text
 
 
+@pytest.mark.slow
 def test_report_of_a_campaign_from_the_command_line(cli: Cli) -> None:
     """`report` writes the page, and names the chaser of a tank that breaks on true orbits."""
     instance, plan = campaign(eccentricity=0.02), planned(eccentricity=0.02)

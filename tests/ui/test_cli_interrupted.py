@@ -121,7 +121,9 @@ def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
 
 @posix
 @pytest.mark.usefixtures("methods")
-@pytest.mark.parametrize("more", [[], ["--json"], ["--quiet"]])
+@pytest.mark.parametrize(
+    "more", [[], *(pytest.param([word], marks=pytest.mark.slow) for word in ("--json", "--quiet"))]
+)
 def test_live_line_only_on_a_terminal(tiny_file: Path, more: list[str]) -> None:
     """On a terminal the line shows incumbent, bound and gap, but not with --json or --quiet."""
     ours, theirs = os.openpty()

@@ -462,6 +462,7 @@ def test_in_a_browser(mission, tmp_path: Path, width: int, dark: bool) -> None:
 
 
 @with_browser
+@pytest.mark.slow
 def test_controls(mission, tmp_path: Path) -> None:
     """Choosing a leg narrows the charts of times to it, and a phase can be switched off."""
     instance, plan = mission
