@@ -26,6 +26,7 @@ def address() -> Iterator[str]:
         yield workers.scheduler_address
 
 
+@pytest.mark.slow
 def test_a_cluster_trades_as_one_process_does(address: str) -> None:
     """Plans and bounds of all points are those of this process, and so is what is left to say."""
     instance = adr_opt.generate("tiny", 2)

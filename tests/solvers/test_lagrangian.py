@@ -265,6 +265,7 @@ def test_descent_beats_its_start_and_ends():
     assert descent.value < first - 0.2
 
 
+@pytest.mark.slow
 def test_a_required_target_is_no_reason_to_go_round(nominal):
     """The first bound with a required target is no weaker than the first one without."""
     instance = nominal.instance

@@ -192,6 +192,7 @@ def test_pictures_have_a_line_for_each_chaser(mission: tuple[Instance, Plan]) ->
 @pytest.mark.parametrize(
     ("width", "dark"), [pytest.param(1280, False, marks=pytest.mark.slow), (390, True)]
 )
+@pytest.mark.slow
 def test_in_a_browser(tmp_path: Path, width: int, dark: bool) -> None:
     """At desk and at phone width: no error, no sideways scrolling; a phase can be switched off."""
     (tmp_path / "page.html").write_text(page(campaign("j2"), planned("j2")), encoding="utf-8")

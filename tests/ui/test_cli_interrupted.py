@@ -67,7 +67,9 @@ posix = pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals")
 
 @posix
 @pytest.mark.usefixtures("methods")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)]
+)
 def test_first_signal_asks_for_the_best_plan(tiny_file: Path, number: int) -> None:
     """Ctrl-C once: the best plan so far is printed and written, exit 0, a message on stderr."""
     process = begin(tiny_file, "patient", "--json", "--out", "plan.json")
