@@ -284,6 +284,7 @@ def drawn(seed: int) -> tuple[Instance, Plan | None]:
     return instance, adr_opt.solve(instance, "greedy", time_limit=60.0).plan
 
 
+@pytest.mark.slow
 def test_whatever_went_otherwise_the_rest_is_a_plan() -> None:
     """Of drawn missions with kits, tows and drifts `check` reads it, and what is told is there."""
     seen = dict.fromkeys(("missed", "tow", "kit", "drift", "cost", "took", "failed", "several"), 0)

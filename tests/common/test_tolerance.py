@@ -20,7 +20,15 @@ from adr_opt.run.methods import get, spec
 SCALES = (1e-7, 1.0, 1e7)
 
 
-@pytest.mark.parametrize("prizes", [(1.0,), (3.0, 1.0, 2.0), (0.7, 2.3, 0.0, 1.1), (0.317, 1.618)])
+@pytest.mark.parametrize(
+    "prizes",
+    [
+        (1.0,),
+        pytest.param((3.0, 1.0, 2.0), marks=pytest.mark.slow),
+        (0.7, 2.3, 0.0, 1.1),
+        (0.317, 1.618),
+    ],
+)
 @pytest.mark.parametrize(
     "method", ["auto", "exact", pytest.param("mip", marks=pytest.mark.slow), "cpsat"]
 )

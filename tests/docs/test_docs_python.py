@@ -28,6 +28,7 @@ def test_the_first_example_of_each_page_runs(
     assert plan.load_plan("plan.json").legs
 
 
+@pytest.mark.slow
 def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]) -> None:
     """Its commands, on fewer targets, plan a campaign that passes; its Python does as it stands.
 

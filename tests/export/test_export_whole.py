@@ -125,6 +125,7 @@ def test_a_model_without_a_budget_is_caught(
         assert solved(tmp_path / "model.lp")[0] > brute_force(mission)[0] + 0.5
 
 
+@pytest.mark.slow
 def test_another_reader_and_solver_agree(tmp_path: Path) -> None:
     """SCIP, by way of OR-Tools, reads the .mps file, maximises, and finds the same optimum."""
     pytest.importorskip("pyomo")

@@ -371,7 +371,7 @@ front.run(group, adr_opt.load(path), method, front.RunOptions(float(limit)))
 print(json.dumps([problem and str(problem), compiled]))
 """
 
-QUICK = ("beam", "ortools")
+QUICK = ("beam",)
 METHODS = [
     pytest.param(group, method, marks=() if method in QUICK else pytest.mark.slow)
     for group in (PLANNERS, BOUNDS)

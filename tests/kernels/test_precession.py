@@ -123,6 +123,7 @@ def test_events_keep_their_spacing():
             assert gaps.max() < spacing + 2.0 * half_period
 
 
+@pytest.mark.slow
 def test_listed_transfers_fly_to_the_stand_off(truth):
     """Burns lead to the target's plane and the stand-off in it, and add up to what is listed.
 

@@ -179,6 +179,7 @@ def test_a_plan_that_lacks_a_tow_is_not_flown():
             fly(asked, other)
 
 
+@pytest.mark.slow
 def test_drifts_out_of_a_disposal_orbit_can_be_flown():
     """Under J2 chasers drift away from disposal orbits, as `check` says, and meet their targets."""
     flown = 0

@@ -156,6 +156,7 @@ def test_the_page_shows_what_there_is(cli: Cli, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.slow
 def test_the_page_works_without_orbits(tmp_path: Path) -> None:
     """All charts that there are get drawn, and nothing is complained about."""
     pytest.importorskip("plotly")

@@ -189,6 +189,7 @@ def test_proof_and_search_help_each_other(field: Mission) -> None:
     assert proving.upper_bound >= proving.objective
 
 
+@pytest.mark.slow
 def test_a_large_field_ends_on_time() -> None:
     """120 targets over two days: a legal plan within the time limit of a second."""
     instance = adr_opt.generate("nominal", 0, targets=120)

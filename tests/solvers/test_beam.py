@@ -99,6 +99,7 @@ def large() -> Mission:
     return made
 
 
+@pytest.mark.slow
 def test_a_search_under_way_is_hurried_to_its_end(large: Mission) -> None:
     """A search that is out of time ends soon all the same, with a plan to the mission's end."""
     plan(large, width=10)

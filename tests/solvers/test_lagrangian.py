@@ -157,6 +157,7 @@ def test_threads_do_not_change_the_values(nominal):
     assert np.array_equal(one.values.best, two.values.best)
 
 
+@pytest.mark.slow
 def test_shorter_buckets_bound_no_worse(nominal):
     """Halving the buckets cannot raise the bound, and exact times give the least."""
     multipliers = np.full(51, 0.05)
@@ -165,6 +166,7 @@ def test_shorter_buckets_bound_no_worse(nominal):
     assert values == sorted(values, reverse=True)
 
 
+@pytest.mark.slow
 def test_finer_slots_bound_no_worse(nominal):
     """Halving the slot cannot raise the bound: ⌊x/2u⌋ legs fit wherever ⌊x/u⌋ legs do."""
     multipliers = np.full(51, 0.05)

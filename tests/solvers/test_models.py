@@ -259,7 +259,7 @@ def test_too_short_a_time_limit(method):
     assert time.process_time() - began < 20.0
 
 
-@pytest.mark.parametrize("method", [pytest.param("mip", marks=pytest.mark.slow), "cpsat"])
+@pytest.mark.parametrize("method", [pytest.param(mip, marks=pytest.mark.slow), cpsat])
 def test_an_interruption_ends_the_solver(method, monkeypatch):
     """Someone who says enough from outside, without a time limit, does not wait for the proof."""
     monkeypatch.setattr(course, "WHOLE_LEGS", 10**9)

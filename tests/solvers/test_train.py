@@ -233,6 +233,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
     assert "Traceback" not in capfd.readouterr().err
 
 
+@pytest.mark.slow
 def test_two_trainings_never_share_a_folder(tmp_path: Path) -> None:
     """While one runs in a folder another is refused, and a killed one leaves no lock."""
     code = (

@@ -86,6 +86,7 @@ RECORDS = st.builds(
 
 @given(RECORDS)
 @settings(max_examples=150, deadline=None)
+@pytest.mark.slow
 def test_five_spellings_of_one_record_are_equal(record: ElementSet) -> None:
     """A record written as TLE, XML, KVN, JSON and CSV is read as itself, bit by bit."""
     for spelling, write in SPELLINGS.items():

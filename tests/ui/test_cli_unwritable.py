@@ -38,6 +38,7 @@ def test_places_that_cannot_be_written(
     refused(cli("solve", tiny_file, "--method", "greedy", "--out", tiny_file), "this is the input")
 
 
+@pytest.mark.slow
 def test_results_beside_others_that_are_not_there_yet(cli: Cli, tiny_file: Path) -> None:
     """A result may replace a file while another result of the run is new, but not be the same."""
     Path("old.json").write_text("old")

@@ -81,6 +81,7 @@ def test_refined_burns_are_told_beside_the_planned_ones() -> None:
 
 
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
+@pytest.mark.slow
 def test_the_file_has_what_the_plan_has(tmp_path: Path) -> None:
     """Every burn in full precision with its times, and names as they are, whatever they hold."""
     from adr_opt.ui.report import write_report
