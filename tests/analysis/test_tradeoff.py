@@ -234,6 +234,7 @@ def test_a_stop_leaves_what_there_is(tmp_path: Path) -> None:
     assert len((tmp_path / "r.csv").read_text().splitlines()) == 4
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_values(surface) -> None:
     """Two processes prove what one does."""
     two = tradeoff(hand_made(), [TANKS, DURATIONS], time_limit=30.0, jobs=2)

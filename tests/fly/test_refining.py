@@ -153,6 +153,7 @@ def test_a_real_cloud_is_met(cli: Cli) -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
+@pytest.mark.slow
 def test_whole_plans_cost_what_was_planned_or_less(seed: int) -> None:
     """On circles under J2 the plan's own burns cost within 3 % of the plan; free ones cost less."""
     instance = adr_opt.generate("nominal", seed, targets=12).replace(dynamics="j2")

@@ -128,6 +128,7 @@ def test_whatever_refuellings_cost_the_best_plan_is_worth_no_more_than_follows()
     assert asked > 20
 
 
+@pytest.mark.slow
 def test_walks_that_are_said_to_collect_less_are_refused():
     """A bound below what brute force finds is refused, with whatever numbers it is claimed."""
     refused = 0

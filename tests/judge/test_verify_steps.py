@@ -159,6 +159,7 @@ def in_steps_of(seed: int) -> tuple[Instance, Certificate]:
     return instance, certificate.replace(walks=walks, time_step_s=200.0)
 
 
+@pytest.mark.slow
 def test_walks_in_steps_that_are_said_to_collect_less_are_refused():
     """Whatever price and steps are claimed, no bound is accepted below the best plan."""
     refused = accepted = 0

@@ -75,6 +75,7 @@ def test_the_judge_finds_the_same_optimum():
     assert compared > 0.4 * CASES
 
 
+@pytest.mark.slow
 def test_the_judge_agrees_about_tips():
     """Where a burn changes next to nothing its size has a tip, about which searches agree, too."""
     rng = np.random.default_rng(5)
@@ -186,6 +187,7 @@ def dominators(listed: FloatArray, row: FloatArray, by: float) -> np.ndarray:
     return found
 
 
+@pytest.mark.slow
 def test_what_is_listed_is_what_nothing_else_dominates():
     """Of a grid and of short transfers those are kept that save more than the resolution.
 

@@ -127,6 +127,7 @@ def random_pairs(instance: Instance, number: int) -> Iterator[tuple[int, int, fl
         yield int(i), int(j), float(rng.uniform(0.0, instance.mission.duration_s))
 
 
+@pytest.mark.slow
 def test_a_sequence_is_dropped_exactly_if_it_crosses() -> None:
     """Of thousands of sequences, those are left out whose altitude profile enters an open zone."""
     plain, zoned = mission(2, 0).instance, mission(2, 12).instance

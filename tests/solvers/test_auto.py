@@ -172,6 +172,7 @@ def test_interrupted_in_the_middle(field: Mission) -> None:
     assert math.isfinite(result.upper_bound)
 
 
+@pytest.mark.slow
 def test_without_a_proof(field: Mission) -> None:
     """Without proving it only searches: no bound, as good a plan as guarded greedy at least."""
     result = plan(field, 5, prove=False)

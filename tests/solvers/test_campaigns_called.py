@@ -59,6 +59,7 @@ def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
 
 
 @pytest.mark.parametrize("method", ["auto", pytest.param("exact", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_the_same_rounds_give_the_same_plan(method: str) -> None:
     """Same seed and rounds, same routes, bound and counts, on one core or two."""
     instance = adr_opt.generate("campaign", 1, targets=24, stations=2)

@@ -61,6 +61,7 @@ def test_routing_bound_is_not_trivial():
     assert (result.status, result.upper_bound) == ("optimal", OPTIMUM)
 
 
+@pytest.mark.slow
 def test_static_costs_that_are_not_the_best_are_caught(monkeypatch):
     """Without the station, or with legs at twice their least time, the bound falls too low."""
     module = importlib.import_module("solvers.bounds.routing_bound")

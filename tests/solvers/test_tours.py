@@ -203,6 +203,7 @@ def cheapest_walk(cost, tangent, prices):
     return ended[-1]
 
 
+@pytest.mark.slow
 def test_walks_are_no_dearer_than_missions_at_any_price():
     """At fixed prices no mission beats the cheapest walk, however few the masses; many meet it."""
     met = 0

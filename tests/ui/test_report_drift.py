@@ -170,6 +170,7 @@ def test_spans_have_the_unit_that_suits_them() -> None:
     assert lasting(49.9 * DAY_S) == "49.9\u202fd"
 
 
+@pytest.mark.slow
 def test_every_page_says_whether_the_plan_was_flown_refined_or_neither(monkeypatch) -> None:
     """The paragraph has the flight, without boinor too, or what refining came to, or why not."""
     instance, plan = drifting_instance(0.003), drifting_plan(0.003)
