@@ -94,7 +94,7 @@ def stated(draw: st.DrawFn) -> Instance:
     )
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(stated())
 def test_whatever_is_stated_survives_a_round_trip(instance: Instance) -> None:
     """Reading what was written gives the same instance and digest, and fits the JSON Schema."""

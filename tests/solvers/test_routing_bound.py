@@ -6,6 +6,7 @@ import importlib
 import math
 
 import numpy as np
+import pytest
 from brute_force import brute_force
 from calling import prove
 from hand_made import OPTIMAL_PLAN, OPTIMUM, hand_made
