@@ -52,7 +52,7 @@ def priced(instance: Instance, seed: int) -> Instance:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(14), 4), j2=(drifting_mission, range(14), 4),
+    two_body=(random_mission, range(14), 7), j2=(drifting_mission, range(14), 4),
     given=(given_mission, range(14), 4), towing=(towing_mission, range(14), 7),
 )  # fmt: skip
 def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
