@@ -143,10 +143,10 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
     low = first_at(
         connections.departure, begin, begin + total, earliest_taken(here.time[at, 0])
     )  # fmt: skip
-    if size == 1:
-        return _fly_one(connections, i, j, low, here.tank[at, 0], latest, there, to)
-    point, high = 0, low
-    while high < begin + total and connections.departure[high] <= latest:
+    # From a single point ΔV left need not be worked out beforehand; most searches end early.
+    alone = size == 1
+    point, high = 0, begin + total if alone else low
+    while not alone and high < begin + total and connections.departure[high] <= latest:
         while (
             point + 1 < size
             and earliest_taken(here.time[at, point + 1]) <= connections.departure[high]
@@ -166,38 +166,12 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
             break
         if c < low - begin or c >= high - begin:
             continue
-        left = workspace.tank[c]
+        left = here.tank[at, 0] - connections.delta_v[begin + c] if alone else workspace.tank[c]
         if left < 0.0 or left <= best + step:
             continue
         best = left
-        count = put(there, to, count, end, left, workspace.parent[c], via)
-        if count == MOST_POINTS or best >= most:
-            break
-    return count
-
-
-@kernel
-def _fly_one(connections, i, j, low, tank, latest, there, to):
-    """Points reached from a single one by the connections from ``low`` on; returns their number."""
-    connections = borrowed(connections)
-    there = borrowed(there)
-    step = connections.budget / STEPS
-    via = STRAIGHT if to == DIRECT else i
-    begin, total = connections.first[i, j], connections.total[i, j]
-    if low == begin + total:
-        return 0
-    most = tank - connections.least[i, j] - step
-    count, best = 0, -step
-    for place in range(first_by_end(connections, begin, total, connections.departure[low]), total):
-        c = begin + connections.by_end[begin + place]
-        end = connections.end[c]
-        if end > latest:
-            break
-        left = tank - connections.delta_v[c]
-        if c < low or left < 0.0 or left <= best + step:
-            continue
-        best = left
-        count = put(there, to, count, end, left, 0, via)
+        parent = 0 if alone else np.int64(workspace.parent[c])
+        count = put(there, to, count, end, left, parent, via)
         if count == MOST_POINTS or best >= most:
             break
     return count

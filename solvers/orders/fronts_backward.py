@@ -36,12 +36,16 @@ def _fly_back(connections, i, j, there, at, earliest, workspace, to):
     if total == 0 or there.tank[at, size - 1] + connections.least[i, j] > budget:
         return 0
     latest = there.time[at, 0]
-    if size == 1:
-        return _fly_back_one(
-            connections, i, j, (latest, there.tank[at, 0]), earliest, workspace, to
-        )
-    point, last = np.int64(0), first_by_end(connections, begin, total, latest)
-    while last < total and connections.end[begin + connections.by_end[begin + last]] <= latest:
+    # To a single point the ΔV needed is not worked out beforehand; most searches end early.
+    alone = size == 1
+    point, last = np.int64(0), np.int64(0)
+    if not alone:
+        last = first_by_end(connections, begin, total, latest)
+    while (
+        not alone
+        and last < total
+        and connections.end[begin + connections.by_end[begin + last]] <= latest
+    ):
         last += 1
     for place in range(last - 1, -1, -1):
         which = np.int64(connections.by_end[begin + place])
@@ -59,39 +63,11 @@ def _fly_back(connections, i, j, there, at, earliest, workspace, to):
         departure = connections.departure[begin + c]
         if departure < earliest:
             break
-        if (
-            connections.end[begin + c] > latest
-            or workspace.tank[c] > budget
-            or workspace.tank[c] >= best - step
-        ):
-            continue
-        best = workspace.tank[c]
-        count = put(here, to, count, departure, best, 0, STRAIGHT)
-        if count == MOST_POINTS or best <= least:
-            break
-    return count
-
-
-@kernel
-def _fly_back_one(connections, i, j, goal, earliest, workspace, to):
-    """Points from which a pair's connections lead to a single one, from a time on."""
-    connections = borrowed(connections)
-    here, budget = borrowed(workspace).parts, connections.budget
-    step = budget / STEPS
-    begin, total = connections.first[i, j], connections.total[i, j]
-    latest, need = goal
-    least = need + connections.least[i, j] + step
-    count, best = 0, budget + step
-    for c in range(
-        first_at(connections.departure, begin, begin + total, latest) - 1, begin - 1, -1
-    ):
-        if connections.departure[c] < earliest:
-            break
-        tank = need + connections.delta_v[c]
-        if connections.end[c] > latest or tank > budget or tank >= best - step:
+        tank = there.tank[at, 0] + connections.delta_v[begin + c] if alone else workspace.tank[c]
+        if connections.end[begin + c] > latest or tank > budget or tank >= best - step:
             continue
         best = tank
-        count = put(here, to, count, connections.departure[c], best, 0, STRAIGHT)
+        count = put(here, to, count, departure, best, 0, STRAIGHT)
         if count == MOST_POINTS or best <= least:
             break
     return count
