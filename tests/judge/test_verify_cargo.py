@@ -81,7 +81,7 @@ def test_bounds_where_stations_run_empty_are_verified(draw, seeds, least_paid):
         assert verdict.upper_bound >= brute_force_campaign(Problem(instance))[0] - 1e-9, seed
         asked += bool(certificate.walks)
         paid += any(station.name in certificate.multipliers for station in instance.stations)
-    assert asked > 0.3 * len(seeds)
+    assert asked > 0.43 * len(seeds)
     assert paid >= least_paid
 
 

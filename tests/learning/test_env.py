@@ -112,7 +112,7 @@ def test_random_episodes_stay_in_their_space_and_count_what_check_counts(observa
     assert len(set(returns)) > 3
 
 
-@pytest.mark.parametrize("family", [pytest.param("nominal", marks=pytest.mark.slow), "cloud"])
+@pytest.mark.parametrize("family", ["nominal", "cloud"])
 @pytest.mark.slow
 def test_whole_fields_too(family: str) -> None:
     """One episode on a field of 50 targets with zones: in its space, and check agrees."""
