@@ -7,7 +7,7 @@ from adr_opt.run.method_spec import ALL_RULES, MethodSpec, Practice
 AUTO = MethodSpec(
     "auto", "solvers.planners.auto:auto",
     several=True, rules=ALL_RULES, starts=True, uses_cores=True, shows_evidence=True,
-    bounds_all_pairs=True, on_demand=True,
+    bounds_all_pairs=True, on_demand=True, tours=True,
 )  # fmt: skip
 
 EXACT = MethodSpec(

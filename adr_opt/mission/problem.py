@@ -131,11 +131,14 @@ class Problem(Shown, Prizes):
     def alone(self) -> Mission | None:
         """The mission of the only chaser, where a plan is a single route.
 
-        None with several chasers, and where loads, what stations have or the expense of a chaser
-        that is used count as well. What is quicker with one chaser is chosen by it.
+        None with several chasers, and where loads, what stations have, the expense of a chaser that
+        is used or the time of its launch count as well. What is quicker with one chaser is chosen
+        by it.
         """
         instance = self.instance
         counts = bool(self.limits) or instance.objective.cost == "expense"
+        counts |= instance.mission.mission_separation_s is not None
+        counts |= instance.transfer.max_leg_s is not None
         if len(self.missions) > 1 or counts:
             return None
         mission = self.missions[0]
@@ -197,6 +200,11 @@ class Problem(Shown, Prizes):
         """Do without timetables, see :meth:`Mission.ask`."""
         for mission in self.missions:
             mission.ask(near)
+
+    def do_without(self) -> None:
+        """Do without timetables, see :meth:`Mission.do_without`."""
+        for mission in self.missions:
+            mission.do_without()
 
     def with_margin(self, margin: float) -> Problem:
         """The same problem with another reserved share of each tank; a built timetable stays."""

@@ -19,12 +19,12 @@ from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
-from .method_call import method_of, prepare, refuse_unable, spec_of, warm_up
+from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
 from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates
+from .table_budget import candidates, no_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -231,22 +231,28 @@ def run(
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
-    drifts = whole.connecting.is_listed
-    if drifts and not whole.has_timetable:
+    drifts, tours = whole.connecting.is_listed, is_tour(whole, known)
+    if tours and start is not None:
+        raise InputError("start: a campaign planned as a tour through time begins from none")
+    if drifts and not whole.has_timetable and not tours:
         _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None
-    chosen = candidates(
-        whole,
-        wanted.time_limit,
-        first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
-        interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
-        building=building,
-        table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
-        hasty=hasty,
-        on_demand=prepared.on_demand,
+    chosen = (
+        no_table(whole)
+        if tours
+        else candidates(
+            whole,
+            wanted.time_limit,
+            first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
+            interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
+            building=building,
+            table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
+            hasty=hasty,
+            on_demand=prepared.on_demand,
+        )
     )
     progress(-math.inf, math.inf)
     if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):

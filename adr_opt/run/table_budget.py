@@ -46,16 +46,19 @@ class TableBudget:
         What the timetable took [s].
     whole_s : float
         What it takes of all pairs, by the pace so far [s].
+    needed : bool
+        Whether the method plans on it.
     """
 
     mission: Problem
     spent_s: float
     whole_s: float
+    needed: bool = True
 
     @property
     def all(self) -> bool:
-        """Whether the timetable is complete."""
-        return self.mission.is_whole
+        """Whether the timetable is complete, or not needed."""
+        return not self.needed or self.mission.is_whole
 
     @property
     def none(self) -> bool:
@@ -129,6 +132,13 @@ class TableBudget:
             result, plan=plan, upper_bound=bound, status=proven.status, notes=notes,
             evidence=result.evidence if of_all else None,
         )  # fmt: skip
+
+
+def no_table(whole: Problem) -> TableBudget:
+    """A mission without a timetable, for methods that do without."""
+    if not whole.has_timetable:
+        whole.do_without()
+    return TableBudget(whole, 0.0, 0.0, needed=False)
 
 
 LARGE_ENTRIES = 5_000_000

@@ -11,9 +11,11 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
+from adr_opt.mission.tours import tour_obstacle
 
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
+from ..tours.campaign import plan_tours
 from . import many_routes, one_route
 from .many_routes import Goals
 
@@ -53,6 +55,10 @@ def auto(
         A plan to begin from: bodies in order, for each chaser.
     """
     problem = problem_of(problem)
+    if tour_obstacle(problem) is None:
+        return plan_tours(
+            "auto", problem, seed=seed, stop=stop, progress=progress, cores=options.cores
+        )
     if problem.alone is not None:
         return one_route.plan(
             problem.alone, seed=seed, stop=stop, progress=progress,

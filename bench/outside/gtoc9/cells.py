@@ -41,7 +41,9 @@ from ..reading import FloatArray
 from .estimate import LIMITS_M
 from .expense import DRY_KG, EXHAUST_M_S, MOST_PROPELLANT_KG
 from .scoring import FIRST_D, LAST_D, STAY_D, WITHIN_D
-from .tables import UNIT_M_S
+
+UNIT_M_S = 0.1
+"""ΔV of one unit of the cells [m/s]."""
 
 MOST_M_S = EXHAUST_M_S * math.log(1.0 + MOST_PROPELLANT_KG / DRY_KG) + 1.0
 """A leg of more needs more than a full tank by itself, whatever a chaser carries besides."""

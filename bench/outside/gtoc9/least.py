@@ -23,10 +23,9 @@ from solvers.tours.bound import (
 from solvers.tours.costs import TimeGrid
 
 from ..reading import FloatArray
-from .cells import cells
-from .ours import EXPENSE
+from .cells import UNIT_M_S, cells
+from .expense import EXPENSE
 from .scoring import APART_D, STAY_D
-from .tables import UNIT_M_S
 
 STEP_D = 2.5
 """Length of the cells."""
