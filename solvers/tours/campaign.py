@@ -32,8 +32,8 @@ from .grid_costs import TourLayout, costs_of, layout_of
 from .planner import Annealing, Population
 from .retiming import FineGrid, Growth, Integers, MissionTimes, Retiming
 
-FOR_TIMES = 0.08
-"""Share of the time for the times of the best tours."""
+FOR_TIMES, MOST_FOR_TIMES_S = 0.08, 60.0
+"""Share of the time for the times of the best tours, and its limit [s]."""
 
 TURNS = 2
 """How often each mission gets times between its neighbours."""
@@ -41,8 +41,11 @@ TURNS = 2
 FOR_BEGINNINGS = 0.25
 """Share of the time for the first tours."""
 
-LEAST_ITERATIONS, MOST_ITERATIONS = 500, 20_000
+LEAST_ITERATIONS, MOST_ITERATIONS = 500, 25_000
 """Limits of the iterations of a beginning; the first where no time is set."""
+
+MOST_TOURS = 48
+"""Maximum number of tours in a population, which is larger where there is more time."""
 
 GUESSED_S = 4e-6
 """Time of an iteration of annealing, for each target [s]."""
@@ -247,10 +250,12 @@ def plan_tours(
     left_s = stop.remaining_s()
     settings = Annealing(missions=min(10, len(problem.missions)), iterations=LEAST_ITERATIONS)
     if math.isfinite(left_s):
-        each_s = GUESSED_S * len(problem.instance.targets) * settings.population / cores
+        each_s = GUESSED_S * len(problem.instance.targets) / cores
         most = int(FOR_BEGINNINGS * max(left_s, 0.0) / each_s)
-        settings = replace(settings, iterations=min(max(most, LEAST_ITERATIONS), MOST_ITERATIONS))
-    for_times_s = FOR_TIMES * left_s if math.isfinite(left_s) else 0.0
+        tours = min(max(most // MOST_ITERATIONS, settings.population), MOST_TOURS)
+        iterations = min(max(most // tours, LEAST_ITERATIONS), MOST_ITERATIONS)
+        settings = replace(settings, population=tours, iterations=iterations)
+    for_times_s = min(FOR_TIMES * left_s, MOST_FOR_TIMES_S) if math.isfinite(left_s) else 0.0
 
     def share() -> float:
         return 1.0 if stop.remaining_s() <= for_times_s else 0.0
