@@ -35,6 +35,8 @@ def tour_obstacle(problem: Problem) -> str | None:
     few = [most for most in (chaser.max_targets, chaser.kits) if most is not None]
     if min(few, default=len(instance.targets)) < len(instance.targets) or chaser.tank.spent_m_s:
         return f"{chaser.name!r} has a limit of targets or kits, or a tank that is not full"
+    if len({target.removal for target in instance.targets}) > 1:
+        return "some targets take kits and others do not"
     for target in instance.targets:
         if not target.required:
             return f"{target.name!r} is not required"

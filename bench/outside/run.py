@@ -1,6 +1,6 @@
 """Known results of others' benchmarks, and those of our planners.
 
-    python bench/outside/run.py gtoc9 --data DIR [--bound-time-limit S]
+    python bench/outside/run.py gtoc9 --data DIR
     python bench/outside/run.py gtoc9 --data DIR --write-instance FILE [--step DAYS]
     python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
     python bench/outside/run.py gtoc9 --data DIR --fly-all FILE [--plan FILE]
@@ -52,16 +52,10 @@ def folder_of(name: str, data: Path) -> Path:
     return inner if inner.is_dir() else data
 
 
-BOUND_S = 1000.0
-"""Default time for the proof of a bound of gtoc9."""
-
-
 def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> Iterator[str]:
     """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
     if parsed.time_limit is not None:
         raise InputError("--time-limit: gtoc9 is planned by adr-opt solve; see --write-instance")
-    if not 0.0 <= parsed.bound_time_limit < 1e7:
-        raise InputError(f"--bound-time-limit {parsed.bound_time_limit:g}: give seconds, or 0")
     if parsed.write_instance is not None:
         return of_gtoc9.written(folder, parsed.write_instance, parsed.step)
     if parsed.flown is not None:
@@ -69,7 +63,7 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> I
     if parsed.fly is not None or parsed.fly_all is not None:
         plan = parsed.plan or folder / of_gtoc9.campaign.FILE
         return of_gtoc9.flights(folder, plan, parsed.fly, parsed.fly_all, doing)
-    return of_gtoc9.report(folder, bound_limit_s=parsed.bound_time_limit or None, doing=doing)
+    return of_gtoc9.report(folder, doing=doing)
 
 
 def report(
@@ -111,13 +105,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="of the proof of kttsp",
     )
     parser.add_argument("--cells", type=Path, metavar="FILE", help="of the proof of kttsp")
-    parser.add_argument(
-        "--bound-time-limit",
-        type=float,
-        default=BOUND_S,
-        metavar="SECONDS",
-        help="of gtoc9: prove a bound, in so much of it; 0 for none [%(default)g s]",
-    )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
         "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"

@@ -15,7 +15,7 @@ from adr_opt.mission.tours import tour_obstacle
 
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
-from ..tours.campaign import plan_tours
+from ..tours import planners as tours
 from . import many_routes, one_route
 from .many_routes import Goals
 
@@ -56,9 +56,7 @@ def auto(
     """
     problem = problem_of(problem)
     if tour_obstacle(problem) is None:
-        return plan_tours(
-            "auto", problem, seed=seed, stop=stop, progress=progress, cores=options.cores
-        )
+        return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None:
         return one_route.plan(
             problem.alone, seed=seed, stop=stop, progress=progress,

@@ -7,7 +7,7 @@ times on the grid of the instance's connections, at their exact costs. A plan is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -21,7 +21,7 @@ from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.legs.connections import Connections
 from adr_opt.mission.certified import certify_routes
-from adr_opt.mission.problem import Problem
+from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
 from adr_opt.mission.schedule import Schedule
 from adr_opt.plan.leg_kinds import DRIFT, LAUNCH, leg_kinds
@@ -75,6 +75,24 @@ class FlownTour:
     cost: float
 
 
+@dataclass(frozen=True)
+class PlannedTour:
+    """A campaign as routes with schedules.
+
+    Attributes
+    ----------
+    routes : tuple of tuple of int or None
+        Bodies in order for each chaser; None where no campaign was found.
+    schedules : sequence of Schedule
+        Of each route.
+    counters : mapping
+    """
+
+    routes: Routes | None
+    schedules: Sequence[Schedule]
+    counters: Mapping[str, float]
+
+
 class Campaign:
     """A problem as tours see it.
 
@@ -104,12 +122,12 @@ class Campaign:
         self._apart = None if apart_s is None else math.ceil((stay + apart_s) / step - 1e-9)
         spent = self.expense
         growth = Growth(0.0, 0.0, 0.0)
-        if self._weighs:
+        if self.weighs:
             growth = Growth(spent.exhaust_m_s, spent.kit_kg, spent.dry_kg + spent.kit_kg)
         self.retiming = Retiming(problem.connecting.ends, self.fine, growth)
 
     @property
-    def _weighs(self) -> bool:
+    def weighs(self) -> bool:
         """Whether the cost goes by mass."""
         by_expense = self.instance.objective.cost == "expense"
         return by_expense and isinstance(self._mission.chaser.tank, TankByMass)
@@ -118,11 +136,11 @@ class Campaign:
         """Expense of a mission; where the cost is ΔV, one kilogram stands for 1 m/s."""
         chaser, most = self._mission.chaser, len(self.instance.chasers)
         tank, kept = chaser.tank, 1.0 - self.problem.margin
-        if self._weighs:
+        if self.weighs:
             assert isinstance(tank, TankByMass)
             stated = chaser.priced
-            takes = [target.service.takes_kit for target in self.instance.targets]
-            kit_kg = chaser.kit_mass_kg * sum(takes) / len(takes)
+            takes_kits = self.instance.targets[0].service.takes_kit
+            kit_kg = chaser.kit_mass_kg if takes_kits else 0.0
             return TourExpense(
                 stated.fixed, stated.per_kg, stated.per_kg_squared, tank.dry_mass_kg, kit_kg,
                 tank.exhaust_m_s, kept * tank.propellant_kg, most,
@@ -171,7 +189,7 @@ class Campaign:
         """Cost of missions; infinite where a tank is too small."""
         spent, total = self.expense, 0.0
         for order, each in zip(orders, times, strict=True):
-            carried = each.total - (spent.dry_kg if self._weighs else 0.0)
+            carried = each.total - (spent.dry_kg if self.weighs else 0.0)
             propellant = carried - len(order) * spent.kit_kg
             if propellant > spent.most_propellant_kg + SLACK_M_S:
                 return math.inf
@@ -228,24 +246,22 @@ def _one(leaves: float, arrives: float, delta_v: float, laps: int, family: int) 
 
 
 def plan_tours(
-    method: str, problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: int
-) -> Result:
+    problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: int
+) -> PlannedTour:
     """The best campaign that the time allows.
 
     Parameters
     ----------
-    method : str
-        Whose result it is.
     problem : Problem
         :func:`adr_opt.mission.tours.tour_obstacle` knows of none.
     seed : int
     stop : Stop
-        Where it has no time limit, it is asked once a round.
+        Asked once a generation.
     progress : Progress
     cores : int
-        Chains of annealing side by side.
+        Threads.
     """
-    began, campaign = now_s(), Campaign(problem)
+    campaign = Campaign(problem)
     cost = costs_of(problem, campaign.layout, cores, stop)
     left_s = stop.remaining_s()
     settings = Annealing(missions=min(10, len(problem.missions)), iterations=LEAST_ITERATIONS)
@@ -271,16 +287,45 @@ def plan_tours(
         if share() >= 1.0 or stop(everything if told else -math.inf, everything):
             break
     best = _best_timed(campaign, found.tours, stop, cores)
-    counters = {"generations": found.generations}
+    counters = {"generations": float(found.generations)}
     if best is None:
-        return certify_routes(
-            problem, method, None, seed=seed, runtime_s=now_s() - began, counters=counters,
-            notes=("no tour through time was found that services all targets",),
-        )  # fmt: skip
-    routes, schedules = campaign.schedules(best)
+        return PlannedTour(None, (), counters)
+    return PlannedTour(*campaign.schedules(best), counters)
+
+
+def certified_tour(
+    method: str,
+    problem: Problem,
+    planned: PlannedTour,
+    *,
+    seed: int,
+    began_s: float,
+    cost_bound: float | None = None,
+    counters: Mapping[str, float] | None = None,
+) -> Result:
+    """The result of a campaign.
+
+    Parameters
+    ----------
+    method : str
+        Whose result it is.
+    problem : Problem
+    planned : PlannedTour
+    seed : int
+    began_s : float
+        When the method began, by :func:`adr_opt.common.clock.now_s` [s].
+    cost_bound : float, optional
+        Proven: no campaign costs less.
+    counters : mapping, optional
+        Of what was done besides planning.
+    """
+    lacking = planned.routes is None
+    notes = ("no tour through time was found that services all targets",) if lacking else ()
     return certify_routes(
-        problem, method, routes, seed=seed, runtime_s=now_s() - began, schedules=schedules,
-        upper_bound=everything, counters=counters,
+        problem, method, planned.routes, seed=seed, runtime_s=now_s() - began_s,
+        schedules=planned.schedules or None, cost_bound=cost_bound,
+        upper_bound=math.inf if lacking else problem.total_worth, notes=notes,
+        counters={**planned.counters, **(counters or {})},
     )  # fmt: skip
 
 

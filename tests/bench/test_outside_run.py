@@ -33,7 +33,7 @@ def script():
     ("name", "folder", "files", "figures"),
     [
         pytest.param(
-            "gtoc9 --bound-time-limit 0", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"),
+            "gtoc9", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"),
             marks=external("gtoc9"),
         ),
         pytest.param(

@@ -15,9 +15,12 @@ from adr_opt.common.errors import InputError
 from adr_opt.judge.check.verdict import check
 from adr_opt.kernels.legs import drift, drift_pair
 from adr_opt.kernels.orbits.ephemeris import EPOCH_S
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.mission.problem import Problem
 from adr_opt.mission.tours import tour_obstacle
 from adr_opt.problem.instance import Instance, instance_of
+from solvers.tours import cells
+from solvers.tours.least_expense import LeastExpense
 
 STEP_S = 2.5 * DAY_S
 STAY, MOST, APART = 2, 6, 4
@@ -289,3 +292,55 @@ def test_what_cannot_be_done_in_time_has_no_plan() -> None:
     assert result.plan is None
     assert result.status == "unknown"
     assert any("no tour" in note for note in result.notes)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_connection_of_a_cell_is_cheaper_than_its_bound(seed: int) -> None:
+    """Short legs and drifts that arrive anywhere in a cell cost at least its bound."""
+    instance = launched(300 + seed, 4, steps=16)
+    connecting, random = ConnectionFinder(instance), np.random.default_rng(seed)
+    ends, near, looked = connecting.ends, 0, 0
+    for i, j in itertools.permutations(range(instance.first_target, len(instance.names)), 2):
+        found = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+        pair = drift_pair.prepare(ends.leaving[i], ends.arriving[j], ends.rule, EPOCH_S)
+        for _ in range(30):
+            width = float(random.uniform(0.2, 5.0)) * DAY_S
+            longest = float(random.uniform(0.3, 10.0)) * DAY_S
+            begin = float(random.uniform(0.0, 35.0)) * DAY_S
+            bound = cells.least_cost(pair, ends.rule, begin, begin + width, longest)
+            of_cell = (found.arrival >= begin) & (found.arrival <= begin + width)
+            of_cell &= found.arrival - found.departure <= longest
+            listed = found.delta_v[of_cell].min(initial=math.inf)
+            drawn = min(
+                drift.delta_v(pair, arrival - span, arrival)
+                for arrival in np.linspace(begin, begin + width, 7)
+                for span in np.linspace(longest / 9, longest, 9)
+            )
+            assert bound <= min(listed, drawn)
+            near += bound > 0.75 * min(listed, drawn)
+            looked += 1
+    # A bound that is always nothing would hold as well.
+    assert near > 0.3 * looked
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_campaign_costs_less_than_the_bound(seed: int) -> None:
+    """The least expense of all campaigns, by trying everything, is no less than the bound."""
+    instance = launched(400 + seed, 3)
+    least = least_expense(instance, APART, MOST)
+    found = LeastExpense(Problem(instance))
+    for _ in range(3):
+        found.advance(math.inf)
+        assert found.value <= least
+    fixed = instance.chasers[0].priced.fixed
+    assert found.value > fixed
+
+
+def test_exact_states_the_bound_with_its_plan(planned: tuple[Instance, adr_opt.Plan]) -> None:
+    """The method exact gives a legal plan with a bound of its cost, which check accepts."""
+    instance, plan = planned
+    result = adr_opt.solve(instance, "exact", iterations=2, time_limit=math.inf)
+    assert result.plan is not None
+    assert not check(instance, result.plan)
+    assert result.plan.cost_bound is not None
+    assert 0.0 < result.plan.cost_bound <= min(plan.cost, result.plan.cost)

@@ -9,8 +9,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from adr_opt.common.errors import InputError
 
 from ..tables import Row, head, line
@@ -22,7 +20,6 @@ from .flights import mission_table, report_flights
 from .flown import read_flown
 from .instance import contest
 from .judging import judged
-from .least import proven
 from .retiming import retimed
 from .scoring import STAY_D, WITHIN_D, Score, score
 
@@ -83,7 +80,6 @@ def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[s
 def report(
     folder: Path,
     step_d: float = STEP_D,
-    bound_limit_s: float | None = None,
     doing: Doing = silent,
 ) -> Iterator[str]:
     """The tables, in Markdown, each line as soon as it is known.
@@ -93,14 +89,12 @@ def report(
     folder : Path
     step_d : float
         Of the grid on which missions get better times [d].
-    bound_limit_s : float, optional
-        Processor time in which prices are raised [s]; nothing is proven without.
     doing : callable
         Hears of each part before it is done.
     """
     rows = debris.read_debris(folder / debris.FILE)
     missions = campaign.read_campaign(folder / campaign.FILE)
-    count = len(missions) + 3
+    count = len(missions) + 1
     flown = score(missions, [mission.flown_m_s for mission in missions], len(rows), ROUNDED_D)
     as_planned = score(
         missions, [legs_m_s(mission, rows) for mission in missions], len(rows), ROUNDED_D
@@ -127,23 +121,12 @@ def report(
         yield _line(f"ours {name}, ΔV of the estimate", known)
         row = replace(row, ours=known.total_meur)
         broken += known.violations
-    doing("flying", count - 2, count)
+    doing("flying", count - 1, count)
     if FLOWN.is_file():
         whole = judged(read_flown(FLOWN, len(rows)), read_ephemeris(folder / debris.FILE))
         yield _line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score)
         broken += whole.violations
-    if bound_limit_s is not None:
-        doing("proving", count - 1, count)
-        below = proven(rows, bound_limit_s)
-        yield f"| no campaign by the estimate is below | {below.value:.2f} | – | – |"
-        for number, value in enumerate(below.by_missions, start=1):
-            more = " or more" if number == len(below.by_missions) else ""
-            yield f"| none of {number} missions{more} | {value:.2f} | – | – |"
-        spent = f"{below.processor_s:.0f} s of one processor, {below.rounds} rounds"
-        yield f"\nThe bound took {spent} of prices."
-        taken = np.nansum([row.taken_s, below.processor_s]).item()
-        row = replace(row, bound=below.value, taken_s=taken)
-    yield "\nTime is that of all processors together.\n"
+    yield ""
     yield head("M€")
     yield line(row, ".2f")
     yield from dict.fromkeys(broken)
