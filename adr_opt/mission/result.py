@@ -106,6 +106,7 @@ class Result(Shown):
             "method": self.method,
             "upper_bound": self.upper_bound if math.isfinite(self.upper_bound) else None,
             "objective": self.objective if math.isfinite(self.objective) else None,
+            "cost_bound": None if self.plan is None else self.plan.cost_bound,
             "status": self.status,
             "runtime_s": self.runtime_s,
             "seed": self.seed,

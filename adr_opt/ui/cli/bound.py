@@ -77,6 +77,9 @@ def command(
         proven = f"{result.upper_bound:.6g}" if math.isfinite(result.upper_bound) else "none proven"
         status = status_words(result.status)
         emit(f"upper bound {proven}, {status}, runtime {result.runtime_s:.2f} s")
+        plan = result.plan
+        if plan is not None and plan.cost_bound is not None:
+            emit(f"cost bound {plan.cost_bound:.6g}, of a plan that costs {plan.cost:.6g}")
         for name, count in result.counters.items():
             emit(f"  {name} {count:g}")
     if not_written is not None:
