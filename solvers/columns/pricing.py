@@ -14,6 +14,7 @@ from ..beams.beams import beam_search
 from ..beams.varied_beams import varied
 from ..labels.label_search import LabelSearch
 from ..walks.walks import WalkBound
+from .subset_rows import SubsetRows
 
 MOST_PLANS = 200
 """Maximum number of routes taken from one label search."""
@@ -60,6 +61,21 @@ class LabelPricing:
         self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
         self.remembered = np.zeros_like(self._routes.neighbourhood)
+        self._cuts, self._cut_prices = SubsetRows(), np.empty(0)
+
+    def cut(self, cuts: SubsetRows, prices: np.ndarray) -> None:
+        """Make routes pay for cuts from now on.
+
+        Parameters
+        ----------
+        cuts : SubsetRows
+            Their memories grow as routes are found that pay too little.
+        prices : (cuts,) float64
+        """
+        self._cuts, self._cut_prices = cuts, prices
+        priced = cuts.priced(prices)
+        self._routes.cut(priced)
+        self._quick.cut(priced)
 
     @property
     def labels_made(self) -> int:
@@ -133,6 +149,10 @@ class LabelPricing:
             most_worth = max(value - routes.total, least)
             if most_worth < self.most_worth:
                 self.most_worth, self.remembered = most_worth, remembered
-            found = [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+            plans = routes.plans(MOST_PLANS)
+            found = [route for route in plans if is_new(route)]
+            if value >= threshold and not found and self._cut_prices.any():
+                grown += sum(self._cuts.remember(route, self._cut_prices) for route in plans)
+                routes.cut(self._cuts.priced(self._cut_prices))
             if value < threshold or found or grown == 0:
                 return True, found
