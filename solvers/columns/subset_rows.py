@@ -47,7 +47,7 @@ def violated_rows(routes: Sequence[frozenset[int]], shares: np.ndarray, bodies: 
     """
     mixed = np.flatnonzero(shares > SMALL)
     services = np.zeros((bodies, mixed.size))
-    for column, at in enumerate(mixed):
+    for column, at in enumerate(mixed.tolist()):
         services[sorted(routes[at]), column] = 1.0
     weighed = services * shares[mixed]
     both = weighed @ services.T
