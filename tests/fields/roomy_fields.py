@@ -26,10 +26,15 @@ def roomy_launched(seed: int) -> Instance:
     return made.replace(chasers=(made.chaser.replace(start="anywhere"),))
 
 
-def with_room(instance: Instance, seed: int) -> Instance:
+def tight(seed: int) -> Instance:
+    """The same with hardly enough time for all targets."""
+    return with_room(random_mission(seed), seed, days=(0.5, 1.1))
+
+
+def with_room(instance: Instance, seed: int, days: tuple[float, float] = (1.5, 3.0)) -> Instance:
     """The same with windows of a few targets only, and chasers that may do more."""
     rng = np.random.default_rng([25, seed])
-    duration = DAY_S * float(rng.uniform(1.5, 3.0))
+    duration = DAY_S * float(rng.uniform(*days))
 
     def freed(chaser: Chaser) -> Chaser:
         most = int(rng.integers(2, 5)) if rng.random() < 0.3 else None
