@@ -19,6 +19,10 @@ from .subset_rows import SubsetRows
 MOST_PLANS = 200
 """Maximum number of routes taken from one label search."""
 
+SHARES = (0.4, 0.0)
+"""How far above what is of use quick searches look first, as a share of what walks reach: the
+fewer routes are looked for the fewer labels it takes."""
+
 WIDTH = 200
 """Width of beams."""
 
@@ -101,11 +105,15 @@ class LabelPricing:
         are routes, and where none is found there may be some all the same.
         """
         routes = self._quick
-        routes.use(multipliers)
-        finished, _, _, _ = routes.search(routes.total + least, most_labels, enough)
-        if not finished:
-            return []
-        return [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+        most = routes.use(multipliers) - routes.total
+        for share in SHARES:
+            threshold = routes.total + least + share * max(most - least, 0.0)
+            finished, _, _, _ = routes.search(threshold, most_labels, enough)
+            if not finished:
+                return []
+            if found := [route for route in routes.plans(MOST_PLANS) if is_new(route)]:
+                return found
+        return []
 
     def search(
         self,

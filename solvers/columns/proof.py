@@ -51,7 +51,13 @@ CENTRED = 0.6
 ATTRACTIVE = 1e-4
 """Least reduced worth of a useful route, as a share of the largest prize."""
 
-NEAR = 1e-3
+ENDS = 0.99
+"""Share of a step above the incumbent at which a bound ends the proof."""
+
+LOWERED = 0.25
+"""Share of the distance between bound and master that is to be left of it."""
+
+NEAR = 0.01
 """Distance of the bound from the master at which it counts as solved, as a share of the largest
 prize."""
 
@@ -207,9 +213,15 @@ class ColumnProof:
             self._approach()
         elif self._centred > 0.0:
             self._approach()
-        elif not self._cut(duals):
+        elif (self._attained(duals) or bound > self._least) and not self._cut(duals):
             # Nothing is missing at the duals themselves: the master is solved.
             self._finish(enough)
+
+    def _target(self, duals: Duals) -> float:
+        """The bound to prove next: one that ends the proof, or nearer to the master's value."""
+        certificate, value = self._certificate, duals.value
+        ends = certificate.incumbent + ENDS * (certificate.next_goal - certificate.incumbent)
+        return ends if value < ends else value + LOWERED * (self._least - value)
 
     def _attained(self, duals: Duals) -> bool:
         """Whether the bound is what the known routes mix to: then none is missing."""
@@ -335,11 +347,14 @@ class ColumnProof:
         """Whether exact label searches find such routes, and their bound; +inf if they gave up."""
         bound, new = self._problem.limits.total(multipliers.targets), False
         bound += math.fsum(multipliers.cuts)
+        known = bound + math.fsum(self._counts * duals.kinds)
+        # All routes of use are not needed, but none above what lowers the bound enough.
+        above = max((self._target(duals) - known) / sum(self._counts), ATTRACTIVE * self._largest)
         for number, pricing in enumerate(self._pricing):
             paid = float(duals.kinds[number])
             finished, routes = pricing.search(
                 multipliers.targets,
-                paid + ATTRACTIVE * self._largest,
+                paid + above,
                 self._labels,
                 enough,
                 partial(self._keep, duals, number),
