@@ -31,7 +31,7 @@ from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
-from .row_cuts import CutTolls, toll_at
+from .row_cuts import CutTolls, count_row, toll_at
 from .waiting import FINE, Candidate, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
@@ -109,7 +109,7 @@ class LabelQuery(NamedTuple):
         Most worth that is still to be had, where it is.
     reach_unit : float
         Worth of a unit of these values.
-    cuts : CutTolls
+    cuts : CutTolls or None
         What walks pay at a second row; completion values know nothing of it.
     """
 
@@ -131,7 +131,7 @@ class LabelQuery(NamedTuple):
     least_worth: float
     reach: CompletionValues
     reach_unit: float
-    cuts: CutTolls
+    cuts: CutTolls | None
 
 
 class RowOrder(NamedTuple):
@@ -317,16 +317,13 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
             if not to_station and has.serviced == search.most_visits:
                 continue
             value, collected = labels.value[here], labels.worth[here] + search.worths[j]
-            if cuts.any:
-                value -= toll_at(cuts, labels.memory[here], search.neighbourhood, j)
+            value -= toll_at(cuts, labels, here, search.neighbourhood, j)
             begin, end = _useful(network, search, row, value, has, collected, behind)
             if begin >= end:
                 continue
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
-            if cuts.any:
-                for w in range(words):
-                    remembered[w] ^= cuts.rows[j, w]  # who pays begins anew
+            count_row(cuts, remembered, j)
             if behind >= 0:
                 remembered[i // WORD] |= 1 << (i % WORD)
             for leg in range(begin, end):

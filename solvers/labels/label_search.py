@@ -32,7 +32,7 @@ from .extension import (
 )
 from .ng_augmentation import WalkThreshold, learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
-from .row_cuts import no_tolls, remember_cuts, tolls_of, words_for
+from .row_cuts import CutTolls, remember_cuts, tolls_of, words_for
 from .waiting import FINE, Labels, labels_room, larger, room
 
 EFFORT = 200_000
@@ -122,7 +122,7 @@ class LabelSearch:
         self.total = 0.0
         self.multipliers = np.zeros(bodies)
         self._unit = bound.unit * 2.0**-FINE
-        self._cuts = no_tolls(bodies, words)
+        self._cuts: CutTolls | None = None
 
     def cut(self, cuts: Sequence[Cut], *, forgetful: bool = True) -> None:
         """Make walks pay at second rows of cuts from now on.
@@ -145,7 +145,8 @@ class LabelSearch:
         kept = [each if forgetful else each._replace(memory=everywhere) for each in cuts]
         remember_cuts(self.neighbourhood, kept, bodies)
         self._cuts = tolls_of(cuts, bodies, words, self._unit)
-        self.compared &= ~self._cuts.bits
+        if self._cuts is not None:
+            self.compared &= ~self._cuts.bits
 
     def use(self, multipliers: np.ndarray) -> float:
         """Compute completion values for some multipliers, with the resulting bound."""

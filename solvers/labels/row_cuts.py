@@ -28,11 +28,10 @@ ROWS = 3
 
 
 class CutTolls(NamedTuple):
-    """The cuts in use.
+    """The cuts in use; kernels for walks without cuts are compiled with None in place of it.
 
     Attributes
     ----------
-    any : bool
     rows : (bodies, words) int64
         Bits of the cuts that each body is a row of.
     bits : (words,) int64
@@ -41,21 +40,12 @@ class CutTolls(NamedTuple):
         By position of a bit [fine units].
     """
 
-    any: bool
     rows: np.ndarray
     bits: np.ndarray
     toll: np.ndarray
 
 
-def no_tolls(bodies: int, words: int) -> CutTolls:
-    """No cuts."""
-    return CutTolls(
-        False, np.zeros((bodies, words), np.int64), np.zeros(words, np.int64),
-        np.zeros(words * WORD, np.int64),
-    )  # fmt: skip
-
-
-def tolls_of(cuts: Sequence[Cut], bodies: int, words: int, unit: float) -> CutTolls:
+def tolls_of(cuts: Sequence[Cut], bodies: int, words: int, unit: float) -> CutTolls | None:
     """Bits and tolls of cuts, from the first bit after those of the bodies on.
 
     Parameters
@@ -64,15 +54,22 @@ def tolls_of(cuts: Sequence[Cut], bodies: int, words: int, unit: float) -> CutTo
     bodies, words : int
     unit : float
         In which labels count worth; tolls are rounded down, which relaxes.
+
+    Returns
+    -------
+    CutTolls or None
+        None for no cuts.
     """
-    found = no_tolls(bodies, words)
+    if not cuts:
+        return None
+    rows, bits = np.zeros((bodies, words), np.int64), np.zeros(words, np.int64)
+    toll = np.zeros(words * WORD, np.int64)
     for number, cut in enumerate(cuts):
         word, bit = divmod(bodies + number, WORD)
-        for body in cut.rows:
-            found.rows[body, word] |= 1 << bit
-        found.bits[word] |= 1 << bit
-        found.toll[bodies + number] = int(cut.multiplier / unit)
-    return found._replace(any=bool(cuts))
+        rows[list(cut.rows), word] |= 1 << bit
+        bits[word] |= 1 << bit
+        toll[bodies + number] = int(cut.multiplier / unit)
+    return CutTolls(rows, bits, toll)
 
 
 def words_for(bodies: int, cuts: int = 0) -> int:
@@ -89,11 +86,13 @@ def remember_cuts(neighbourhood: np.ndarray, cuts: Sequence[Cut], bodies: int) -
 
 
 @inlined
-def toll_at(cuts, memory, neighbourhood, j):
-    """Toll of a service of j for a walk with a memory [fine units]."""
+def toll_at(cuts, labels, label, neighbourhood, j):
+    """Toll of a service of j for a label [fine units]."""
     owed = np.int64(0)
-    for w in range(memory.size):
-        paying = memory[w] & neighbourhood[j, w] & cuts.rows[j, w]
+    if cuts is None:
+        return owed
+    for w in range(cuts.bits.size):
+        paying = labels.memory[label, w] & neighbourhood[j, w] & cuts.rows[j, w]
         while paying:
             owed += cuts.toll[w * WORD + lowest_bit(paying)]
             paying &= paying - 1
@@ -101,12 +100,9 @@ def toll_at(cuts, memory, neighbourhood, j):
 
 
 @inlined
-def owed_beyond(cuts, memory, other):
-    """Tolls that a walk with one memory may still have to pay, and one with another not."""
-    owed = np.int64(0)
-    for w in range(other.size):
-        beyond = memory[w] & ~other[w] & cuts.bits[w]
-        while beyond:
-            owed += cuts.toll[w * WORD + lowest_bit(beyond)]
-            beyond &= beyond - 1
-    return owed
+def count_row(cuts, remembered, j):
+    """Count a service of j in a memory: one that pays begins anew."""
+    if cuts is None:
+        return
+    for w in range(remembered.size):
+        remembered[w] ^= cuts.rows[j, w]

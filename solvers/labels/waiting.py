@@ -15,9 +15,9 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules.loads import kits_in, services_in
 from adr_opt.kernels.rules.resources import Resources
+from adr_opt.mission.evidence import WORD
 
 from ..networks import simd
-from .row_cuts import owed_beyond
 
 FINE = 30
 """Extra bits of precision of labels over completion values."""
@@ -170,11 +170,15 @@ def dominates(labels, one, other, memory, compared, loads, cuts):
     beyond = 0
     for w in range(memory.size):
         beyond |= labels.memory[one, w] & ~memory[w] & compared[w]
-    if beyond != 0:
-        return False
-    if not cuts.any:
-        return True
-    return labels.value[one] - owed_beyond(cuts, labels.memory[one], memory) >= other.value
+    if cuts is None or beyond != 0:
+        return beyond == 0
+    lead = labels.value[one] - other.value
+    for w in range(memory.size):
+        owed = labels.memory[one, w] & ~memory[w] & cuts.bits[w]
+        while owed:
+            lead -= cuts.toll[w * WORD + simd.lowest_bit(owed)]
+            owed &= owed - 1
+    return lead >= 0
 
 
 @inlined
@@ -263,7 +267,7 @@ def arrive(waiting, labels, j, label, compared, loads, cuts):
     compared : (words,) int64
         Targets by whose memory labels are told apart there.
     loads : Loads or None
-    cuts : CutTolls
+    cuts : CutTolls or None
 
     Returns
     -------

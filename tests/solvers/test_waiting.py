@@ -5,7 +5,7 @@ import pytest
 
 from adr_opt.kernels.rules.loads import KITS_BIT, Loads
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
-from solvers.labels.row_cuts import CutTolls, no_tolls
+from solvers.labels.row_cuts import CutTolls
 from solvers.labels.waiting import (
     Labels,
     Waiting,
@@ -52,7 +52,7 @@ def random_tolls(rng: np.random.Generator, words: int) -> CutTolls:
     """Tolls of cuts, some of them nothing, whose bits are a part of those of memories."""
     bits = rng.integers(0, 2**62, words)
     toll = rng.integers(0, 3, 63 * words) << 15
-    return CutTolls(True, np.zeros((2, words), np.int64), bits, toll)
+    return CutTolls(np.zeros((2, words), np.int64), bits, toll)
 
 
 def owed_more(labels: Labels, one: int, other: int, cuts: CutTolls) -> int:
@@ -98,15 +98,15 @@ def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
     if loads is not None:
         labels = with_kits(labels, rng)
     compared = np.full(words, -1) if whole else rng.integers(0, 2**62, words)
-    cuts = random_tolls(rng, words) if tolled else no_tolls(2, words)
-    compared &= ~cuts.bits
-    tolls = cuts if tolled else None
+    cuts = random_tolls(rng, words) if tolled else None
+    if cuts is not None:
+        compared &= ~cuts.bits
     waiting = room(2, words, 16)
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
         candidate, memory = candidate_of(labels, label, loads), labels.memory[label]
-        dominated = any(dominates(labels, other, label, compared, what, tolls) for other in alive)
+        dominated = any(dominates(labels, other, label, compared, what, cuts) for other in alive)
         assert dominated == is_dominated(
             waiting, labels, 1, candidate, memory, compared, loads, cuts
         )
@@ -115,7 +115,7 @@ def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
             assert arrive(waiting, labels, 1, label, compared, loads, cuts)
         refused += dominated
         if not dominated:
-            beaten = {n for n in alive if dominates(labels, label, n, compared, what, tolls)}
+            beaten = {n for n in alive if dominates(labels, label, n, compared, what, cuts)}
             alive = alive - beaten | {label}
         assert waits(waiting, 1) == alive
         if label % 37 == 0:
@@ -132,15 +132,14 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
     """Labels on their way to a row are compared with what goes there, and each arrives once."""
     rng = np.random.default_rng(words)
     labels = random_labels(rng, words)
-    cuts = random_tolls(rng, words) if tolled else no_tolls(2, words)
-    rows, compared = 5, ~cuts.bits
-    tolls = cuts if tolled else None
+    cuts = random_tolls(rng, words) if tolled else None
+    rows, compared = 5, np.full(words, -1) if cuts is None else ~cuts.bits
     pending, grown = pending_room(rows, words, 1), 0
     under_way: list[set[int]] = [set() for _ in range(rows)]
     for label in range(LABELS):
         row = int(rng.integers(rows))
         preceded = any(
-            dominates(labels, other, label, compared, cuts=tolls) for other in under_way[row]
+            dominates(labels, other, label, compared, cuts=cuts) for other in under_way[row]
         )
         assert preceded == is_preceded(
             pending, row, labels, candidate_of(labels, label, None), labels.memory[label],
