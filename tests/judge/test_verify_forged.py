@@ -278,7 +278,8 @@ def test_whatever_is_changed_what_is_accepted_is_true(cases):
         assert verdict.upper_bound >= case.best - 1e-9, (number, draft)
         if verdict.verified:
             accepted += 1
-            assert draft["upper_bound"] >= case.best * (1.0 - 1e-6) - 1e-9, (number, draft)
+            off = 1e-9 + max(1e-6 * case.best, 0.5 * (draft["prize_step"] or 0.0))
+            assert draft["upper_bound"] >= case.best - off, (number, draft)
     assert accepted > 5
 
 
