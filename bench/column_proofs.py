@@ -61,7 +61,7 @@ def measure(family: str, seed: int, limit_s: float) -> str:
     for kind, route in zip(problem.kind_of, routes, strict=True):
         pool.add(kind, route)
     known, stop, began = tracker.incumbent, ProcessorTime(limit_s), time.process_time()
-    proof = ColumnProof(problem, tracker, pool, 0, stop, ProofOptions(jobs=1))  # type: ignore[arg-type]
+    proof = ColumnProof(problem, tracker, pool, 0, stop, ProofOptions(jobs=1))
     proof.begin()
     while not (proof.done or tracker.proven or stop.remaining_s() <= 0.0):
         proof.advance(lambda: stop.remaining_s() <= 0.0)

@@ -10,7 +10,8 @@ routes are exact in time and ΔV, and relaxed only in that walks may repeat what
 
 that is the bound, whether or not the master is solved. Multipliers between the best ones so far and
 the master's duals make it come down sooner (Wentges 1997). Before all that, a descent with the
-walks of :mod:`.bound` tells where to begin.
+walks of :mod:`.bound` tells where to begin; and where the master is solved and a gap is left, cuts
+that its mixture violates (:mod:`.subset_rows`) join both sides of the bound.
 """
 
 from __future__ import annotations
@@ -57,9 +58,9 @@ ENDS = 0.99
 LOWERED = 0.25
 """Share of the distance between bound and master that is to be left of it."""
 
-NEAR = 0.01
-"""Distance of the bound from the master at which it counts as solved, as a share of the largest
-prize."""
+NEAR, SOLVED = 0.01, 0.001
+"""Distances of the bound from the master at which cuts are added and at which it counts as solved,
+as shares of the largest prize."""
 
 WHOLE = 1e-6
 """Difference up to which a share in the mixture counts as whole."""
@@ -188,7 +189,7 @@ class ColumnProof:
         """Solve the master, and price missing routes."""
         self._mix()
         duals = self._master.solve()
-        if self._attained(duals) and self._cut(duals):
+        if self._attained(duals, NEAR) and self._cut(duals):
             return
         multipliers = self._near(duals)
         for pricing in self._pricing:
@@ -196,7 +197,8 @@ class ColumnProof:
         if self._by_beams(duals, multipliers) or self._by_few_labels(duals, multipliers, enough):
             return
         new, bound = self._by_labels(duals, multipliers, enough)
-        if bound < self._least:
+        lowered = bound < self._least
+        if lowered:
             self._least, self._centre = bound, multipliers
             self._certificate.lower(bound, self._evidence(multipliers))
         if math.isfinite(bound) and (self._priced is None or bound < self._priced.bound):
@@ -213,7 +215,7 @@ class ColumnProof:
             self._approach()
         elif self._centred > 0.0:
             self._approach()
-        elif (self._attained(duals) or bound > self._least) and not self._cut(duals):
+        elif (not lowered or self._attained(duals, SOLVED)) and not self._cut(duals):
             # Nothing is missing at the duals themselves: the master is solved.
             self._finish(enough)
 
@@ -223,9 +225,9 @@ class ColumnProof:
         ends = certificate.incumbent + ENDS * (certificate.next_goal - certificate.incumbent)
         return ends if value < ends else value + LOWERED * (self._least - value)
 
-    def _attained(self, duals: Duals) -> bool:
-        """Whether the bound is what the known routes mix to: then none is missing."""
-        return self._least - duals.value <= NEAR * self._largest
+    def _attained(self, duals: Duals, near: float) -> bool:
+        """Whether the bound is nearly what the known routes mix to: then few are missing."""
+        return self._least - duals.value <= near * self._largest
 
     def _near(self, duals: Duals) -> Multipliers:
         """Multipliers between the best so far and the master's duals."""
