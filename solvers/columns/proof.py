@@ -88,7 +88,7 @@ class Multipliers(NamedTuple):
     cuts: np.ndarray
 
 
-class Priced(NamedTuple):
+class PricedRoutes(NamedTuple):
     """Multipliers, the most that routes of each kind are worth less them, and the bound of both."""
 
     multipliers: Multipliers
@@ -148,7 +148,7 @@ class ColumnProof:
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._largest = float(problem.planning_prizes.max(initial=0.0)) or 1.0
         self._columns = 0
-        self._priced: Priced | None = None
+        self._priced: PricedRoutes | None = None
         self._finishing_labels = self._given_up = 0
         self.done = certificate.proven
 
@@ -203,7 +203,7 @@ class ColumnProof:
             self._certificate.lower(bound, self._evidence(multipliers))
         if math.isfinite(bound) and (self._priced is None or bound < self._priced.bound):
             most_worth = np.array([pricing.most_worth for pricing in self._pricing])
-            self._priced = Priced(multipliers, most_worth, bound)
+            self._priced = PricedRoutes(multipliers, most_worth, bound)
         self.done = self._certificate.proven
         if new or self.done:
             self._centred = CENTRED

@@ -24,7 +24,7 @@ WORD = 63
 """Number of cuts per integer."""
 
 
-class Cut(NamedTuple):
+class NumberedCut(NamedTuple):
     """A cut, by numbers of bodies.
 
     Attributes
@@ -53,11 +53,11 @@ class Tolls(NamedTuple):
     toll: npt.NDArray[np.int64]
 
 
-def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[Cut, ...]:
+def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[NumberedCut, ...]:
     """The cuts of a certificate."""
     number = {name: body for body, name in enumerate(instance.names)}
     return tuple(
-        Cut(
+        NumberedCut(
             tuple(number[name] for name in cut.targets),
             tuple(number[name] for name in cut.memory),
             Fraction(cut.multiplier),
@@ -66,7 +66,7 @@ def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[Cut, ...]:
     )
 
 
-def tolls_of(cuts: tuple[Cut, ...], bodies: int, unit: Fraction) -> Tolls:
+def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Tolls:
     """Tolls in units, rounded down: in favour of walks."""
     words = (len(cuts) + WORD - 1) // WORD
     rows, memory = (np.zeros((bodies, words), dtype=np.int64) for _ in range(2))

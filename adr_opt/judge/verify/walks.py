@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from .ahead import look_ahead
 from .cargo import after_service
-from .cuts import Cut, tolls_of
+from .cuts import NumberedCut, tolls_of
 from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Question, WalkLabels, search
 from .legs import Legs
 
@@ -50,7 +50,7 @@ def walks_reach(
     neighbourhoods: npt.NDArray[np.bool_],
     most: Fraction,
     slot_m_s: float,
-    cuts: tuple[Cut, ...] = (),
+    cuts: tuple[NumberedCut, ...] = (),
 ) -> WalkAnswer:
     """Check whether a walk collects ``most``.
 
@@ -65,7 +65,7 @@ def walks_reach(
     slot_m_s : float
         In which ΔV is counted where labels look ahead: how many there are depends on it, and
         nothing else [m/s].
-    cuts : tuple of Cut
+    cuts : tuple of NumberedCut
         What walks pay for at their second services.
     """
     ahead = look_ahead(legs, gains, slot_m_s)
