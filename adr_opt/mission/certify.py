@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from ..common.errors import InputError
-from ..plan.certificate import Certificate, ProvenFloors, ProvenWalks, sha256_of
+from ..plan.certificate import Certificate, ProvenCut, ProvenFloors, ProvenWalks, sha256_of
 from ..plan.plan import MODEL, InstanceReference
 from ..plan.station_limits import StationLimits
 from ..problem.instance import Instance
-from .evidence import Evidence, Walks
+from .evidence import Cut, Evidence, Walks
 from .prizes import Prizes
 from .result import Result
 
@@ -45,6 +45,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     walks: tuple[ProvenWalks, ...] = ()
     multipliers: dict[str, float] = {}
     floors: ProvenFloors | None = None
+    cuts: tuple[ProvenCut, ...] = ()
     if not prizes.meets(bound, most):
         if evidence is None:
             raise InputError(
@@ -53,6 +54,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         proven = _proven(prizes, evidence)
         bound = bound if prizes.meets(bound, proven) else proven
         walks = tuple(_stated(instance, each) for each in evidence.walks)
+        cuts = tuple(_named(instance, each) for each in evidence.cuts)
         if evidence.floors is not None:
             floors = ProvenFloors(
                 worth_per_s=evidence.floors.per_s, worth_per_m_s=evidence.floors.per_m_s
@@ -74,7 +76,15 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         multipliers=multipliers,
         walks=walks,
         floors=floors,
+        cuts=cuts,
     )
+
+
+def _named(instance: Instance, cut: Cut) -> ProvenCut:
+    """A cut, with names of bodies."""
+    a, b, c = (instance.names[body] for body in cut.rows)
+    memory = tuple(instance.names[body] for body in sorted(cut.memory))
+    return ProvenCut(targets=(a, b, c), memory=memory, multiplier=float(cut.multiplier))
 
 
 def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
@@ -96,6 +106,7 @@ def _proven(prizes: Prizes, evidence: Evidence) -> float:
     """The bound implied by evidence."""
     parts = [len(each.chasers) * each.most for each in evidence.walks]
     paid = StationLimits(prizes.instance).total(evidence.multipliers)
+    parts += [cut.multiplier for cut in evidence.cuts]
     below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most
     worth = prizes.rounded_down(below)
     shown = prizes.shown(worth)

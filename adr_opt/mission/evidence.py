@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +39,27 @@ class Walks:
     per_m_s: float | None = None
 
 
+class Cut(NamedTuple):
+    """A subset-row cut with its multiplier: of three targets one route at most services two.
+
+    A walk pays at its second service of these targets, and again at its fourth. At a body outside
+    the memory it forgets that it has serviced a first one, or a third.
+
+    Attributes
+    ----------
+    rows : tuple of int
+        Bodies of the three targets.
+    memory : frozenset of int
+        Bodies.
+    multiplier : float
+        At least 0.
+    """
+
+    rows: tuple[int, ...]
+    memory: frozenset[int]
+    multiplier: float
+
+
 @dataclass(frozen=True)
 class Floors:
     """Evidence from the least time and the least ΔV of every service.
@@ -60,7 +82,7 @@ class Evidence:
     """Evidence for a bound (docs/model.md section 8).
 
     All plans together collect less than the sum of the multipliers, each as often as its body may
-    be gone to, and, for each chaser, the most of its walks.
+    be gone to, of those of the cuts, and, for each chaser, of the most of its walks.
 
     Attributes
     ----------
@@ -74,6 +96,8 @@ class Evidence:
         What the bound rests on in place of walks.
     time_step_s : float or None
         In which the proof has counted time, where it has gone through no walks one by one [s].
+    cuts : tuple of Cut
+        What walks pay for besides services.
     """
 
     multipliers: npt.NDArray[np.float64]
@@ -81,3 +105,4 @@ class Evidence:
     delta_v_slot_m_s: float
     floors: Floors | None = None
     time_step_s: float | None = None
+    cuts: tuple[Cut, ...] = ()

@@ -44,6 +44,18 @@ class ProvenWalks(Record):
     worth_per_m_s: Worth | None = None
 
 
+class ProvenCut(Record):
+    """A subset-row cut: one route of a plan at most services two or more of three ``targets``.
+
+    A walk pays the ``multiplier`` at its second service of one of them, and at its fourth and every
+    other one after that; at bodies that are not in ``memory`` it forgets an odd one.
+    """
+
+    targets: Annotated[tuple[Name, Name, Name], Field(strict=False)]
+    memory: Names
+    multiplier: Worth
+
+
 class ProvenFloors(Record):
     """Prices of time and of ΔV.
 
@@ -67,7 +79,8 @@ class Certificate(Shown, Record):
     or the ``floors``: prices of time and of ΔV.
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
     not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
-    counted in such steps, so coarsely that no walk has to be gone through by itself. ``model`` is
+    counted in such steps, so coarsely that no walk has to be gone through by itself. ``cuts`` are
+    what walks pay for besides; the routes of a plan pay each of them once at most. ``model`` is
     the version of docs/model.md that connections are of.
     ``plan_sha256`` is that of the plan file that was written beside it.
     """
@@ -85,10 +98,14 @@ class Certificate(Shown, Record):
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
     floors: ProvenFloors | None = None
+    cuts: Annotated[tuple[ProvenCut, ...], Field(strict=False)] = ()
 
     @model_serializer(mode="wrap")
-    def _without_former_model(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without_former_model(write(self))
+    def _without_defaults(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        written = without_former_model(write(self))
+        if not self.cuts:
+            written.pop("cuts", None)
+        return written
 
     def to_json(self) -> str:
         """The certificate file."""

@@ -14,9 +14,14 @@ from ..beams.beams import beam_search
 from ..beams.varied_beams import varied
 from ..labels.label_search import LabelSearch
 from ..walks.walks import WalkBound
+from .subset_rows import SubsetRows
 
 MOST_PLANS = 200
 """Maximum number of routes taken from one label search."""
+
+SHARES = (0.4, 0.0)
+"""How far above what is of use quick searches look first, as a share of what walks reach: the
+fewer routes are looked for the fewer labels it takes."""
 
 WIDTH = 200
 """Width of beams."""
@@ -60,6 +65,21 @@ class LabelPricing:
         self._quick.neighbourhood[:], self._quick.compared[:] = -1, 0
         self.most_worth = math.inf
         self.remembered = np.zeros_like(self._routes.neighbourhood)
+        self._cuts, self._cut_prices = SubsetRows(), np.empty(0)
+
+    def cut(self, cuts: SubsetRows, prices: np.ndarray) -> None:
+        """Make routes pay for cuts from now on.
+
+        Parameters
+        ----------
+        cuts : SubsetRows
+            Their memories grow as routes are found that pay too little.
+        prices : (cuts,) float64
+        """
+        self._cuts, self._cut_prices = cuts, prices
+        priced = cuts.priced(prices)
+        self._routes.cut(priced)
+        self._quick.cut(priced)
 
     @property
     def labels_made(self) -> int:
@@ -85,11 +105,15 @@ class LabelPricing:
         are routes, and where none is found there may be some all the same.
         """
         routes = self._quick
-        routes.use(multipliers)
-        finished, _, _, _ = routes.search(routes.total + least, most_labels, enough)
-        if not finished:
-            return []
-        return [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+        most = routes.use(multipliers) - routes.total
+        for share in SHARES:
+            threshold = routes.total + least + share * max(most - least, 0.0)
+            finished, _, _, _ = routes.search(threshold, most_labels, enough)
+            if not finished:
+                return []
+            if found := [route for route in routes.plans(MOST_PLANS) if is_new(route)]:
+                return found
+        return []
 
     def search(
         self,
@@ -133,6 +157,10 @@ class LabelPricing:
             most_worth = max(value - routes.total, least)
             if most_worth < self.most_worth:
                 self.most_worth, self.remembered = most_worth, remembered
-            found = [route for route in routes.plans(MOST_PLANS) if is_new(route)]
+            plans = routes.plans(MOST_PLANS)
+            found = [route for route in plans if is_new(route)]
+            if value >= threshold and not found and self._cut_prices.any():
+                grown += sum(self._cuts.remember(route, self._cut_prices) for route in plans)
+                routes.cut(self._cuts.priced(self._cut_prices))
             if value < threshold or found or grown == 0:
                 return True, found

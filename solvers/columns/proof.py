@@ -10,7 +10,8 @@ routes are exact in time and ΔV, and relaxed only in that walks may repeat what
 
 that is the bound, whether or not the master is solved. Multipliers between the best ones so far and
 the master's duals make it come down sooner (Wentges 1997). Before all that, a descent with the
-walks of :mod:`.bound` tells where to begin.
+walks of :mod:`.bound` tells where to begin; and where the master is solved and a gap is left, cuts
+that its mixture violates (:mod:`.subset_rows`) join both sides of the bound.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,13 +31,14 @@ from adr_opt.mission.problem import Problem
 from ..networks.evidence import evidence_of
 from ..progress.gap import GapTracker
 from ..proof.proof import COARSER, FIRST_LABELS, GROWTH, ProofOptions
-from ..routes.route_pool import Column, Key, RoutePool
+from ..routes.route_pool import Column, Key, RoutePool, dealt
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
 from .bound import CampaignBound
 from .master import Duals, Master
 from .pricing import LabelPricing, by_beam
 from .route_enumeration import EnumerationAnswer, Finish
+from .subset_rows import SubsetRows, violated_rows
 
 DESCENT = 30
 """Number of evaluations of walks before the first columns."""
@@ -49,11 +52,48 @@ CENTRED = 0.6
 ATTRACTIVE = 1e-4
 """Least reduced worth of a useful route, as a share of the largest prize."""
 
+ENDS = 0.99
+"""Share of a step above the incumbent at which a bound ends the proof."""
+
+LOWERED = 0.25
+"""Share of the distance between bound and master that is to be left of it."""
+
+NEAR, SOLVED = 0.01, 0.001
+"""Distances of the bound from the master at which cuts are added and at which it counts as solved,
+as shares of the largest prize."""
+
+WHOLE = 1e-6
+"""Difference up to which a share in the mixture counts as whole."""
+
 MOST_GIVEN_UP = 4
 """Number of failed searches with the maximum number of labels that ends the proof."""
 
+MOST_CUTS = 400
+"""Number of cuts beyond which none is added."""
+
 ITERATIONS, LABELS = 6, 1_000_000
 """Iterations of column generation per round, and number of labels after which none begins in it."""
+
+
+class Multipliers(NamedTuple):
+    """Multipliers of a bound.
+
+    Attributes
+    ----------
+    targets : (bodies,) float64
+    cuts : (cuts,) float64
+    """
+
+    targets: np.ndarray
+    cuts: np.ndarray
+
+
+class PricedRoutes(NamedTuple):
+    """Multipliers, the most that routes of each kind are worth less them, and the bound of both."""
+
+    multipliers: Multipliers
+    most_worth: np.ndarray
+    bound: float
 
 
 class ColumnProof:
@@ -101,14 +141,14 @@ class ColumnProof:
         self._mixed: set[Key] = set()
         self._guard = problem.bound_guard / len(problem.missions)
         self._counts = [len(kind.chasers) for kind in problem.kinds]
-        self._centre = np.zeros(len(problem.names))
+        self._cuts = SubsetRows()
+        self._centre = Multipliers(np.zeros(len(problem.names)), np.empty(0))
         self._centred = CENTRED
         self._least = math.inf  # the bound at the centre
         self._labels = min(FIRST_LABELS, options.most_labels)
         self._largest = float(problem.planning_prizes.max(initial=0.0)) or 1.0
         self._columns = 0
-        # Multipliers, the most that routes are worth less them, and the bound of both.
-        self._priced: tuple[np.ndarray, np.ndarray, float] | None = None
+        self._priced: PricedRoutes | None = None
         self._finishing_labels = self._given_up = 0
         self.done = certificate.proven
 
@@ -120,7 +160,8 @@ class ColumnProof:
                     break
                 self._descent.step()
                 self._certificate.lower(self._descent.value, self._coarse.evidence)
-        self._centre, self._least = self._descent.multipliers, self._descent.value
+        self._centre = Multipliers(self._descent.multipliers, np.empty(0))
+        self._least = self._descent.value
         self.done = self._certificate.proven or self._descent.value == -math.inf
 
     def advance(self, enough: Callable[[], bool]) -> None:
@@ -148,38 +189,89 @@ class ColumnProof:
         """Solve the master, and price missing routes."""
         self._mix()
         duals = self._master.solve()
-        multipliers = self._centred * self._centre + (1.0 - self._centred) * duals.targets
+        if self._attained(duals, NEAR) and self._cut(duals):
+            return
+        multipliers = self._near(duals)
+        for pricing in self._pricing:
+            pricing.cut(self._cuts, multipliers.cuts)
         if self._by_beams(duals, multipliers) or self._by_few_labels(duals, multipliers, enough):
             return
         new, bound = self._by_labels(duals, multipliers, enough)
-        if bound < self._least:
+        lowered = bound < self._least
+        if lowered:
             self._least, self._centre = bound, multipliers
             self._certificate.lower(bound, self._evidence(multipliers))
-        if math.isfinite(bound) and (self._priced is None or bound < self._priced[2]):
+        if math.isfinite(bound) and (self._priced is None or bound < self._priced.bound):
             most_worth = np.array([pricing.most_worth for pricing in self._pricing])
-            self._priced = (multipliers, most_worth, bound)
+            self._priced = PricedRoutes(multipliers, most_worth, bound)
         self.done = self._certificate.proven
         if new or self.done:
             self._centred = CENTRED
         elif not math.isfinite(bound):
-            # There may be more routes to mix by the next time.
+            # There may be more routes to mix by the next time, and fewer labels at the duals.
             self._given_up += self._labels == self._options.most_labels
             self.done = self._given_up == MOST_GIVEN_UP
             self._labels = min(GROWTH * self._labels, self._options.most_labels)
+            self._approach()
         elif self._centred > 0.0:
-            self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
-        else:
+            self._approach()
+        elif (not lowered or self._attained(duals, SOLVED)) and not self._cut(duals):
             # Nothing is missing at the duals themselves: the master is solved.
             self._finish(enough)
 
-    def _evidence(self, multipliers: np.ndarray) -> Evidence:
+    def _target(self, duals: Duals) -> float:
+        """The bound to prove next: one that ends the proof, or nearer to the master's value."""
+        certificate, value = self._certificate, duals.value
+        ends = certificate.incumbent + ENDS * (certificate.next_goal - certificate.incumbent)
+        return ends if value < ends else value + LOWERED * (self._least - value)
+
+    def _attained(self, duals: Duals, near: float) -> bool:
+        """Whether the bound is nearly what the known routes mix to: then few are missing."""
+        return self._least - duals.value <= near * self._largest
+
+    def _near(self, duals: Duals) -> Multipliers:
+        """Multipliers between the best so far and the master's duals."""
+        share, cuts = self._centred, np.zeros(duals.cuts.size)
+        cuts[: self._centre.cuts.size] = self._centre.cuts
+        return Multipliers(
+            share * self._centre.targets + (1.0 - share) * duals.targets,
+            share * cuts + (1.0 - share) * duals.cuts,
+        )
+
+    def _approach(self) -> None:
+        """Price nearer to the duals from now on."""
+        self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
+
+    def _cut(self, duals: Duals) -> bool:
+        """Add cuts that the mixture of routes violates; returns whether there are any.
+
+        If it mixes nothing, it is a plan.
+        """
+        columns, shares = self._master.columns, duals.shares
+        mixed = [columns[at] for at in np.flatnonzero(shares > WHOLE)]
+        if np.all(np.abs(shares - np.rint(shares)) < WHOLE):
+            self._certificate.offer(
+                *dealt(self._problem, [(column.kind, column.route) for column in mixed])
+            )
+        if self._certificate.proven or len(self._cuts.rows) >= MOST_CUTS:
+            return False
+        violated = violated_rows(
+            [column.targets for column in columns], shares, len(self._problem.names)
+        )
+        new = self._cuts.add(violated, [column.route for column in mixed])
+        self._master.cut(new)
+        self._centred = CENTRED
+        return bool(new)
+
+    def _evidence(self, multipliers: Multipliers) -> Evidence:
         """Evidence of a bound just proven by labels."""
         return evidence_of(
-            multipliers,
+            multipliers.targets,
             [kind.chasers for kind in self._problem.kinds],
             [pricing.most_worth + self._guard for pricing in self._pricing],
             [pricing.remembered for pricing in self._pricing],
             self._options.delta_v_slot_m_s,
+            self._cuts.priced(multipliers.cuts),
         )
 
     def _finish(self, enough: Callable[[], bool]) -> None:
@@ -189,10 +281,13 @@ class ColumnProof:
         assert self._fine is not None
         multipliers, most_worth, _ = self._priced
         finish = Finish(self._problem, self._fine.of_kind)
+        cuts = np.zeros(len(self._cuts.rows))
+        cuts[: multipliers.cuts.size] = multipliers.cuts
+        finish.cut(self._cuts.priced(cuts))
         while not certificate.proven and not enough():
             goal = certificate.next_goal
             answer, routes = finish.ask(
-                goal, multipliers, most_worth, self._options.most_labels, enough,
+                goal, multipliers.targets, most_worth, self._options.most_labels, enough,
                 self._stop.remaining_s,
             )  # fmt: skip
             if answer is EnumerationAnswer.NONE:
@@ -213,7 +308,8 @@ class ColumnProof:
 
     def _attracts(self, duals: Duals, column: Column) -> bool:
         """Whether a column has positive reduced worth in the master."""
-        paid = column.paid(duals.targets) + duals.kinds[column.kind]
+        paid = column.paid(duals.targets) + self._cuts.paid(column.targets, duals.cuts)
+        paid += duals.kinds[column.kind]
         return bool(column.worth - paid > ATTRACTIVE * self._largest)
 
     def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
@@ -223,40 +319,44 @@ class ColumnProof:
             return False
         return self._attracts(duals, column)
 
-    def _by_beams(self, duals: Duals, multipliers: np.ndarray) -> bool:
+    def _by_beams(self, duals: Duals, multipliers: Multipliers) -> bool:
         """Whether beams find routes with positive reduced worth."""
         found = 0
         for number, kind in enumerate(self._problem.kinds):
             for _ in range(BEAMS):
                 if self._over():
                     break
-                route = by_beam(kind.mission, multipliers, self._rng, self._stop)
+                route = by_beam(kind.mission, multipliers.targets, self._rng, self._stop)
                 found += self._keep(duals, number, route)
         self._columns += found
         return found > 0
 
     def _by_few_labels(
-        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+        self, duals: Duals, multipliers: Multipliers, enough: Callable[[], bool]
     ) -> bool:
         """Whether heuristic label searches find routes with positive reduced worth."""
         found = 0
         for number, pricing in enumerate(self._pricing):
             least = float(duals.kinds[number]) + ATTRACTIVE * self._largest
             keep = partial(self._keep, duals, number)
-            found += len(pricing.quickly(multipliers, least, FIRST_LABELS, enough, keep))
+            found += len(pricing.quickly(multipliers.targets, least, FIRST_LABELS, enough, keep))
         self._columns += found
         return found > 0
 
     def _by_labels(
-        self, duals: Duals, multipliers: np.ndarray, enough: Callable[[], bool]
+        self, duals: Duals, multipliers: Multipliers, enough: Callable[[], bool]
     ) -> tuple[bool, float]:
         """Whether exact label searches find such routes, and their bound; +inf if they gave up."""
-        bound, new = self._problem.limits.total(multipliers), False
+        bound, new = self._problem.limits.total(multipliers.targets), False
+        bound += math.fsum(multipliers.cuts)
+        known = bound + math.fsum(self._counts * duals.kinds)
+        # All routes of use are not needed, but none above what lowers the bound enough.
+        above = max((self._target(duals) - known) / sum(self._counts), ATTRACTIVE * self._largest)
         for number, pricing in enumerate(self._pricing):
             paid = float(duals.kinds[number])
             finished, routes = pricing.search(
-                multipliers,
-                paid + ATTRACTIVE * self._largest,
+                multipliers.targets,
+                paid + above,
                 self._labels,
                 enough,
                 partial(self._keep, duals, number),
@@ -269,7 +369,7 @@ class ColumnProof:
     @property
     def multipliers(self) -> np.ndarray:
         """Multipliers of the best bound so far, shape (bodies,)."""
-        return self._centre
+        return self._centre.targets
 
     @property
     def counters(self) -> dict[str, float]:
@@ -277,6 +377,7 @@ class ColumnProof:
         return {
             "evaluations": self._descent.evaluations,
             "columns": self._columns,
+            "cuts": len(self._cuts.rows),
             "searches": sum(pricing.searches for pricing in self._pricing),
             "labels": self._labels_made,
         }

@@ -16,6 +16,7 @@ from enum import Enum
 import numpy as np
 from scipy.optimize import LinearConstraint
 
+from adr_opt.mission.evidence import Cut
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.plan.station_limits import Use
 
@@ -86,6 +87,13 @@ class Finish:
         self._problem = problem
         self._searches = tuple(Search(bound, start=start, all_sets=True) for bound, start in bounds)
         self._largest = float(problem.planning_prizes.max(initial=0.0)) or 1.0
+        self._cuts = 0.0
+
+    def cut(self, cuts: Sequence[Cut]) -> None:
+        """Make routes pay for cuts, which of all their targets are known to them."""
+        self._cuts = math.fsum(cut.multiplier for cut in cuts)
+        for search in self._searches:
+            search.cut(cuts, forgetful=False)
 
     @property
     def labels_made(self) -> int:
@@ -108,7 +116,7 @@ class Finish:
         goal : float
         multipliers : (bodies,) float64
         most_worth : (kinds,) float64
-            Proven: no route of a kind is worth more, less these multipliers.
+            Proven: no route of a kind is worth more, less these multipliers and those of cuts.
         most_labels : int
             Maximum number of labels; beyond it, give up.
         enough : callable
@@ -117,7 +125,7 @@ class Finish:
             How much time is left, for the packing: asked when it begins [s].
         """
         counts = [len(kind.chasers) for kind in self._problem.kinds]
-        total = self._problem.limits.total(multipliers)
+        total = self._problem.limits.total(multipliers) + self._cuts
         bound = math.fsum([total, *(counts * most_worth)])
         routes: list[tuple[int, tuple[int, ...]]] = []
         for kind, search in enumerate(self._searches):

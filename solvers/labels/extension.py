@@ -31,6 +31,7 @@ from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
+from .row_cuts import CutTolls, count_row, toll_at
 from .waiting import FINE, Candidate, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
@@ -108,6 +109,8 @@ class LabelQuery(NamedTuple):
         Most worth that is still to be had, where it is.
     reach_unit : float
         Worth of a unit of these values.
+    cuts : CutTolls or None
+        What walks pay at a second row; completion values know nothing of it.
     """
 
     values: CompletionValues
@@ -128,6 +131,7 @@ class LabelQuery(NamedTuple):
     least_worth: float
     reach: CompletionValues
     reach_unit: float
+    cuts: CutTolls | None
 
 
 class RowOrder(NamedTuple):
@@ -281,6 +285,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
     network, search, labels = borrowed(network), borrowed(search), borrowed(labels)
     waiting, pending = borrowed(waiting), borrowed(pending)
     body, order = rows
+    cuts = search.cuts
     words = search.neighbourhood.shape[1]
     counts = search.most_visits < search.gain.size
     timed = network.end.size > 0
@@ -293,7 +298,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
         i = body[row]
         while next_of(pending, row) >= 0:
             if not arrive(
-                waiting, labels, i, next_of(pending, row), search.compared[i], search.loads
+                waiting, labels, i, next_of(pending, row), search.compared[i], search.loads, cuts
             ):
                 return CROWDED
             take(pending, row, words)
@@ -312,11 +317,13 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
             if not to_station and has.serviced == search.most_visits:
                 continue
             value, collected = labels.value[here], labels.worth[here] + search.worths[j]
+            value -= toll_at(cuts, labels, here, search.neighbourhood, j)
             begin, end = _useful(network, search, row, value, has, collected, behind)
             if begin >= end:
                 continue
             for w in range(words):
                 remembered[w] = labels.memory[here, w] & search.neighbourhood[j, w]
+            count_row(cuts, remembered, j)
             if behind >= 0:
                 remembered[i // WORD] |= 1 << (i % WORD)
             for leg in range(begin, end):
@@ -331,11 +338,11 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 cursor[2] += 1
                 candidate = Candidate(most, then, collected)
                 if is_dominated(
-                    waiting, labels, j, candidate, remembered, compared, search.loads
-                ):  # fmt: skip
+                    waiting, labels, j, candidate, remembered, compared, search.loads, cuts
+                ):
                     continue
                 preceded = is_preceded(
-                    pending, landing, labels, candidate, remembered, compared, search.loads
+                    pending, landing, labels, candidate, remembered, compared, search.loads, cuts
                 )
                 # A label ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.

@@ -10,13 +10,13 @@ is a plan, legal to the last digit.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from adr_opt.common.tolerance import ROUNDED
 from adr_opt.kernels.rules.loads import KITS_BIT
-from adr_opt.mission.evidence import WORD
+from adr_opt.mission.evidence import Cut
 
 from ..walks.walks import WalkBound
 from .extension import (
@@ -32,6 +32,7 @@ from .extension import (
 )
 from .ng_augmentation import WalkThreshold, learn, most_of, path_of, plans_of
 from .pending import more_room, pending_room, send
+from .row_cuts import CutTolls, remember_cuts, tolls_of, words_for
 from .waiting import FINE, Labels, labels_room, larger, room
 
 EFFORT = 200_000
@@ -98,7 +99,7 @@ class LabelSearch:
         self.greatest_prize = bound.greatest_prize
         network = bound.network
         bodies = bound.prize.size
-        words = (bodies - 1) // WORD + 1
+        words = words_for(bodies)
         self.neighbourhood = np.full((bodies, words), -1 if all_sets else 0, dtype=np.int64)
         self.compared = np.full_like(self.neighbourhood, -1)
         self._values = self._reach = table_of(bound)
@@ -121,6 +122,31 @@ class LabelSearch:
         self.total = 0.0
         self.multipliers = np.zeros(bodies)
         self._unit = bound.unit * 2.0**-FINE
+        self._cuts: CutTolls | None = None
+
+    def cut(self, cuts: Sequence[Cut], *, forgetful: bool = True) -> None:
+        """Make walks pay at second rows of cuts from now on.
+
+        Parameters
+        ----------
+        cuts : sequence of Cut
+            In place of those before.
+        forgetful : bool
+            Whether walks remember rows within the memory of a cut only.
+        """
+        bodies = self._gain.size
+        words = words_for(bodies, len(cuts))
+        if words != self.neighbourhood.shape[1]:
+            self.neighbourhood, self.compared = (
+                _in_words(masks, bodies, words) for masks in (self.neighbourhood, self.compared)
+            )
+            self._labels = labels_room(self._labels.row.size, words, timed=self._timed)
+        everywhere = frozenset(range(bodies))
+        kept = [each if forgetful else each._replace(memory=everywhere) for each in cuts]
+        remember_cuts(self.neighbourhood, kept, bodies)
+        self._cuts = tolls_of(cuts, bodies, words, self._unit)
+        if self._cuts is not None:
+            self.compared &= ~self._cuts.bits
 
     def use(self, multipliers: np.ndarray) -> float:
         """Compute completion values for some multipliers, with the resulting bound."""
@@ -184,7 +210,7 @@ class LabelSearch:
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
             bound.budget, bound.loads, bound.most_targets, price, bool(price.any()),
             bound.time_price / self._unit, float(bound.since[self._start]), need, self._worths,
-            self.least_worth, self._reach, self._reach_unit,
+            self.least_worth, self._reach, self._reach_unit, self._cuts,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
@@ -302,3 +328,11 @@ class LabelSearch:
         )
         sequence = path[:length].copy() if length >= 0 else None
         return True, best * self._unit + self.total, sequence, int(grown)
+
+
+def _in_words(masks: np.ndarray, bodies: int, words: int) -> np.ndarray:
+    """Masks of bodies in another number of words, with no other bits."""
+    found = np.zeros((masks.shape[0], words), dtype=np.int64)
+    kept = words_for(bodies)
+    found[:, :kept] = masks[:, :kept]
+    return found

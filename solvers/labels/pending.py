@@ -67,7 +67,7 @@ def more_room(pending: Pending, words: int) -> Pending:
 
 
 @kernel
-def is_preceded(pending, row, labels, candidate, memory, compared, loads):
+def is_preceded(pending, row, labels, candidate, memory, compared, loads, cuts):
     """Whether a pending label at a row dominates a candidate there."""
     left, value = candidate.resources.left, candidate.value
     block = pending.first[row]
@@ -77,8 +77,9 @@ def is_preceded(pending, row, labels, candidate, memory, compared, loads):
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, pending.label[block * LANES + lane], candidate, memory, compared, loads
-            ):
+                labels, pending.label[block * LANES + lane], candidate, memory, compared, loads,
+                cuts,
+            ):  # fmt: skip
                 return True
             lane += 1
         block = pending.following[block]

@@ -15,6 +15,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules.loads import kits_in, services_in
 from adr_opt.kernels.rules.resources import Resources
+from adr_opt.mission.evidence import WORD
 
 from ..networks import simd
 
@@ -47,7 +48,8 @@ class Labels(NamedTuple):
         Worth of the targets serviced, where ΔV is paid for, or their number, where all sets of
         targets are told apart; else 0.
     memory : (labels, words) int64
-        Bit j % 63 of word j // 63: may not go to target j.
+        Bit j % 63 of word j // 63: may not go to target j; and after those of all bodies, one for
+        each cut of which a row is serviced, see :mod:`.row_cuts`.
     """
 
     row: np.ndarray
@@ -155,10 +157,11 @@ def candidate_of(labels, label, loads):
 
 
 @inlined
-def dominates(labels, one, other, memory, compared, loads):
+def dominates(labels, one, other, memory, compared, loads, cuts):
     """Whether a label dominates a candidate: at least equal worth and resources, no more memory.
 
-    Of the memory only the targets in ``compared`` count.
+    Of the memory only the targets in ``compared`` count. Its worth has to be enough for the tolls
+    that it alone owes, too.
     """
     if labels.value[one] < other.value or labels.worth[one] < other.worth:
         return False
@@ -167,7 +170,15 @@ def dominates(labels, one, other, memory, compared, loads):
     beyond = 0
     for w in range(memory.size):
         beyond |= labels.memory[one, w] & ~memory[w] & compared[w]
-    return beyond == 0
+    if cuts is None or beyond != 0:
+        return beyond == 0
+    lead = labels.value[one] - other.value
+    for w in range(memory.size):
+        owed = labels.memory[one, w] & ~memory[w] & cuts.bits[w]
+        while owed:
+            lead -= cuts.toll[w * WORD + simd.lowest_bit(owed)]
+            owed &= owed - 1
+    return lead >= 0
 
 
 @inlined
@@ -201,7 +212,7 @@ def fill_lane(keys, at, stride, labels, label):
 
 
 @kernel
-def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
+def is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
     """Whether a label waiting at body j dominates a candidate."""
     left, value = candidate.resources.left, candidate.value
     capacity = waiting.label.shape[1]
@@ -211,7 +222,7 @@ def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, waiting.label[j, k + lane], candidate, memory, compared, loads
+                labels, waiting.label[j, k + lane], candidate, memory, compared, loads, cuts
             ):
                 return True
             lane += 1
@@ -219,7 +230,7 @@ def is_dominated(waiting, labels, j, candidate, memory, compared, loads):
 
 
 @kernel
-def _drop_dominated(waiting, labels, j, label, compared, loads):
+def _drop_dominated(waiting, labels, j, label, compared, loads, cuts):
     """Mark labels at body j that are dominated by a new label."""
     capacity = waiting.label.shape[1]
     memory = labels.memory[label]
@@ -240,7 +251,7 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
                     labels, label, candidate_of(labels, other, loads), labels.memory[other],
-                    compared, loads,
+                    compared, loads, cuts,
                 ):  # fmt: skip
                     waiting.label[j, k + lane] = -1
                     waiting.keys[base + k + lane] = NOBODY
@@ -248,7 +259,7 @@ def _drop_dominated(waiting, labels, j, label, compared, loads):
 
 
 @kernel
-def arrive(waiting, labels, j, label, compared, loads):
+def arrive(waiting, labels, j, label, compared, loads, cuts):
     """Add a label at body j unless dominated, and remove those that it dominates.
 
     Parameters
@@ -256,6 +267,7 @@ def arrive(waiting, labels, j, label, compared, loads):
     compared : (words,) int64
         Targets by whose memory labels are told apart there.
     loads : Loads or None
+    cuts : CutTolls or None
 
     Returns
     -------
@@ -264,12 +276,12 @@ def arrive(waiting, labels, j, label, compared, loads):
     """
     memory = labels.memory[label]
     candidate = candidate_of(labels, label, loads)
-    if is_dominated(waiting, labels, j, candidate, memory, compared, loads):
+    if is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
     if at == capacity:
         return False
-    _drop_dominated(waiting, labels, j, label, compared, loads)
+    _drop_dominated(waiting, labels, j, label, compared, loads, cuts)
     base = j * (2 + 2 * memory.size) * capacity + at
     waiting.label[j, at] = label
     fill_lane(waiting.keys, base, capacity, labels, label)

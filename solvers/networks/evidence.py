@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from adr_opt.mission.evidence import WORD, Evidence, Walks
+from adr_opt.mission.evidence import WORD, Cut, Evidence, Walks
 
 
 def evidence_of(
@@ -16,6 +16,7 @@ def evidence_of(
     most: Sequence[float],
     neighbourhoods: Sequence[np.ndarray] | None,
     slot_m_s: float,
+    cuts: Sequence[Cut] = (),
 ) -> Evidence:
     """The evidence of a bound.
 
@@ -30,18 +31,21 @@ def evidence_of(
         What the walks of each kind remember, as labels have it; by default where they come from.
     slot_m_s : float
         [m/s].
+    cuts : sequence of Cut
+        What walks pay for, too.
     """
     there = [
         len(them) * value for them, value in zip(chasers, most, strict=True) if value > -math.inf
     ]
     # Where there is no walk there is no plan either: less than nothing is collected together.
     none = -1.0 - math.fsum(multipliers) - math.fsum(there)
+    none -= math.fsum(cut.multiplier for cut in cuts)
     words = [None] * len(chasers) if neighbourhoods is None else neighbourhoods
     walks = tuple(
         Walks(them, value if value > -math.inf else none, _as_bits(each, multipliers.size))
         for them, value, each in zip(chasers, most, words, strict=True)
     )
-    return Evidence(np.array(multipliers), walks, slot_m_s)
+    return Evidence(np.array(multipliers), walks, slot_m_s, cuts=tuple(cuts))
 
 
 def _as_bits(words: np.ndarray | None, bodies: int) -> np.ndarray:

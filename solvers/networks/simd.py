@@ -169,3 +169,14 @@ covers = _mask(
     lambda builder, a, b: builder.icmp_signed("==", builder.and_(a, b), b),
     "The lanes where a has all bits of b, as bits of a number.",
 )
+
+
+@intrinsic
+def lowest_bit(typing, number):
+    """Position of the lowest bit that is set in a number, which is not 0."""
+
+    def code(context, builder, signature, values):
+        wide = context.cast(builder, values[0], signature.args[0], types.int64)
+        return builder.cttz(wide, ir.Constant(ir.IntType(1), 1))
+
+    return types.int64(number), code

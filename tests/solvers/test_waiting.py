@@ -5,6 +5,7 @@ import pytest
 
 from adr_opt.kernels.rules.loads import KITS_BIT, Loads
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
+from solvers.labels.row_cuts import CutTolls
 from solvers.labels.waiting import (
     Labels,
     Waiting,
@@ -47,15 +48,32 @@ def carrying(what: str) -> Loads | None:
     return Loads(3000.0, kits, full, full, nothing, nothing, what == "weights", flown)
 
 
+def random_tolls(rng: np.random.Generator, words: int) -> CutTolls:
+    """Tolls of cuts, some of them nothing, whose bits are a part of those of memories."""
+    bits = rng.integers(0, 2**62, words)
+    toll = rng.integers(0, 3, 63 * words) << 15
+    return CutTolls(np.zeros((2, words), np.int64), bits, toll)
+
+
+def owed_more(labels: Labels, one: int, other: int, cuts: CutTolls) -> int:
+    """Sum of the tolls of the bits that one label has and another has not."""
+    beyond = labels.memory[one] & ~labels.memory[other] & cuts.bits
+    return sum(
+        int(cuts.toll[at]) for at in range(63 * beyond.size) if beyond[at // 63] >> at % 63 & 1
+    )
+
+
 def dominates(
-    labels: Labels, one: int, other: int, compared: np.ndarray, what: str = "nothing"
-) -> bool:
+    labels: Labels, one: int, other: int, compared: np.ndarray, what: str = "nothing",
+    cuts: CutTolls | None = None,
+) -> bool:  # fmt: skip
     """Whether one label dominates another, written once more."""
     services, kits = labels.visits & ((1 << KITS_BIT) - 1), labels.visits >> KITS_BIT
     more = int(kits[one]) - int(kits[other])
     return bool(
         (what == "nothing" or more == 0 or (what == "counts" and more > 0))
-        and labels.value[one] >= labels.value[other]
+        and labels.value[one] - (0 if cuts is None else owed_more(labels, one, other, cuts))
+        >= labels.value[other]
         and labels.left[one] >= labels.left[other]
         and services[one] <= services[other]
         and labels.worth[one] >= labels.worth[other]
@@ -71,7 +89,8 @@ def waits(waiting: Waiting, body: int) -> set[int]:
 @pytest.mark.parametrize("what", ["nothing", "counts", "weights"])
 @pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize("words", [1, 2])
-def test_exactly_those_wait_that_none_dominates(words, whole, what):
+@pytest.mark.parametrize("tolled", [False, True])
+def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
     """A list holds the labels that no other one dominates by the memory compared, as it grows."""
     rng = np.random.default_rng(words)
     labels = random_labels(rng, words)
@@ -79,19 +98,24 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
     if loads is not None:
         labels = with_kits(labels, rng)
     compared = np.full(words, -1) if whole else rng.integers(0, 2**62, words)
+    cuts = random_tolls(rng, words) if tolled else None
+    if cuts is not None:
+        compared &= ~cuts.bits
     waiting = room(2, words, 16)
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
         candidate, memory = candidate_of(labels, label, loads), labels.memory[label]
-        dominated = any(dominates(labels, other, label, compared, what) for other in alive)
-        assert dominated == is_dominated(waiting, labels, 1, candidate, memory, compared, loads)
-        if not arrive(waiting, labels, 1, label, compared, loads):
+        dominated = any(dominates(labels, other, label, compared, what, cuts) for other in alive)
+        assert dominated == is_dominated(
+            waiting, labels, 1, candidate, memory, compared, loads, cuts
+        )
+        if not arrive(waiting, labels, 1, label, compared, loads, cuts):
             waiting = larger(waiting, words)
-            assert arrive(waiting, labels, 1, label, compared, loads)
+            assert arrive(waiting, labels, 1, label, compared, loads, cuts)
         refused += dominated
         if not dominated:
-            beaten = {n for n in alive if dominates(labels, label, n, compared, what)}
+            beaten = {n for n in alive if dominates(labels, label, n, compared, what, cuts)}
             alive = alive - beaten | {label}
         assert waits(waiting, 1) == alive
         if label % 37 == 0:
@@ -103,19 +127,23 @@ def test_exactly_those_wait_that_none_dominates(words, whole, what):
 
 
 @pytest.mark.parametrize("words", [1, 2])
-def test_all_that_are_sent_arrive_and_precede_others_until_then(words):
+@pytest.mark.parametrize("tolled", [False, True])
+def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
     """Labels on their way to a row are compared with what goes there, and each arrives once."""
     rng = np.random.default_rng(words)
     labels = random_labels(rng, words)
-    rows, compared = 5, np.full(words, -1)
+    cuts = random_tolls(rng, words) if tolled else None
+    rows, compared = 5, np.full(words, -1) if cuts is None else ~cuts.bits
     pending, grown = pending_room(rows, words, 1), 0
     under_way: list[set[int]] = [set() for _ in range(rows)]
     for label in range(LABELS):
         row = int(rng.integers(rows))
-        preceded = any(dominates(labels, other, label, compared) for other in under_way[row])
+        preceded = any(
+            dominates(labels, other, label, compared, cuts=cuts) for other in under_way[row]
+        )
         assert preceded == is_preceded(
             pending, row, labels, candidate_of(labels, label, None), labels.memory[label],
-            compared, None,
+            compared, None, cuts,
         )  # fmt: skip
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1

@@ -55,6 +55,7 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
                 f"field walks[{number}].worth_per_m_s: walks pay for ΔV only where time_step_s is "
                 "given"
             )
+    _check_cuts(instance, certificate)
     stated = sorted(name for walks in certificate.walks for name in walks.chasers)
     if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
         raise InputError("field walks: must name every chaser of the instance once")
@@ -70,6 +71,29 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
                 f"field prize_step = {step!r}: the prize of {target.name!r}, {target.prize!r}, is "
                 "no multiple of it"
             )
+
+
+def _check_cuts(instance: Instance, certificate: Certificate) -> None:
+    """Check that cuts name targets and bodies, and that walks are gone through that pay for them.
+
+    Raises
+    ------
+    InputError
+        They do not, or are not.
+    """
+    bodies, targets = set(instance.names), {target.name for target in instance.targets}
+    for number, cut in enumerate(certificate.cuts):
+        where = f"field cuts[{number}]"
+        strange = set(cut.targets) - targets
+        if strange:
+            raise InputError(f"{where}.targets: {min(strange)!r} is not a target of the instance")
+        if len(set(cut.targets)) < len(cut.targets):
+            raise InputError(f"{where}.targets: must be three different targets")
+        strange = set(cut.memory) - bodies
+        if strange:
+            raise InputError(f"{where}.memory: {min(strange)!r} is not a body of the instance")
+    if certificate.cuts and certificate.time_step_s is not None:
+        raise InputError("field cuts: walks in steps pay for none")
 
 
 def _is_multiple(prize: Fraction, step: Fraction) -> bool:
@@ -112,8 +136,8 @@ def bound_of(instance: Instance, certificate: Certificate) -> float:
     """Upper bound on plans if the walks' claims hold; −inf if there is no plan.
 
     Every plan is worth less than the sum of the multipliers, each as often as its body may be gone
-    to, and, for each chaser, the most of its walks. What its required targets are worth beyond
-    their prizes goes off that. Or it is what :mod:`.floors` prove.
+    to, of those of the cuts, and, for each chaser, of the most of its walks. What its required
+    targets are worth beyond their prizes goes off that. Or it is what :mod:`.floors` prove.
     """
     trivial = trivial_bound(instance)
     if certificate.floors is not None:
@@ -123,6 +147,7 @@ def bound_of(instance: Instance, certificate: Certificate) -> float:
     often = how_often(instance)
     paid = (often[name] * Fraction(each) for name, each in certificate.multipliers.items())
     below = sum(paid, Fraction(0))
+    below += sum((Fraction(cut.multiplier) for cut in certificate.cuts), Fraction(0))
     below += sum(
         (len(walks.chasers) * Fraction(walks.most) for walks in certificate.walks), Fraction(0)
     )

@@ -4,9 +4,10 @@ A *label* is the beginning of a walk: where it is and since when, exact ΔV left
 it has collected, how many targets it has serviced, and which it remembers. Labels are gone through
 in order of time. One is dropped if another one at its body is there no later, has as much left, has
 collected as much with no more services, and remembers nothing else: whatever the one can do later
-the other can, if it has as many kits, or more of kits that weigh nothing. And one is not made whose
-value and the most that is still to be had (:mod:`.ahead`) together stay below what is asked for. If
-labels run out, no walk collects as much.
+the other can, if it has as many kits, or more of kits that weigh nothing. Where there are cuts
+(:mod:`.cuts`) it also has to have collected enough to pay for those that it alone has serviced an
+odd number of rows of. And one is not made whose value and the most that is still to be had
+(:mod:`.ahead`) together stay below what is asked for. If labels run out, no walk collects as much.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ...common.constants import SLACK_S
 from ...kernels.core.compile import inlined, kernel
 from .ahead import still
 from .cargo import after_service, is_unused
+from .cuts import Tolls, sum_of, toll_for
 
 FINE = 30
 """Extra bits of precision of collected amounts over those of values."""
@@ -45,6 +47,8 @@ class WalkLabels(NamedTuple):
         Collected [fine units].
     memory : (labels, words) int64
         Bit j % 63 of word j // 63: may not go to target j.
+    odd : (labels, cut words) int64
+        Cuts of which an odd number of services is remembered.
     following : (labels,) int64
         Next label that will be ready in the same step, −1 for none.
     head : (steps + 1,) int64
@@ -59,6 +63,7 @@ class WalkLabels(NamedTuple):
     left: npt.NDArray[np.float64]
     value: npt.NDArray[np.int64]
     memory: npt.NDArray[np.int64]
+    odd: npt.NDArray[np.int64]
     following: npt.NDArray[np.int64]
     head: npt.NDArray[np.int64]
 
@@ -75,6 +80,7 @@ class KeptLabels(NamedTuple):
     value : (places, room) int64
     visits, came_from : (places, room) int32
     memory : (places, words, room) int64
+    odd : (places, cut words, room) int64
     """
 
     size: npt.NDArray[np.int64]
@@ -83,6 +89,7 @@ class KeptLabels(NamedTuple):
     visits: npt.NDArray[np.int32]
     came_from: npt.NDArray[np.int32]
     memory: npt.NDArray[np.int64]
+    odd: npt.NDArray[np.int64]
 
 
 class Question(NamedTuple):
@@ -98,12 +105,15 @@ class Question(NamedTuple):
         What a walk that comes to a body still remembers.
     counts : bool
         Whether services are to be counted.
+    tolls : Tolls
+        Of cuts [fine units].
     """
 
     gain: npt.NDArray[np.int64]
     need: int
     neighbourhoods: npt.NDArray[np.int64]
     counts: bool
+    tolls: Tolls
 
 
 @inlined
@@ -119,21 +129,49 @@ def _first_at(times, time):
     return low
 
 
+class Compared(NamedTuple):
+    """What a label is compared by at its body, but for the kits aboard.
+
+    Attributes
+    ----------
+    left : float
+    value, visits : int
+    memory : (words,) int64
+    odd : (cut words,) int64
+    """
+
+    left: float
+    value: int
+    visits: int
+    memory: npt.NDArray[np.int64]
+    odd: npt.NDArray[np.int64]
+
+
 @kernel
-def _is_dominated(cargo, kept, body, kits, left, value, visits, memory):
+def _is_dominated(cargo, tolls, kept, body, kits, label):
     """Whether an earlier label dominates a label at any number of kits."""
     place = body * cargo.full.size + kits
     # One with a kit more weighs more, and what it has left is worth less once that is gone.
     beyond = place + 1 if cargo.heavy else (body + 1) * cargo.full.size
-    for each in range(place, beyond):
-        if _is_dominated_at(kept, each, left, value, visits, memory):
+    for each in range(place, beyond):  # noqa: SIM110  no generators in kernels
+        if _is_dominated_at(kept, tolls, each, label):
             return True
     return False
 
 
+@inlined
+def _owing(tolls, odd, place, k, label):
+    """Tolls that a kept label may have to pay at once and another label does not."""
+    owing = np.int64(0)
+    for w in range(label.odd.size):
+        owing += sum_of(tolls, odd[place, w, k] & ~label.odd[w], w)
+    return owing
+
+
 @kernel
-def _is_dominated_at(kept, place, left, value, visits, memory):
+def _is_dominated_at(kept, tolls, place, label):
     """Whether a kept label at one place dominates a label."""
+    left, value, visits, memory = label.left, label.value, label.visits, label.memory
     words = memory.size
     lefts, values, counts = kept.left[place], kept.value[place], kept.visits[place]
     memories = kept.memory[place]
@@ -154,8 +192,15 @@ def _is_dominated_at(kept, place, left, value, visits, memory):
                     for w in range(words):
                         more |= memories[w, k] & ~memory[w]
                     found |= more == 0
-        if found:
+        if found and label.odd.size == 0:
             return True
+        if found:  # one of them, unless it is for the tolls
+            for k in range(begin, end):
+                better = lefts[k] >= left and values[k] >= value and counts[k] <= visits
+                for w in range(words):
+                    better = better and memories[w, k] & ~memory[w] == 0
+                if better and values[k] - _owing(tolls, kept.odd, place, k, label) >= value:
+                    return True
     return False
 
 
@@ -168,20 +213,27 @@ def _move(kept, place, k, to):
     kept.came_from[place, to] = kept.came_from[place, k]
     for w in range(kept.memory.shape[1]):
         kept.memory[place, w, to] = kept.memory[place, w, k]
+    for w in range(kept.odd.shape[1]):
+        kept.odd[place, w, to] = kept.odd[place, w, k]
 
 
 @kernel
-def _forget_poorer(kept, place, left, value, visits, memory):
+def _forget_poorer(kept, tolls, place, label):
     """Drop kept labels at a place that a newly ready label dominates.
 
     They were there before it, but for all that comes later both are there in time.
     """
     size = 0
     for k in range(kept.size[place]):
-        poorer = kept.left[place, k] <= left and kept.value[place, k] <= value
-        poorer = poorer and kept.visits[place, k] >= visits
-        for w in range(memory.size):
-            poorer = poorer and memory[w] & ~kept.memory[place, w, k] == 0
+        poorer = kept.left[place, k] <= label.left and kept.value[place, k] <= label.value
+        poorer = poorer and kept.visits[place, k] >= label.visits
+        for w in range(label.memory.size):
+            poorer = poorer and label.memory[w] & ~kept.memory[place, w, k] == 0
+        if poorer and label.odd.size:
+            owing = np.int64(0)
+            for w in range(label.odd.size):
+                owing += sum_of(tolls, label.odd[w] & ~kept.odd[place, w, k], w)
+            poorer = label.value - owing >= kept.value[place, k]
         if not poorer:
             _move(kept, place, k, size)
             size += 1
@@ -212,22 +264,21 @@ def _rest(cargo, to_station, j, kits, left):
 
 
 @kernel
-def _extend(legs, ahead, question, labels, kept, count, label, memory):
+def _extend(legs, ahead, question, labels, kept, count, label):
     """Extend a label by all its legs; returns the new number of labels.
 
     Parameters
     ----------
     count : int
         Labels made so far.
-    memory : (words,) int64
-        Desk.
 
     Returns
     -------
     count : int
         Less than 0 if there is no room for all: those made already will dominate their doubles.
     """
-    bodies, words = question.gain.size, memory.size
+    memory, odd = np.empty_like(labels.memory[label]), np.empty_like(labels.odd[label])
+    bodies, words, tolls = question.gain.size, memory.size, question.tolls
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
     kits, cargo, head = labels.kits[label], legs.terms.cargo, labels.head
     came_from = np.int32(-1) if legs.terms.is_station[i] else i
@@ -245,6 +296,9 @@ def _extend(legs, ahead, question, labels, kept, count, label, memory):
             continue
         aboard = kits - cargo.takes[j]
         value = labels.value[label] + question.gain[j]
+        value -= toll_for(tolls, labels.odd[label], j)
+        for w in range(odd.size):
+            odd[w] = labels.odd[label, w] & tolls.memory[j, w] ^ tolls.rows[j, w]
         visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
         for w in range(words):
             memory[w] = labels.memory[label, w] & question.neighbourhoods[j, w]
@@ -270,7 +324,8 @@ def _extend(legs, ahead, question, labels, kept, count, label, memory):
             most = still(ahead, step, j, aboard, rest, came_from)
             if value + (most << FINE) < question.need:
                 continue
-            if _is_dominated(cargo, kept, j, aboard, rest, value, visits, memory):
+            reached = Compared(rest, value, visits, memory, odd)
+            if _is_dominated(cargo, tolls, kept, j, aboard, reached):
                 continue
             if count == labels.body.size:
                 return -count
@@ -280,6 +335,8 @@ def _extend(legs, ahead, question, labels, kept, count, label, memory):
             labels.value[count] = value
             for w in range(words):
                 labels.memory[count, w] = memory[w]
+            for w in range(odd.size):
+                labels.odd[count, w] = odd[w]
             labels.following[count], head[step] = head[step], count
             count += 1
     return count
@@ -302,8 +359,7 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
         NONE if labels have run out, FOUND if one of them collects as much as is asked for, FULL if
         there is no room.
     """
-    cargo, head = legs.terms.cargo, labels.head
-    memory = np.empty(labels.memory.shape[1], np.int64)
+    cargo, head, tolls = legs.terms.cargo, labels.head, question.tolls
     while cursor[0] < head.size:
         step = cursor[0]
         if cursor[3] < 0:
@@ -327,33 +383,30 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
         while cursor[2] < cursor[3]:
             label = ready[cursor[2]]
             body, kits = labels.body[label], labels.kits[label]
-            if not _is_dominated(
-                cargo, kept, body, kits, labels.left[label], labels.value[label],
-                labels.visits[label], labels.memory[label],
-            ):  # fmt: skip
+            own = Compared(
+                labels.left[label], labels.value[label], labels.visits[label],
+                labels.memory[label], labels.odd[label],
+            )  # fmt: skip
+            if not _is_dominated(cargo, tolls, kept, body, kits, own):
                 ends = legs.terms.may_end[body] and not is_unused(cargo, kits)
-                if ends and labels.value[label] >= question.need:
+                if ends and own.value >= question.need:
                     return FOUND
                 place = body * cargo.full.size + kits
-                for w in range(memory.size):
-                    memory[w] = labels.memory[label, w]
-                _forget_poorer(
-                    kept, place, labels.left[label], labels.value[label], labels.visits[label],
-                    memory,
-                )  # fmt: skip
+                _forget_poorer(kept, tolls, place, own)
                 at = kept.size[place]
                 if at == kept.left.shape[1]:
                     return FULL
-                count = _extend(legs, ahead, question, labels, kept, cursor[1], label, memory)
+                count = _extend(legs, ahead, question, labels, kept, cursor[1], label)
                 cursor[1] = abs(count)
                 if count < 0:
                     return FULL
-                kept.left[place, at] = labels.left[label]
-                kept.value[place, at] = labels.value[label]
-                kept.visits[place, at] = labels.visits[label]
+                kept.left[place, at], kept.value[place, at] = own.left, own.value
+                kept.visits[place, at] = own.visits
                 kept.came_from[place, at] = labels.came_from[label]
-                for w in range(memory.size):
-                    kept.memory[place, w, at] = labels.memory[label, w]
+                for w in range(own.memory.size):
+                    kept.memory[place, w, at] = own.memory[w]
+                for w in range(own.odd.size):
+                    kept.odd[place, w, at] = own.odd[w]
                 kept.size[place] = at + 1
             cursor[2] += 1
         cursor[0] += 1

@@ -19,6 +19,7 @@ from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..check.verdict import check
 from .claim import bound_of, check_names, difference_of, gains
+from .cuts import cuts_of
 from .legs import legs_of
 from .rules import kept_apart, refuse_unknown
 from .sampling import Sampled, sample_connections
@@ -184,7 +185,8 @@ def _asked(
             gone += count
         else:
             legs = legs_of(instance, chaser, connecting)
-            reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s)
+            cuts = cuts_of(instance, certificate.cuts)
+            reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s, cuts)
             made += count
         if reached:
             said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"

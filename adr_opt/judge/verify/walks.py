@@ -19,6 +19,7 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from .ahead import look_ahead
 from .cargo import after_service
+from .cuts import NumberedCut, tolls_of
 from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Question, WalkLabels, search
 from .legs import Legs
 
@@ -49,6 +50,7 @@ def walks_reach(
     neighbourhoods: npt.NDArray[np.bool_],
     most: Fraction,
     slot_m_s: float,
+    cuts: tuple[NumberedCut, ...] = (),
 ) -> WalkAnswer:
     """Check whether a walk collects ``most``.
 
@@ -63,18 +65,22 @@ def walks_reach(
     slot_m_s : float
         In which ΔV is counted where labels look ahead: how many there are depends on it, and
         nothing else [m/s].
+    cuts : tuple of NumberedCut
+        What walks pay for at their second services.
     """
     ahead = look_ahead(legs, gains, slot_m_s)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
     unit = Fraction(ahead.unit) / (1 << FINE)
     worth = [max(math.ceil(gain / unit), -(2**58)) for gain in gains]
     need = min(max(math.floor(most / unit), -(2**60)), 2**60)
-    words = (len(gains) - 1) // WORD + 1
-    remembered = np.zeros((len(gains), words), dtype=np.int64)
+    of_bodies = (len(gains) - 1) // WORD + 1
+    remembered = np.zeros((len(gains), of_bodies), dtype=np.int64)
     for i, j in np.argwhere(neighbourhoods):
         remembered[i, j // WORD] |= 1 << (j % WORD)
     counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
-    question = Question(np.array(worth), need, remembered, counts)
+    tolls = tolls_of(cuts, len(gains), unit)
+    question = Question(np.array(worth), need, remembered, counts, tolls)
+    words = of_bodies, tolls.rows.shape[1]
     labels = _labels_room(FIRST_LABELS, words, ahead.last.size)
     kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
     cursor = _begin(legs, ahead.last, question, labels)
@@ -123,28 +129,30 @@ def _begin(
             labels.time[at], labels.left[at] = legs.terms.ready[body], left
             labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
             labels.value[at] = question.gain[body] if is_launch else 0
-            labels.memory[at] = 0
+            labels.memory[at], labels.odd[at] = 0, question.tolls.rows[body] if is_launch else 0
             step = int(np.searchsorted(last, legs.terms.ready[body] - SLACK_S))
             labels.following[at], labels.head[step] = labels.head[step], at
             at += 1
     return np.array([0, at, 0, -1])
 
 
-def _labels_room(size: int, words: int, steps: int) -> WalkLabels:
-    """Storage for labels, by the step they are ready in."""
+def _labels_room(size: int, words: tuple[int, int], steps: int) -> WalkLabels:
+    """Storage for labels, by the step they are ready in; with words of memory and of cuts."""
     body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
     value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
-    memory = np.empty((size, words), dtype=np.int64)
+    memory, odd = (np.empty((size, each), dtype=np.int64) for each in words)
     head = np.full(steps + 1, -1)
-    return WalkLabels(body, kits, visits, came_from, time, left, value, memory, following, head)
+    return WalkLabels(
+        body, kits, visits, came_from, time, left, value, memory, odd, following, head
+    )
 
 
-def _kept_room(places: int, words: int, size: int) -> KeptLabels:
+def _kept_room(places: int, words: tuple[int, int], size: int) -> KeptLabels:
     """Storage for labels kept for comparison."""
     visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
     return KeptLabels(
         np.zeros(places, dtype=np.int64), np.empty((places, size)),
         np.empty((places, size), dtype=np.int64), visits, came_from,
-        np.empty((places, words, size), dtype=np.int64),
+        *(np.empty((places, each, size), dtype=np.int64) for each in words),
     )  # fmt: skip

@@ -1,0 +1,106 @@
+"""Cuts of three targets, of which one route of a plan at most services two or more.
+
+Every route may be made to pay at its second service of such a row: the routes of a plan pay once
+together, at most. A walk may return to targets, so it pays at every even service, the second, the
+fourth and so on; and at a body outside the memory of the cut it forgets an odd one. Both only make
+it pay no more than a plan would: what holds for walks holds for plans.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...kernels.core.compile import inlined
+from ...plan.certificate import ProvenCut
+from ...problem.instance import Instance
+
+WORD = 63
+"""Number of cuts per integer."""
+
+
+class NumberedCut(NamedTuple):
+    """A cut, by numbers of bodies.
+
+    Attributes
+    ----------
+    rows, memory : tuple of int
+    multiplier : Fraction
+    """
+
+    rows: tuple[int, ...]
+    memory: tuple[int, ...]
+    multiplier: Fraction
+
+
+class Tolls(NamedTuple):
+    """What walks pay, with a bit c % 63 of word c // 63 for each cut c.
+
+    Attributes
+    ----------
+    rows, memory : (bodies, words) int64
+        Cuts that a body is a row of, and those that are remembered there.
+    toll : (words·63,) int64
+    """
+
+    rows: npt.NDArray[np.int64]
+    memory: npt.NDArray[np.int64]
+    toll: npt.NDArray[np.int64]
+
+
+def cuts_of(instance: Instance, cuts: Iterable[ProvenCut]) -> tuple[NumberedCut, ...]:
+    """The cuts of a certificate."""
+    number = {name: body for body, name in enumerate(instance.names)}
+    return tuple(
+        NumberedCut(
+            tuple(number[name] for name in cut.targets),
+            tuple(number[name] for name in cut.memory),
+            Fraction(cut.multiplier),
+        )
+        for cut in cuts
+    )
+
+
+def tolls_of(cuts: tuple[NumberedCut, ...], bodies: int, unit: Fraction) -> Tolls:
+    """Tolls in units, rounded down: in favour of walks."""
+    words = (len(cuts) + WORD - 1) // WORD
+    rows, memory = (np.zeros((bodies, words), dtype=np.int64) for _ in range(2))
+    toll = np.zeros(words * WORD, dtype=np.int64)
+    for number, cut in enumerate(cuts):
+        word, bit = number // WORD, np.int64(1) << (number % WORD)
+        rows[list(cut.rows), word] |= bit
+        memory[list(cut.memory), word] |= bit
+        toll[number] = min(math.floor(cut.multiplier / unit), 2**58)
+    return Tolls(rows, memory, toll)
+
+
+@inlined
+def sum_of(tolls: Any, bits: Any, word: Any) -> Any:
+    """Sum of the tolls whose bits are set in a word."""
+    total, at = np.int64(0), word * WORD
+    while bits:
+        if bits & 1:
+            total += tolls.toll[at]
+        bits >>= 1
+        at += 1
+    return total
+
+
+@inlined
+def toll_for(tolls: Any, odd: Any, j: Any) -> Any:
+    """What a walk pays for a service of j, which has made an odd number of services of some cuts.
+
+    Parameters
+    ----------
+    odd : (words,) int64
+        These cuts.
+    """
+    total = np.int64(0)
+    for w in range(odd.size):
+        total += sum_of(tolls, odd[w] & tolls.memory[j, w] & tolls.rows[j, w], w)
+    return total
