@@ -59,6 +59,10 @@ class Workspace(NamedTuple):
 
     Attributes
     ----------
+    before : (places + 1,) int64
+        Body before each position of an order.
+    room : (places + 1,) float64
+        Time between being ready there and having to be ready at the next body [s].
     tank : (connections,) float64
         By connection of a pair [m/s].
     parent : (connections,) int16
@@ -69,6 +73,8 @@ class Workspace(NamedTuple):
         Two places, for fronts that are tried.
     """
 
+    before: np.ndarray
+    room: np.ndarray
     tank: np.ndarray
     parent: np.ndarray
     parts: ParetoFront
@@ -89,7 +95,11 @@ def new_front(places):
 def new_workspace(connections):
     """Scratch arrays, large enough for any pair."""
     most = max(1, connections.total.max())
-    return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3), new_front(2))
+    places = connections.total.shape[0] + 1
+    return Workspace(
+        np.empty(places, np.int64), np.empty(places), np.empty(most), np.empty(most, np.int16),
+        new_front(3), new_front(2),
+    )  # fmt: skip
 
 
 @inlined
@@ -125,6 +135,55 @@ def put(front, place, size, time, tank, parent, via):
     return size + 1
 
 
+@inlined
+def arrives(connections, i, j, refuels, ready, tank, latest):
+    """The front of :func:`forwards` where it plainly is a single point, as is the one before.
+
+    Parameters
+    ----------
+    connections, i, j, refuels, latest
+        As of :func:`forwards`.
+    ready, tank : float
+        The point before: ready since [s], ΔV left [m/s].
+
+    Returns
+    -------
+    size : int
+        0 if the target cannot be reached, −1 where it takes a closer look, otherwise 1.
+    end, left : float
+        The point.
+    """
+    begin, total = connections.first[i, j], connections.total[i, j]
+    stop, size, at, left = begin + total, np.int64(-1), latest, 0.0
+    step, detour = connections.budget / STEPS, ready + connections.detour[i, j]
+    low = first_at(connections.departure, begin, stop, earliest_taken(ready))
+    place = total
+    if low < stop:
+        soonest = connections.departure[low] + connections.shortest[i, j]
+        if soonest <= latest:
+            place = first_by_end(connections, begin, total, soonest)
+    while place < total:
+        c = begin + connections.by_end[begin + place]
+        at = connections.end[c]
+        if at > latest:
+            place = total
+        elif c >= low and connections.delta_v[c] < tank:
+            left = tank - connections.delta_v[c]
+            break
+        else:
+            place += 1
+    if place == total:
+        if not refuels or detour > latest:
+            size = 0
+    # Neither does a later arrival have more left, nor one by a station.
+    elif left >= tank - connections.least[i, j] - step and (
+        not refuels
+        or (detour >= at and left + step >= connections.budget - connections.from_station[i, j])
+    ):
+        size = 1
+    return size, at, left
+
+
 @kernel
 def _fly(connections, i, j, here, at, latest, workspace, to):
     """Points reached by a pair's connections up to a time; returns their number.
@@ -146,7 +205,8 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
     # From a single point ΔV left need not be worked out beforehand; most searches end early.
     alone = size == 1
     point, high = 0, begin + total if alone else low
-    while not alone and high < begin + total and connections.departure[high] <= latest:
+    until = latest - connections.shortest[i, j]
+    while not alone and high < begin + total and connections.departure[high] <= until:
         while (
             point + 1 < size
             and earliest_taken(here.time[at, point + 1]) <= connections.departure[high]
@@ -155,11 +215,12 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
         workspace.tank[high - begin] = here.tank[at, point] - connections.delta_v[high]
         workspace.parent[high - begin] = point
         high += 1
-    if high == low:
+    if high == low or connections.departure[low] > until:
         return 0
+    soonest = connections.departure[low] + connections.shortest[i, j]
     most = here.tank[at, point] - connections.least[i, j] - step
     count, best = 0, -step
-    for place in range(first_by_end(connections, begin, total, connections.departure[low]), total):
+    for place in range(first_by_end(connections, begin, total, soonest), total):
         c = np.int64(connections.by_end[begin + place])
         end = connections.end[begin + c]
         if end > latest:
@@ -187,7 +248,8 @@ def _refuelled(connections, i, s, here, latest):
     if total == 0 or here.tank[i, size - 1] < connections.least[i, s]:
         return np.inf, 0
     ready = earliest_taken(here.time[i, 0])
-    for place in range(first_by_end(connections, begin, total, ready), total):
+    soonest = ready + connections.shortest[i, s]
+    for place in range(first_by_end(connections, begin, total, soonest), total):
         c = begin + connections.by_end[begin + place]
         if connections.end[c] > latest:
             break
@@ -261,7 +323,7 @@ def forwards(rules, connections, i, j, refuels, here, latest, workspace):
     if not refuels:
         return size
     for s in range(rules.stations):
-        if s == i:
+        if s == i or connections.total[i, s] == 0 or connections.total[s, j] == 0:
             continue
         full, point = _refuelled(connections, i, s, here, latest)
         if full == np.inf:
@@ -294,6 +356,16 @@ def take(source, at, destination, to):
         destination.time[to, a], destination.tank[to, a] = time, tank
         destination.parent[to, a] = source.parent[at, a]
         destination.via[to, a] = source.via[at, a]
+    return same
+
+
+@inlined
+def set_single(front, place, time, tank):
+    """Set a front of one point, reached straight; returns whether it was unchanged."""
+    same = front.size[place] == 1 and front.time[place, 0] == time and front.tank[place, 0] == tank
+    front.size[place] = 1
+    front.time[place, 0], front.tank[place, 0] = time, tank
+    front.parent[place, 0], front.via[place, 0] = 0, STRAIGHT
     return same
 
 

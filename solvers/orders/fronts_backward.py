@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
@@ -18,6 +18,51 @@ from .fronts import (
     first_by_end,
     put,
 )
+
+
+@inlined
+def leaves(connections, i, j, latest, needed, earliest):
+    """The front of :func:`backwards` where it plainly is a single point, as is the one after.
+
+    Parameters
+    ----------
+    connections, i, j, earliest
+        As of :func:`backwards`.
+    latest, needed : float
+        The point after: ready at the latest [s], ΔV needed [m/s].
+
+    Returns
+    -------
+    size : int
+        0 if nothing suffices, −1 where it takes a closer look, otherwise 1.
+    departure, tank : float
+        The point.
+    """
+    begin, total = connections.first[i, j], connections.total[i, j]
+    size, departure, tank = np.int64(-1), earliest, 0.0
+    step, detour = connections.budget / STEPS, latest - connections.detour[i, j]
+    until = latest - connections.shortest[i, j]
+    c = begin - 1
+    if total > 0 and until >= earliest:
+        c = first_at(connections.departure, begin, begin + total, until) - 1
+    while c >= begin:
+        departure = connections.departure[c]
+        tank = needed + connections.delta_v[c]
+        if departure < earliest:
+            c = begin - 1
+        elif connections.end[c] <= latest and tank < connections.budget:
+            break
+        else:
+            c -= 1
+    if c < begin:
+        if detour < earliest:
+            size = 0
+    # Neither does an earlier departure need less, nor one to a station.
+    elif tank <= needed + connections.least[i, j] + step and (
+        detour <= departure and tank <= connections.to_station[i, j] + step
+    ):
+        size = 1
+    return size, departure, tank
 
 
 @kernel
@@ -57,8 +102,9 @@ def _fly_back(connections, i, j, there, at, earliest, workspace, to):
         workspace.tank[which] = there.tank[at, point] + connections.delta_v[begin + which]
     least = there.tank[at, point] + connections.least[i, j] + step
     count, best = 0, budget + step
+    until = latest - connections.shortest[i, j]
     for c in range(
-        first_at(connections.departure, begin, begin + total, latest) - begin - 1, -1, -1
+        first_at(connections.departure, begin, begin + total, until) - begin - 1, -1, -1
     ):
         departure = connections.departure[begin + c]
         if departure < earliest:
@@ -80,9 +126,8 @@ def _needed_full(connections, s, j, there, earliest):
     there = borrowed(there)
     begin, total = connections.first[s, j], connections.total[s, j]
     size, latest = there.size[j], there.time[j, 0]
-    for c in range(
-        first_at(connections.departure, begin, begin + total, latest) - 1, begin - 1, -1
-    ):
+    until = latest - connections.shortest[s, j]
+    for c in range(first_at(connections.departure, begin, begin + total, until) - 1, begin - 1, -1):
         if connections.departure[c] < earliest:
             break
         end = connections.end[c]
@@ -134,7 +179,7 @@ def backwards(rules, connections, i, j, there, earliest, workspace, to):
     count = _fly_back(connections, i, j, there, j, earliest, workspace, DIRECT)
     size = _merge_back(count, parts, 0, step, here, to)
     for s in range(rules.stations):
-        if s == i:
+        if s == i or connections.total[i, s] == 0 or connections.total[s, j] == 0:
             continue
         full = _needed_full(connections, s, j, there, earliest)
         if full == -np.inf:

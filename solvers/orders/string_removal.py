@@ -47,6 +47,10 @@ of it than their prize is worth, and time saved for nothing makes no order bette
 NEIGHBOURS = 3
 """Number of nearest targets whose mean distance defines the remoteness of a target."""
 
+BY_ABSENCE, BY_REMOTENESS, BY_PRIZE = 0.3, 0.5, 0.8
+"""Cumulative shares of the orders in which missing targets are reinserted: those missing most often
+first, the remotest, those of most prize; the rest are random."""
+
 PATIENCE = 0.99
 """Factor per iteration on the memory of missing targets."""
 
@@ -128,26 +132,34 @@ def ruin(order, length, near, rng):
 @kernel
 def _recreate(rules, connections, around, course, length, workspace, rng):
     """Reinsert missing targets as far as they fit; returns the number of visits, or −1."""
-    order, far, absent = course.order, around.far, around.absent
+    rules, connections, around = borrowed(rules), borrowed(connections), borrowed(around)
+    course, workspace = borrowed(course), borrowed(workspace)
+    order, far, absent, reach = course.order, around.far, around.absent, around.reach
+    before, room = workspace.before, workspace.room
     missing = order.size - length
     keys = np.empty(missing)
     way = rng.random()
     for m in range(missing):
         j = order[length + m]
         keys[m] = rng.random()
-        if way < 0.3:
+        if way < BY_ABSENCE:
             keys[m] -= absent[j]
-        elif way < 0.6:
+        elif way < BY_REMOTENESS:
             keys[m] = -far[j] * (0.8 + 0.4 * keys[m])
+        elif way < BY_PRIZE:
+            keys[m] = -rules.prize[j] * (0.5 + keys[m])
     ranks = rising(keys, missing)
     turns = np.empty(missing, np.int64)
     for m in range(missing):
         turns[m] = order[length + ranks[m]]
+    bit_orders.find_room(rules, course, length, workspace)
     for j in turns:
         if length == rules.most_targets:
             break
+        if not bit_orders.has_room(reach, before, room, order, length, j):
+            continue
         position = bit_orders.best_position(
-            rules, connections, around.reach, course, length, j, workspace, rng
+            rules, connections, reach, course, length, j, workspace, rng
         )
         if position < 0:
             continue
@@ -166,6 +178,7 @@ def _recreate(rules, connections, around, course, length, workspace, rng):
         ):
             # Of points of about one ΔV the one that would have done was left out.
             return -1
+        bit_orders.find_room(rules, course, length, workspace)
     return length
 
 
