@@ -16,7 +16,7 @@ from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed, write
 
 from ..beams.levels import STRAIGHT
-from . import fronts, fronts_backward
+from . import fronts, fronts_backward, single_points
 from .fronts import ParetoFront
 from .reach import may_fit
 
@@ -58,14 +58,14 @@ def time_forth(rules, connections, course, length, first, settled, workspace):
         i, j = _before(rules, order, p), order[p]
         latest, size, end, left = suffices.time[j, 0], np.int64(-1), 0.0, 0.0
         if came.size[i] == 1:
-            size, end, left = fronts.arrives(
+            size, end, left = single_points.arrives(
                 connections, i, j, p > 0, came.time[i, 0], came.tank[i, 0], latest
             )
         if size < 0:
             size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
             same = fronts.take(workspace.trial, 0, came, j)
         else:
-            same = fronts.set_single(came, j, end, left)
+            same = single_points.set_single(came, j, end, left)
         if size == 0:
             return False
         if same and p >= settled:
@@ -79,8 +79,8 @@ def time_back(rules, connections, course, length, last, settled, workspace):
 
     From the position ``settled`` down the fronts are right if those behind have not changed.
     """
+    connections, course, workspace = borrowed(connections), borrowed(course), borrowed(workspace)
     order, suffices = course.order, course.suffices
-    workspace = borrowed(workspace)
     for p in range(last, -1, -1):
         j = order[p]
         size, departure, tank = np.int64(-1), 0.0, 0.0
@@ -90,7 +90,7 @@ def time_back(rules, connections, course, length, last, settled, workspace):
         else:
             k = order[p + 1]
             if suffices.size[k] == 1:
-                size, departure, tank = fronts_backward.leaves(
+                size, departure, tank = single_points.leaves(
                     connections, j, k, suffices.time[k, 0], suffices.tank[k, 0], rules.ready
                 )
             if size < 0:
@@ -99,7 +99,7 @@ def time_back(rules, connections, course, length, last, settled, workspace):
                 )
                 same = fronts.take(workspace.trial, 0, suffices, j)
             else:
-                same = fronts.set_single(suffices, j, departure, tank)
+                same = single_points.set_single(suffices, j, departure, tank)
         if size == 0:
             return False
         if same and p <= settled:
@@ -135,13 +135,13 @@ def _plain_left(connections, course, i, j, k, refuels):
     left = np.nan
     if came.size[i] == 1 and suffices.size[k] == 1:
         latest, needed = suffices.time[k, 0], suffices.tank[k, 0]
-        size, end, tank = fronts.arrives(
+        size, end, tank = single_points.arrives(
             connections, i, j, refuels, came.time[i, 0], came.tank[i, 0], latest
         )
         if size == 0:
             left = -np.inf
         elif size > 0:
-            size, departure, needed = fronts_backward.leaves(connections, j, k, latest, needed, end)
+            size, departure, needed = single_points.leaves(connections, j, k, latest, needed, end)
             if size == 0 or (size > 0 and needed > tank):
                 left = -np.inf
             elif size > 0:

@@ -23,6 +23,9 @@ from ..beams.time_value import TIME_VALUE_M_S_PER_H
 SHARES = (0.0, 0.1, 0.35, 1.0, 3.0, 10.0, 30.0)
 """Values of time whose choices are included, as multiples of the beams' value of an hour."""
 
+STEPS = 60
+"""Least ΔV step between points of a front, as a share 1/STEPS of a tank."""
+
 
 class ConnectionTable(NamedTuple):
     """Connections of all pairs in CSR form, each pair's in order of departure.
@@ -120,9 +123,22 @@ def table_of(mission: Mission) -> ConnectionTable:
     )
 
 
+@kernel
+def is_varied(connections):
+    """Whether connections of a pair differ in ΔV by what tells points of a front apart."""
+    for i in range(connections.total.shape[0]):
+        for j in range(connections.total.shape[1]):
+            most = connections.least[i, j] + connections.budget / STEPS
+            begin = connections.first[i, j]
+            for c in range(begin, begin + connections.total[i, j]):
+                if connections.delta_v[c] > most:
+                    return True
+    return False
+
+
 def _by_stations(
     shortest: npt.NDArray[np.float64], least: npt.NDArray[np.float64], stations: int
-) -> tuple[npt.NDArray[np.float64], ...]:
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Least times, and least ΔV to and from, of ways between two bodies by a station."""
     detour, to_station, from_station = np.full((3, *least.shape), np.inf)
     for s in range(stations):

@@ -22,14 +22,12 @@ from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
+from .connection_table import STEPS
 
 MOST_POINTS = 64
 
 DIRECT, BY_STATION, AT_STATION = 0, 1, 2
 """Indices of the parts of a front: direct arrival, arrival via a station, and at the station."""
-
-STEPS = 60
-"""Least ΔV step between points of a front, as a share 1/STEPS of a tank."""
 
 
 class ParetoFront(NamedTuple):
@@ -133,55 +131,6 @@ def put(front, place, size, time, tank, parent, via):
     front.time[place, size], front.tank[place, size] = time, tank
     front.parent[place, size], front.via[place, size] = parent, via
     return size + 1
-
-
-@inlined
-def arrives(connections, i, j, refuels, ready, tank, latest):
-    """The front of :func:`forwards` where it plainly is a single point, as is the one before.
-
-    Parameters
-    ----------
-    connections, i, j, refuels, latest
-        As of :func:`forwards`.
-    ready, tank : float
-        The point before: ready since [s], ΔV left [m/s].
-
-    Returns
-    -------
-    size : int
-        0 if the target cannot be reached, −1 where it takes a closer look, otherwise 1.
-    end, left : float
-        The point.
-    """
-    begin, total = connections.first[i, j], connections.total[i, j]
-    stop, size, at, left = begin + total, np.int64(-1), latest, 0.0
-    step, detour = connections.budget / STEPS, ready + connections.detour[i, j]
-    low = first_at(connections.departure, begin, stop, earliest_taken(ready))
-    place = total
-    if low < stop:
-        soonest = connections.departure[low] + connections.shortest[i, j]
-        if soonest <= latest:
-            place = first_by_end(connections, begin, total, soonest)
-    while place < total:
-        c = begin + connections.by_end[begin + place]
-        at = connections.end[c]
-        if at > latest:
-            place = total
-        elif c >= low and connections.delta_v[c] < tank:
-            left = tank - connections.delta_v[c]
-            break
-        else:
-            place += 1
-    if place == total:
-        if not refuels or detour > latest:
-            size = 0
-    # Neither does a later arrival have more left, nor one by a station.
-    elif left >= tank - connections.least[i, j] - step and (
-        not refuels
-        or (detour >= at and left + step >= connections.budget - connections.from_station[i, j])
-    ):
-        size = 1
-    return size, at, left
 
 
 @kernel
@@ -356,16 +305,6 @@ def take(source, at, destination, to):
         destination.time[to, a], destination.tank[to, a] = time, tank
         destination.parent[to, a] = source.parent[at, a]
         destination.via[to, a] = source.via[at, a]
-    return same
-
-
-@inlined
-def set_single(front, place, time, tank):
-    """Set a front of one point, reached straight; returns whether it was unchanged."""
-    same = front.size[place] == 1 and front.time[place, 0] == time and front.tank[place, 0] == tank
-    front.size[place] = 1
-    front.time[place, 0], front.tank[place, 0] = time, tank
-    front.parent[place, 0], front.via[place, 0] = 0, STRAIGHT
     return same
 
 

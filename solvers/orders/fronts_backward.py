@@ -4,65 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
+from .connection_table import STEPS
 from .fronts import (
     AT_STATION,
     BY_STATION,
     DIRECT,
     MOST_POINTS,
-    STEPS,
     first_at,
     first_by_end,
     put,
 )
-
-
-@inlined
-def leaves(connections, i, j, latest, needed, earliest):
-    """The front of :func:`backwards` where it plainly is a single point, as is the one after.
-
-    Parameters
-    ----------
-    connections, i, j, earliest
-        As of :func:`backwards`.
-    latest, needed : float
-        The point after: ready at the latest [s], ΔV needed [m/s].
-
-    Returns
-    -------
-    size : int
-        0 if nothing suffices, −1 where it takes a closer look, otherwise 1.
-    departure, tank : float
-        The point.
-    """
-    begin, total = connections.first[i, j], connections.total[i, j]
-    size, departure, tank = np.int64(-1), earliest, 0.0
-    step, detour = connections.budget / STEPS, latest - connections.detour[i, j]
-    until = latest - connections.shortest[i, j]
-    c = begin - 1
-    if total > 0 and until >= earliest:
-        c = first_at(connections.departure, begin, begin + total, until) - 1
-    while c >= begin:
-        departure = connections.departure[c]
-        tank = needed + connections.delta_v[c]
-        if departure < earliest:
-            c = begin - 1
-        elif connections.end[c] <= latest and tank < connections.budget:
-            break
-        else:
-            c -= 1
-    if c < begin:
-        if detour < earliest:
-            size = 0
-    # Neither does an earlier departure need less, nor one to a station.
-    elif tank <= needed + connections.least[i, j] + step and (
-        detour <= departure and tank <= connections.to_station[i, j] + step
-    ):
-        size = 1
-    return size, departure, tank
 
 
 @kernel

@@ -20,7 +20,7 @@ from adr_opt.problem.chasers import AtStation, Chaser, Tank
 from adr_opt.problem.given import of_rows
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
-from solvers.orders import bit_orders, fronts, fronts_backward
+from solvers.orders import bit_orders, fronts, fronts_backward, single_points
 from solvers.orders.connection_table import table_of
 from solvers.orders.reach import may_fit, reach_of
 from solvers.orders.string_removal import LONGEST_STRING, MOST_STRINGS, Strings, ruin
@@ -214,14 +214,16 @@ def test_what_plainly_is_one_point_is_the_whole_front(field):
             times = np.sort(rng.uniform(0.0, rules.duration, 2))
             tank, refuels = rng.uniform(0.0, rules.budget), bool(rng.integers(2))
             here.size[i], here.time[i, 0], here.tank[i, 0] = 1, times[0], tank
-            size, end, left = fronts.arrives(connections, i, j, refuels, times[0], tank, times[1])
+            size, end, left = single_points.arrives(
+                connections, i, j, refuels, times[0], tank, times[1]
+            )
             if size >= 0:
                 asked = rules, connections, i, j, refuels, here, times[1], workspace
                 assert fronts.forwards(*asked) == size
                 assert size == 0 or (trial.time[0, 0], trial.tank[0, 0]) == (end, left)
                 answers["forth"] += size
             here.size[j], here.time[j, 0], here.tank[j, 0] = 1, times[1], tank
-            size, departure, needed = fronts_backward.leaves(
+            size, departure, needed = single_points.leaves(
                 connections, i, j, times[1], tank, times[0]
             )
             if size >= 0:
