@@ -130,7 +130,8 @@ class RouteSearches:
         if self._asks and prover is not None and not is_over():
             prover.advance()  # only beginning takes no time, and beams may take all of it
             prover.deliver()
-        self.anneal(FIRST_ANNEALINGS)  # which finds more in less time than beams do
+        if not self._asks:
+            self.anneal(FIRST_ANNEALINGS)  # which finds more in less time than beams do
         for width in pilots(self._mission):
             if not is_over():
                 self.usual(self.usual_width(width))
@@ -319,7 +320,8 @@ def plan(
 ) -> Result:
     """The best plan of one chaser that the time allows, with a proof if one is found.
 
-    Begins with the guarded greedy plan and the searches of ``beam``. Then rounds: one of proof
+    Begins with the guarded greedy plan, a few annealings of its order where planes drift or costs
+    are given, and the searches of ``beam``. Then rounds: one of proof
     (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing
