@@ -39,10 +39,10 @@ def field() -> Mission:
     return mission
 
 
-def toured() -> Mission:
-    """A mission on given connections that take no ΔV, with a service at whole seconds."""
-    rng = np.random.default_rng(0)
-    names = ["base", *(f"place-{place}" for place in range(1, 9))]
+def toured(seed: int = 0, places: int = 8) -> Mission:
+    """A mission on given connections that take no ΔV, with windows and unequal prizes."""
+    rng = np.random.default_rng(seed)
+    names = ["base", *(f"place-{place}" for place in range(1, places + 1))]
     spots = rng.uniform(0.0, 40.0, (len(names), 2))
     rows = [
         (i, j, leaves, leaves + max(1.0, np.ceil(np.hypot(*(spots[i] - spots[j])))), 0.0)
@@ -56,8 +56,8 @@ def toured() -> Mission:
         epoch=datetime(2026, 1, 1, tzinfo=UTC),
         stations=(Station(name=names[0]),),
         targets=tuple(
-            Target(name=name, window_s=(opens, opens + 80.0))
-            for name, opens in zip(names[1:], rng.integers(0, 120, 8).astype(float), strict=True)
+            Target(name=name, prize=float(rng.integers(1, 30)), window_s=(opens, opens + 50.0))
+            for name, opens in zip(names[1:], 20.0 * rng.integers(0, 5, places), strict=True)
         ),
         chasers=(Chaser(name="c", start=AtStation(station=names[0]), tank=Tank(delta_v_m_s=1.0)),),
         mission=MissionSettings(duration_s=200.0, service_s=5.0, refuel_revolutions=0.0),
@@ -99,6 +99,18 @@ def test_what_is_found_can_be_flown_under_all_rules(seeds):
         best += objective >= prizes - 1e-9
         drawn += 1
     assert best >= 0.8 * drawn, (best, drawn)
+
+
+@over_kinds("seeds", drawn=(range(20), 6))
+def test_what_is_found_on_tours_is_the_best(seeds):
+    """Tours with windows are legal, and collect what the best of all orders collects."""
+    for seed in seeds:
+        mission = toured(seed, 4)
+        sequence = Strings(mission, 0, ENDLESS).anneal(200)
+        result = certify(mission, "test", sequence, seed=0, runtime_s=0.0)
+        assert result.plan is not None
+        assert adr_opt.check(mission.instance, result.plan) == (), seed
+        assert result.objective == brute_force(mission)[0], seed
 
 
 def test_a_seed_tells_the_plan(field):
