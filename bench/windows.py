@@ -1,18 +1,20 @@
 """Drawn orienteering with time windows: plans and proofs against the best known.
 
     python bench/windows.py --count 2 --limits 6 60
-    python bench/windows.py --count 2 --limits 60 --pyvrp 60 --keep bench/curves/windows.csv
+    python bench/windows.py --count 8 --limits 60 --pyvrp 20 --rows R/windows.csv
 
 Draws ``--count`` instances of each of four kinds (``contest/orienteering.py``) and plans each by
 ``--method`` within each limit. The best known prizes of an instance are the largest of all that
 were found here, by PyVRP too, and kept in the table of ``--keep``. Every plan passes ``check`` and
-is scored again by the tour alone.
+is scored again by the tour alone. Rows that the table of ``--rows`` has are not planned again, so
+that a run that was broken off goes on where it was.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import math
 import statistics
 from pathlib import Path
 from typing import NamedTuple
@@ -69,6 +71,35 @@ def write_best(path: Path, best: dict[str, float]) -> None:
     write_text(path, "\n".join(["instance,prizes", *rows, ""]))
 
 
+def read_rows(path: Path | None) -> dict[tuple[str, str, float], Planned]:
+    """Rows by instance, method and limit; none if there is no table."""
+    if path is None or not path.exists():
+        return {}
+    with path.open(encoding="utf-8", newline="") as file:
+        return {
+            (row["instance"], row["method"], float(row["limit_s"])): Planned(
+                float(row["prizes"]), float(row["bound"]), row["proven"] == "yes",
+                float(row["time_s"]),
+            )
+            for row in csv.DictReader(file)
+        }  # fmt: skip
+
+
+def add_row(path: Path | None, name: str, method: str, limit_s: float, one: Planned) -> None:
+    """Append a row."""
+    if path is None:
+        return
+    is_new = not path.exists()
+    with path.open("a", encoding="utf-8", newline="") as file:
+        table = csv.writer(file)
+        if is_new:
+            table.writerow(["instance", "method", "limit_s", *Planned._fields])
+        table.writerow(
+            [name, method, limit_s, one.prizes, one.bound, "yes" if one.proven else "no",
+             round(one.time_s, 2)]
+        )  # fmt: skip
+
+
 def main() -> None:
     """Plan, and print a table."""
     parser = argparse.ArgumentParser(
@@ -81,10 +112,11 @@ def main() -> None:
     parser.add_argument("--limits", type=float, nargs="+", default=[60.0], help="seconds [60]")
     parser.add_argument("--method", default="auto", help="as `solve` takes it [auto]")
     parser.add_argument("--pyvrp", type=float, help="seconds of PyVRP for each instance")
+    parser.add_argument("--rows", type=Path, help="table of what was planned, to go on with")
     parser.add_argument("--keep", type=Path, default=TABLE, help="table of the best known")
     given = parser.parse_args()
     print(heading())
-    best = read_best(given.keep)
+    best, rows_before = read_best(given.keep), read_rows(given.rows)
     head = ["instance", "best known", *(["PyVRP"] if given.pyvrp else [])]
     head += [f"{given.method}, {limit:g} s" for limit in given.limits]
     print("| " + " | ".join(head) + " |\n|" + "---|" * len(head), flush=True)
@@ -95,11 +127,20 @@ def main() -> None:
             name = f"{places.name}-{given.places}"
             cells = []
             if given.pyvrp:
-                others = by_pyvrp(places, given.pyvrp)
+                asked = (name, "pyvrp", given.pyvrp)
+                if asked not in rows_before:
+                    reached = float(by_pyvrp(places, given.pyvrp))
+                    rows_before[asked] = Planned(reached, math.inf, False, given.pyvrp)
+                    add_row(given.rows, *asked, rows_before[asked])
+                others = rows_before[asked].prizes
                 best[name] = max(best.get(name, 0.0), others)
                 cells.append(f"{others:g}")
             for limit in given.limits:
-                one = planned(places, given.method, limit)
+                asked = (name, given.method, limit)
+                if asked not in rows_before:
+                    rows_before[asked] = planned(places, given.method, limit)
+                    add_row(given.rows, *asked, rows_before[asked])
+                one = rows_before[asked]
                 found[limit].append((name, one))
                 best[name] = max(best.get(name, 0.0), one.prizes)
                 bound = "proven" if one.proven else f"≤ {one.bound:.0f}"

@@ -10,11 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
+from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed, write
 
 from ..beams.levels import STRAIGHT
-from . import fronts, fronts_backward
+from . import fronts, fronts_backward, single_points
 from .fronts import ParetoFront
 from .reach import may_fit
 
@@ -50,15 +52,23 @@ def time_forth(rules, connections, course, length, first, settled, workspace):
     Only those that are early enough for the rest: the fronts backwards are right. From the position
     ``settled`` up the fronts are right if those before have not changed.
     """
+    connections, course, workspace = borrowed(connections), borrowed(course), borrowed(workspace)
     order, came, suffices = course.order, course.came, course.suffices
-    workspace = borrowed(workspace)
     for p in range(first, length):
         i, j = _before(rules, order, p), order[p]
-        latest = suffices.time[j, 0]
-        size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
+        latest, size, end, left = suffices.time[j, 0], np.int64(-1), 0.0, 0.0
+        if came.size[i] == 1:
+            size, end, left = single_points.arrives(
+                connections, i, j, p > 0, came.time[i, 0], came.tank[i, 0], latest
+            )
+        if size < 0:
+            size = fronts.forwards(rules, connections, i, j, p > 0, came, latest, workspace)
+            same = fronts.take(workspace.trial, 0, came, j)
+        else:
+            same = single_points.set_single(came, j, end, left)
         if size == 0:
             return False
-        if fronts.take(workspace.trial, 0, came, j) and p >= settled:
+        if same and p >= settled:
             break
     return True
 
@@ -69,19 +79,30 @@ def time_back(rules, connections, course, length, last, settled, workspace):
 
     From the position ``settled`` down the fronts are right if those behind have not changed.
     """
+    connections, course, workspace = borrowed(connections), borrowed(course), borrowed(workspace)
     order, suffices = course.order, course.suffices
-    workspace = borrowed(workspace)
     for p in range(last, -1, -1):
         j = order[p]
+        size, departure, tank = np.int64(-1), 0.0, 0.0
         if p == length - 1:
             size = fronts_backward.finish(rules, connections, j, rules.ready, workspace, 0)
+            same = fronts.take(workspace.trial, 0, suffices, j)
         else:
-            size = fronts_backward.backwards(
-                rules, connections, j, order[p + 1], suffices, rules.ready, workspace, 0
-            )
+            k = order[p + 1]
+            if suffices.size[k] == 1:
+                size, departure, tank = single_points.leaves(
+                    connections, j, k, suffices.time[k, 0], suffices.tank[k, 0], rules.ready
+                )
+            if size < 0:
+                size = fronts_backward.backwards(
+                    rules, connections, j, k, suffices, rules.ready, workspace, 0
+                )
+                same = fronts.take(workspace.trial, 0, suffices, j)
+            else:
+                same = single_points.set_single(suffices, j, departure, tank)
         if size == 0:
             return False
-        if fronts.take(workspace.trial, 0, suffices, j) and p <= settled:
+        if same and p <= settled:
             break
     return True
 
@@ -105,6 +126,27 @@ def insert(order, source, position):
     for p in range(source, position, -1):
         order[p] = order[p - 1]
     order[position] = j
+
+
+@inlined
+def _plain_left(connections, course, i, j, k, refuels):
+    """What :func:`left_with` says where all fronts plainly are single points; NaN elsewhere."""
+    came, suffices = course.came, course.suffices
+    left = np.nan
+    if came.size[i] == 1 and suffices.size[k] == 1:
+        latest, needed = suffices.time[k, 0], suffices.tank[k, 0]
+        size, end, tank = single_points.arrives(
+            connections, i, j, refuels, came.time[i, 0], came.tank[i, 0], latest
+        )
+        if size == 0:
+            left = -np.inf
+        elif size > 0:
+            size, departure, needed = single_points.leaves(connections, j, k, latest, needed, end)
+            if size == 0 or (size > 0 and needed > tank):
+                left = -np.inf
+            elif size > 0:
+                left = departure - end
+    return left
 
 
 @kernel
@@ -132,20 +174,54 @@ def left_with(rules, connections, course, length, j, p, latest, workspace):
 
 
 @kernel
+def find_room(rules, course, length, workspace):
+    """Write what :func:`best_position` has to know about each position."""
+    course, workspace = borrowed(course), borrowed(workspace)
+    for p in range(length + 1):
+        i = _before(rules, course.order, p)
+        latest = rules.duration if p == length else course.suffices.time[course.order[p], 0]
+        workspace.before[p] = i
+        # A little more than there is, so that no rounding counts.
+        workspace.room[p] = latest - earliest_taken(course.came.time[i, 0]) + SLACK_S
+
+
+@inlined
+def has_room(reach, before, room, order, length, j):
+    """Whether there is a position with room for a target: mostly not, and a call takes longer."""
+    for p in range(length):
+        if reach.into[j, before[p]] + reach.shortest[j, order[p]] <= room[p]:
+            return True
+    return reach.into[j, before[length]] <= room[length]
+
+
+@kernel
 def best_position(rules, connections, reach, course, length, j, workspace, rng):
-    """Position with most time left after inserting a target; −1 if it fits nowhere."""
+    """Position with most time left after inserting a target; −1 if it fits nowhere.
+
+    What :func:`find_room` writes has to be up to date.
+    """
     rules, connections, reach = borrowed(rules), borrowed(connections), borrowed(reach)
     course, workspace = borrowed(course), borrowed(workspace)
     best, most = -1, -np.inf
     order, came, suffices = course.order, course.came, course.suffices
+    before, room = workspace.before, workspace.room
     for p in range(length + 1):
-        if rng.random() < PASSED_OVER:
-            continue
-        i = _before(rules, order, p)
-        k, latest, need = np.int64(-1), rules.duration, 0.0
+        i, k = before[p], np.int64(-1)
+        needed = reach.into[j, i]
         if p < length:
             k = order[p]
+            needed += reach.shortest[j, k]
+        # Most positions fail here.
+        if needed > room[p] or rng.random() < PASSED_OVER:
+            continue
+        latest, need, left = rules.duration, 0.0, np.nan
+        if p < length:
+            left = _plain_left(connections, course, i, j, k, p > 0)
             latest, need = suffices.time[k, 0], suffices.tank[k, suffices.size[k] - 1]
+        if left > most:
+            best, most = p, left
+        if not np.isnan(left):
+            continue
         times, tanks = (came.time[i, 0], latest), (came.tank[i, came.size[i] - 1], need)
         if may_fit(rules, reach, i, j, k, times, tanks, p > 0):
             left = left_with(rules, connections, course, length, j, p, latest, workspace)

@@ -22,14 +22,12 @@ from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
+from .connection_table import STEPS
 
 MOST_POINTS = 64
 
 DIRECT, BY_STATION, AT_STATION = 0, 1, 2
 """Indices of the parts of a front: direct arrival, arrival via a station, and at the station."""
-
-STEPS = 60
-"""Least ΔV step between points of a front, as a share 1/STEPS of a tank."""
 
 
 class ParetoFront(NamedTuple):
@@ -59,6 +57,10 @@ class Workspace(NamedTuple):
 
     Attributes
     ----------
+    before : (places + 1,) int64
+        Body before each position of an order.
+    room : (places + 1,) float64
+        Time between being ready there and having to be ready at the next body [s].
     tank : (connections,) float64
         By connection of a pair [m/s].
     parent : (connections,) int16
@@ -69,6 +71,8 @@ class Workspace(NamedTuple):
         Two places, for fronts that are tried.
     """
 
+    before: np.ndarray
+    room: np.ndarray
     tank: np.ndarray
     parent: np.ndarray
     parts: ParetoFront
@@ -89,7 +93,11 @@ def new_front(places):
 def new_workspace(connections):
     """Scratch arrays, large enough for any pair."""
     most = max(1, connections.total.max())
-    return Workspace(np.empty(most), np.empty(most, np.int16), new_front(3), new_front(2))
+    places = connections.total.shape[0] + 1
+    return Workspace(
+        np.empty(places, np.int64), np.empty(places), np.empty(most), np.empty(most, np.int16),
+        new_front(3), new_front(2),
+    )  # fmt: skip
 
 
 @inlined
@@ -146,7 +154,8 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
     # From a single point ΔV left need not be worked out beforehand; most searches end early.
     alone = size == 1
     point, high = 0, begin + total if alone else low
-    while not alone and high < begin + total and connections.departure[high] <= latest:
+    until = latest - connections.shortest[i, j]
+    while not alone and high < begin + total and connections.departure[high] <= until:
         while (
             point + 1 < size
             and earliest_taken(here.time[at, point + 1]) <= connections.departure[high]
@@ -155,11 +164,12 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
         workspace.tank[high - begin] = here.tank[at, point] - connections.delta_v[high]
         workspace.parent[high - begin] = point
         high += 1
-    if high == low:
+    if high == low or connections.departure[low] > until:
         return 0
+    soonest = connections.departure[low] + connections.shortest[i, j]
     most = here.tank[at, point] - connections.least[i, j] - step
     count, best = 0, -step
-    for place in range(first_by_end(connections, begin, total, connections.departure[low]), total):
+    for place in range(first_by_end(connections, begin, total, soonest), total):
         c = np.int64(connections.by_end[begin + place])
         end = connections.end[begin + c]
         if end > latest:
@@ -187,7 +197,8 @@ def _refuelled(connections, i, s, here, latest):
     if total == 0 or here.tank[i, size - 1] < connections.least[i, s]:
         return np.inf, 0
     ready = earliest_taken(here.time[i, 0])
-    for place in range(first_by_end(connections, begin, total, ready), total):
+    soonest = ready + connections.shortest[i, s]
+    for place in range(first_by_end(connections, begin, total, soonest), total):
         c = begin + connections.by_end[begin + place]
         if connections.end[c] > latest:
             break
@@ -261,7 +272,7 @@ def forwards(rules, connections, i, j, refuels, here, latest, workspace):
     if not refuels:
         return size
     for s in range(rules.stations):
-        if s == i:
+        if s == i or connections.total[i, s] == 0 or connections.total[s, j] == 0:
             continue
         full, point = _refuelled(connections, i, s, here, latest)
         if full == np.inf:

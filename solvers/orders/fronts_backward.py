@@ -8,12 +8,12 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
+from .connection_table import STEPS
 from .fronts import (
     AT_STATION,
     BY_STATION,
     DIRECT,
     MOST_POINTS,
-    STEPS,
     first_at,
     first_by_end,
     put,
@@ -57,8 +57,9 @@ def _fly_back(connections, i, j, there, at, earliest, workspace, to):
         workspace.tank[which] = there.tank[at, point] + connections.delta_v[begin + which]
     least = there.tank[at, point] + connections.least[i, j] + step
     count, best = 0, budget + step
+    until = latest - connections.shortest[i, j]
     for c in range(
-        first_at(connections.departure, begin, begin + total, latest) - begin - 1, -1, -1
+        first_at(connections.departure, begin, begin + total, until) - begin - 1, -1, -1
     ):
         departure = connections.departure[begin + c]
         if departure < earliest:
@@ -80,9 +81,8 @@ def _needed_full(connections, s, j, there, earliest):
     there = borrowed(there)
     begin, total = connections.first[s, j], connections.total[s, j]
     size, latest = there.size[j], there.time[j, 0]
-    for c in range(
-        first_at(connections.departure, begin, begin + total, latest) - 1, begin - 1, -1
-    ):
+    until = latest - connections.shortest[s, j]
+    for c in range(first_at(connections.departure, begin, begin + total, until) - 1, begin - 1, -1):
         if connections.departure[c] < earliest:
             break
         end = connections.end[c]
@@ -134,7 +134,7 @@ def backwards(rules, connections, i, j, there, earliest, workspace, to):
     count = _fly_back(connections, i, j, there, j, earliest, workspace, DIRECT)
     size = _merge_back(count, parts, 0, step, here, to)
     for s in range(rules.stations):
-        if s == i:
+        if s == i or connections.total[i, s] == 0 or connections.total[s, j] == 0:
             continue
         full = _needed_full(connections, s, j, there, earliest)
         if full == -np.inf:

@@ -41,6 +41,8 @@ class Reach(NamedTuple):
     straight, shortest : (bodies, bodies) float64
         Least time from a departure to the end of the service at the destination, without a station
         on the way, and with one allowed [s].
+    into : (bodies, bodies) float64
+        The latter by destination and origin [s].
     """
 
     cell_s: float
@@ -48,6 +50,7 @@ class Reach(NamedTuple):
     least: np.ndarray
     straight: np.ndarray
     shortest: np.ndarray
+    into: np.ndarray
 
 
 @kernel
@@ -96,7 +99,7 @@ def _reach_of(connections, stations, duration, spans):
             rank[cells] += 1
         if cells < CELLS:
             rank[cells + 1] = rank[cells]
-    return Reach(cell_s, rank, least, straight, shortest)
+    return Reach(cell_s, rank, least, straight, shortest, shortest.T.copy())
 
 
 def reach_of(connections: ConnectionTable, stations: int, duration: float) -> Reach:

@@ -12,7 +12,7 @@ of :mod:`.fronts`, which answers for hundreds of connections of a pair and all w
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from copy import copy
 from typing import NamedTuple
 
@@ -30,7 +30,7 @@ from ..beams.exchange_rates import worth_of
 from ..beams.time_value import TIME_VALUE_M_S_PER_H
 from ..progress.halting import halted_by
 from . import bit_orders, fronts
-from .connection_table import table_of
+from .connection_table import is_varied, table_of
 from .cooling import AnnealingSchedule, temperature
 from .reach import Reach, reach_of
 
@@ -46,6 +46,19 @@ of it than their prize is worth, and time saved for nothing makes no order bette
 
 NEIGHBOURS = 3
 """Number of nearest targets whose mean distance defines the remoteness of a target."""
+
+ANNEALED = 300
+"""Iterations of an annealing."""
+
+MANY = 10
+"""Ratio of iterations where all connections of a pair take about the same ΔV to those elsewhere."""
+
+AS_LONG, GROWTH, MOST_GROWTH = 4, 4, 3
+"""There, number of annealings of the same length, growth of that, and how often it grows."""
+
+BY_ABSENCE, BY_REMOTENESS, BY_PRIZE = 0.3, 0.5, 0.8
+"""Cumulative shares of the orders in which missing targets are reinserted: those missing most often
+first, the remotest, those of most prize; the rest are random."""
 
 PATIENCE = 0.99
 """Factor per iteration on the memory of missing targets."""
@@ -128,26 +141,34 @@ def ruin(order, length, near, rng):
 @kernel
 def _recreate(rules, connections, around, course, length, workspace, rng):
     """Reinsert missing targets as far as they fit; returns the number of visits, or −1."""
-    order, far, absent = course.order, around.far, around.absent
+    rules, connections, around = borrowed(rules), borrowed(connections), borrowed(around)
+    course, workspace = borrowed(course), borrowed(workspace)
+    order, far, absent, reach = course.order, around.far, around.absent, around.reach
+    before, room = workspace.before, workspace.room
     missing = order.size - length
     keys = np.empty(missing)
     way = rng.random()
     for m in range(missing):
         j = order[length + m]
         keys[m] = rng.random()
-        if way < 0.3:
+        if way < BY_ABSENCE:
             keys[m] -= absent[j]
-        elif way < 0.6:
+        elif way < BY_REMOTENESS:
             keys[m] = -far[j] * (0.8 + 0.4 * keys[m])
+        elif way < BY_PRIZE:
+            keys[m] = -rules.prize[j] * (0.5 + keys[m])
     ranks = rising(keys, missing)
     turns = np.empty(missing, np.int64)
     for m in range(missing):
         turns[m] = order[length + ranks[m]]
+    bit_orders.find_room(rules, course, length, workspace)
     for j in turns:
         if length == rules.most_targets:
             break
+        if not bit_orders.has_room(reach, before, room, order, length, j):
+            continue
         position = bit_orders.best_position(
-            rules, connections, around.reach, course, length, j, workspace, rng
+            rules, connections, reach, course, length, j, workspace, rng
         )
         if position < 0:
             continue
@@ -166,6 +187,7 @@ def _recreate(rules, connections, around, course, length, workspace, rng):
         ):
             # Of points of about one ΔV the one that would have done was left out.
             return -1
+        bit_orders.find_room(rules, course, length, workspace)
     return length
 
 
@@ -290,7 +312,8 @@ class Strings:
             reach_of(self._lines, rules.stations, rules.duration), np.zeros(rules.service.size),
         )  # fmt: skip
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
-        self._length = 0
+        self._length = self._annealed = 0
+        self._is_varied = is_varied(self._lines)
 
     def beside(self, seed: int) -> Strings:
         """An independent annealing of the same mission, which may run concurrently."""
@@ -307,6 +330,27 @@ class Strings:
         others = sorted(set(range(rules.first_target, rules.service.size)) - set(visited))
         self._order = np.array(visited + others, dtype=np.int64)
         self._length = len(visited)
+
+    def annealings(self, count: int) -> Iterator[npt.NDArray[np.int64]]:
+        """Best plans of several annealings, one after the other.
+
+        Where every pair's connections take about the same ΔV an iteration is a tenth of the work.
+        There as many iterations again make up for it, in annealings longer and longer, as the
+        shortest find least where targets lie in clusters.
+
+        Parameters
+        ----------
+        count : int
+            Number of annealings elsewhere.
+        """
+        left = count * ANNEALED * (1 if self._is_varied else MANY)
+        while left > 0:
+            length = ANNEALED
+            if not self._is_varied:
+                length *= GROWTH ** min(self._annealed // AS_LONG, MOST_GROWTH)
+            left -= length
+            self._annealed += 1
+            yield self.anneal(length)
 
     def anneal(self, iterations: int) -> npt.NDArray[np.int64]:
         """Anneal the order; returns the best plan found, refuelling stops included."""

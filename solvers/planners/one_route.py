@@ -50,8 +50,11 @@ ASKING = 0.1
 USUAL_TARGETS = 50
 """Number of targets for which these widths are meant; larger fields get narrower beams."""
 
-ANNEALED, ANNEALINGS = 300, 8
-"""Iterations per annealing where planes drift, and number of annealings in the first round."""
+ANNEALINGS = 8
+"""Number of annealings in the first round where planes drift."""
+
+FIRST_ANNEALINGS = 2
+"""Number of annealings before any beam."""
 
 PROVING_ROUNDS = 4
 """After the second round, if planes drift and a proof has no bound yet, it continues in one round
@@ -127,6 +130,8 @@ class RouteSearches:
         if self._asks and prover is not None and not is_over():
             prover.advance()  # only beginning takes no time, and beams may take all of it
             prover.deliver()
+        if not self._asks:
+            self.anneal(FIRST_ANNEALINGS)  # which finds more in less time than beams do
         for width in pilots(self._mission):
             if not is_over():
                 self.usual(self.usual_width(width))
@@ -165,7 +170,7 @@ class RouteSearches:
         else:
             self.usual(max(self._usual, self.scaled(self._width)))
         self.varied(self.scaled(self._width))
-        self.anneal(self._annealings, VARIED_WIDTH)
+        self.anneal(self._annealings, restarts=rounds > 1)
         self.improve(self._recreations, self.scaled(self._width // 20))
 
     def usual(self, width: int) -> None:
@@ -200,27 +205,35 @@ class RouteSearches:
         self._certificate.offer(found)
         self.counters["beams"] += 1
 
-    def anneal(self, annealings: int, width: int) -> None:
-        """Anneal an order repeatedly where planes drift, switching to another after failures."""
+    def anneal(self, annealings: int, *, restarts: bool = False) -> None:
+        """Anneal an order repeatedly where planes drift, until several in a row have failed.
+
+        With ``restarts`` another order is then annealed instead.
+        """
         if not (self.drifts and self._mission.total_worth > 0.0):
             return
         if self._strings is None and self._stop.remaining_s() > 0.0:
             self._strings = Strings(self._mission, int(self._rng.integers(2**31)), self._stop)
             self._strings.begin(self._certificate.sequence or ())
-        for _ in range(annealings):
-            if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
+        if self._strings is None or self._certificate.proven or self._stop.remaining_s() <= 0.0:
+            return
+        before = self._certificate.incumbent
+        for annealed in self._strings.annealings(annealings):
+            self._certificate.offer(annealed)
+            self._fruitless = 0 if self._certificate.incumbent > before else self._fruitless + 1
+            self.counters["annealings"] += 1
+            if self._certificate.proven or self._stop.remaining_s() <= 0.0:
                 break
-            if self._fruitless == FRUITLESS:
-                mission, settings, seed = varied(self._mission, width, self._rng)
+            if self._fruitless >= FRUITLESS and not restarts:
+                break
+            if self._fruitless >= FRUITLESS:
+                mission, settings, seed = varied(self._mission, VARIED_WIDTH, self._rng)
                 found = self._beams.search(settings, seed=seed, mission=mission)
                 self._certificate.offer(found)
                 self.counters["beams"] += 1
                 self._strings.begin(found)
                 self._fruitless = 0
             before = self._certificate.incumbent
-            self._certificate.offer(self._strings.anneal(ANNEALED))
-            self._fruitless = 0 if self._certificate.incumbent > before else self._fruitless + 1
-            self.counters["annealings"] += 1
 
     def may_part(self) -> bool:
         """Prepare a second annealing; returns whether there is an order for it."""
@@ -235,10 +248,12 @@ class RouteSearches:
 
     def part(self, annealings: int) -> None:
         """Anneal a second order in a concurrent thread; :meth:`meet` collects the result."""
-        for _ in range(annealings):
-            if self._beside is None or self._stop.remaining_s() <= 0.0:
+        if self._beside is None or self._stop.remaining_s() <= 0.0:
+            return
+        for annealed in self._beside.annealings(annealings):
+            self._found.offer(annealed)
+            if self._stop.remaining_s() <= 0.0:
                 break
-            self._found.offer(self._beside.anneal(ANNEALED))
 
     def apart(self, width: int) -> Task:
         """A random varied beam to search in a thread; :meth:`meet` collects the result."""
@@ -305,7 +320,8 @@ def plan(
 ) -> Result:
     """The best plan of one chaser that the time allows, with a proof if one is found.
 
-    Begins with the guarded greedy plan and the searches of ``beam``. Then rounds: one of proof
+    Begins with the guarded greedy plan, a few annealings of its order where planes drift or costs
+    are given, and the searches of ``beam``. Then rounds: one of proof
     (:class:`solvers.proof.proof.Proof`: it bounds the objective, and its searches for plans
     worth more than the incumbent are exhaustive, so they find what beams miss) side by side with
     wider beams, with ruin-and-recreate and, where planes drift or costs are given, with annealing

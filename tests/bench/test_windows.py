@@ -54,13 +54,19 @@ def test_tours_that_are_none_are_told(load: Load) -> None:
 
 
 def test_the_table_keeps_the_best_known(load: Load, tmp_path, monkeypatch, capsys) -> None:
-    """Rows are printed, and what was known before stays unless more was found."""
+    """What was known stays unless more was found, and what was planned is not planned again."""
     windows, kept = load("windows"), tmp_path / "kept.csv"
     windows.write_best(kept, {"clustered-wide-0-6": 1e6, "other": 5.0})
     words = f"--kinds clustered-wide --count 1 --places 6 --limits 5 --keep {kept}"
     monkeypatch.setattr(sys, "argv", ["windows.py", *words.split()])
     windows.main()
     printed = capsys.readouterr().out
+    again = [*words.split(), "--rows", str(tmp_path / "rows.csv")]
+    for _ in range(2):
+        monkeypatch.setattr(sys, "argv", ["windows.py", *again])
+        windows.main()
+        monkeypatch.setattr(windows, "planned", None)
+    assert capsys.readouterr().out.count("1 of 1 proven") == 2
     assert "| clustered-wide-0-6 | 1e+06 |" in printed
     assert "1 of 1 proven" in printed
     assert windows.read_best(kept) == {"clustered-wide-0-6": 1e6, "other": 5.0}

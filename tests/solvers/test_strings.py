@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -14,7 +15,12 @@ import adr_opt
 from adr_opt.common.stop import MaxIterations
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
-from solvers.orders import bit_orders, fronts
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.given import of_rows
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.settings import GivenFile, MissionSettings, TransferSettings
+from solvers.orders import bit_orders, fronts, fronts_backward, single_points
 from solvers.orders.connection_table import table_of
 from solvers.orders.reach import may_fit, reach_of
 from solvers.orders.string_removal import LONGEST_STRING, MOST_STRINGS, Strings, ruin
@@ -31,6 +37,33 @@ def field() -> Mission:
     mission = Mission(instance, threads=1)
     assert mission.rules.service.size == FIELD + 1
     return mission
+
+
+def toured(seed: int = 0, places: int = 8) -> Mission:
+    """A mission on given connections that take no ΔV, with windows and unequal prizes."""
+    rng = np.random.default_rng(seed)
+    names = ["base", *(f"place-{place}" for place in range(1, places + 1))]
+    spots = rng.uniform(0.0, 40.0, (len(names), 2))
+    rows = [
+        (i, j, leaves, leaves + max(1.0, np.ceil(np.hypot(*(spots[i] - spots[j])))), 0.0)
+        for i in range(len(names)) for j in range(len(names)) for leaves in range(200) if i != j
+    ]  # fmt: skip
+    parts = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
+    columns = dict(zip(parts, np.array(rows).T, strict=True))
+    columns |= {end: columns[end].astype(np.int64) for end in parts[:2]}
+    instance = Instance(
+        name="tour",
+        epoch=datetime(2026, 1, 1, tzinfo=UTC),
+        stations=(Station(name=names[0]),),
+        targets=tuple(
+            Target(name=name, prize=float(rng.integers(1, 30)), window_s=(opens, opens + 50.0))
+            for name, opens in zip(names[1:], 20.0 * rng.integers(0, 5, places), strict=True)
+        ),
+        chasers=(Chaser(name="c", start=AtStation(station=names[0]), tank=Tank(delta_v_m_s=1.0)),),
+        mission=MissionSettings(duration_s=200.0, service_s=5.0, refuel_revolutions=0.0),
+        transfer=TransferSettings(given=GivenFile(file="tour.parquet")),
+    )
+    return Mission(instance.with_given(of_rows(columns, names)))
 
 
 def begun(mission: Mission, order: list[int], length: int) -> bit_orders.BitOrder:
@@ -68,6 +101,18 @@ def test_what_is_found_can_be_flown_under_all_rules(seeds):
     assert best >= 0.8 * drawn, (best, drawn)
 
 
+@over_kinds("seeds", drawn=(range(20), 6))
+def test_what_is_found_on_tours_is_the_best(seeds):
+    """Tours with windows are legal, and collect what the best of all orders collects."""
+    for seed in seeds:
+        mission = toured(seed, 4)
+        sequence = Strings(mission, 0, ENDLESS).anneal(200)
+        result = certify(mission, "test", sequence, seed=0, runtime_s=0.0)
+        assert result.plan is not None
+        assert adr_opt.check(mission.instance, result.plan) == (), seed
+        assert result.objective == brute_force(mission)[0], seed
+
+
 def test_a_seed_tells_the_plan(field):
     """The same seed anneals the same orders, another one others."""
 
@@ -103,6 +148,7 @@ def test_what_changes_is_timed_as_the_whole_is(field):
         course = begun(field, order, size)
         assert bit_orders.time_back(rules, connections, course, size, size - 1, -1, workspace)
         assert bit_orders.time_forth(rules, connections, course, size, 0, size, workspace)
+        bit_orders.find_room(rules, course, size, workspace)
         place = bit_orders.best_position(
             rules, connections, reach, course, size, visited[take], workspace, rng
         )
@@ -163,6 +209,42 @@ def test_what_is_refused_does_not_fit(field):
                 fitting += left >= 0.0
     assert fitting > 50
     assert refused > 0.5 * hopeless
+
+
+def test_what_plainly_is_one_point_is_the_whole_front(field):
+    """Where the quick look at two bodies answers, the fronts are what it says; mostly it does."""
+    rng = np.random.default_rng(0)
+    answers = {"forth": 0, "back": 0}
+    for mission in (field, toured(), *(Mission(drifting_mission(seed)) for seed in range(12))):
+        rules, connections = mission.rules, table_of(mission)
+        bodies, workspace = rules.service.size, fronts.new_workspace(connections)
+        trial, here = workspace.trial, fronts.new_front(bodies)
+        for _ in range(400):
+            i, j = rng.integers(0, bodies, 2)
+            if i == j:
+                continue
+            times = np.sort(rng.uniform(0.0, rules.duration, 2))
+            tank, refuels = rng.uniform(0.0, rules.budget), bool(rng.integers(2))
+            here.size[i], here.time[i, 0], here.tank[i, 0] = 1, times[0], tank
+            size, end, left = single_points.arrives(
+                connections, i, j, refuels, times[0], tank, times[1]
+            )
+            if size >= 0:
+                asked = rules, connections, i, j, refuels, here, times[1], workspace
+                assert fronts.forwards(*asked) == size
+                assert size == 0 or (trial.time[0, 0], trial.tank[0, 0]) == (end, left)
+                answers["forth"] += size
+            here.size[j], here.time[j, 0], here.tank[j, 0] = 1, times[1], tank
+            size, departure, needed = single_points.leaves(
+                connections, i, j, times[1], tank, times[0]
+            )
+            if size >= 0:
+                asked = rules, connections, i, j, here, times[0], workspace, 0
+                assert fronts_backward.backwards(*asked) == size
+                assert size == 0 or (trial.time[0, 0], trial.tank[0, 0]) == (departure, needed)
+                answers["back"] += size
+    assert answers["forth"] > 150, answers
+    assert answers["back"] > 50, answers
 
 
 def test_ruins_say_what_they_leave():
