@@ -364,6 +364,12 @@ class Mission(Shown, Prizes):
         found: npt.NDArray[np.bool_] = transfer_exists(table)
         return found
 
+    @property
+    def has_functions(self) -> bool:
+        """Whether arrivals of any pair are a function of time."""
+        given = self.instance.given
+        return given is not None and given.functions is not None
+
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
         """Numbers of bodies given by number or name.
 
