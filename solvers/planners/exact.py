@@ -31,7 +31,7 @@ from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
 from ..walks.latest_times import Latest
-from . import many_routes
+from . import many_routes, timed_sets
 
 WIDTH = 2000
 """Width of the guided beams before each round of proof."""
@@ -75,6 +75,11 @@ def exact(
         A plan to begin with, a route for each chaser, compared with one found by beam search.
     """
     problem = problem_of(problem)
+    if problem.alone is not None and problem.alone.has_functions:
+        return timed_sets.plan(
+            "exact", problem.alone, seed=seed, stop=stop, progress=progress,
+            start=None if start is None else next(iter(start)), options=options,
+        )  # fmt: skip
     if problem.alone is not None:
         return _one_route(problem.alone, seed, stop, progress, start, options)
     return many_routes.plan(
