@@ -73,13 +73,15 @@ def _direct(tour, i, j, time):
 def reached(tour, i, j, time):
     """End of the service at a place, from another one at a time; +inf if that is too late.
 
-    Straight, or by a station if that is quicker; to the end of a tour that ends anywhere at once.
+    Straight, or to a target by a station if that is quicker; to the end of a tour that ends
+    anywhere at once.
     """
     targets = tour.targets
     if tour.anywhere and j == targets + 1:
         return time
     best = _direct(tour, i, j, time)
-    if i < targets:
+    # A tank is filled after a target and before one, so not on the way to the end.
+    if i < targets and j < targets:
         for via in range(targets + 2, tour.service.size):
             refuelled = _direct(tour, i, via, time)
             if refuelled < best:
@@ -91,7 +93,7 @@ def reached(tour, i, j, time):
 def via(tour, i, j, time):
     """The station that :func:`reached` goes by; −1 for none."""
     best, found = _direct(tour, i, j, time), -1
-    if i < tour.targets and not (tour.anywhere and j == tour.targets + 1):
+    if i < tour.targets and j < tour.targets:
         for station in range(tour.targets + 2, tour.service.size):
             refuelled = _direct(tour, i, station, time)
             if refuelled < best:
