@@ -20,10 +20,10 @@ import numpy.typing as npt
 
 from .free_walks import evaluated
 from .layers import LayerSearch, Outcome, windows_of
-from .memories import Memories, memories_of
+from .memories import memories_of
 from .relaxation import (
     NEVER,
-    Bands,
+    UNITS,
     Relaxation,
     bound_units,
     narrowed,
@@ -71,6 +71,9 @@ STAGES = (
     Stage(700, 4, 8, 10, 40, 30_000),
 )
 """The stages; times are divided more finely from one to the next, and more is remembered."""
+
+NARROWING_SIZE = 3
+"""Number of neighbours remembered where bands of steps are narrowed."""
 
 COUNTED_STEPS, COUNTED_SIZE = 250, 5
 """Steps and neighbours where multipliers are evaluated with the number of services of a tour."""
@@ -139,34 +142,27 @@ class EarliestEnd:
     def rounds(self) -> Iterator[None]:
         """Work on it, with a pause after each round."""
         for stage in STAGES:
-            bands = None
             if self._over() or self.proven:
                 return
             until = self._below()
-            memories = memories_of(self._tour, min(stage.size, self._tour.targets), until)
-            bands = self._climb(stage, memories, until)
-            relaxation = self._bound(stage, memories, until, bands)
+            self._climb(stage, until)
+            relaxation = self._bound(stage, until)
             yield
-            if self.proven or self._over():
-                continue
-            yield from self._beam(relaxation, until, stage)
-        yield from self._whole(relaxation, until)
+            if not (self.proven or self._over()):
+                yield from self._beam(relaxation, until, stage)
+        if not self._over():
+            yield from self._whole(relaxation, until)
 
     def _units(self, relaxation: Relaxation, time_s: float) -> int:
         """Units of a time, rounded down."""
         return math.floor((time_s - self._tour.ready) / relaxation.steps.unit)
 
-    def _climb(self, stage: Stage, memories: Memories, until: float) -> Bands:
-        """Improve the multipliers by steps along subgradients; returns narrower bands."""
-        tour = self._tour
-        bands = whole_bands(tour.targets, stage.steps)
-        zero = steps_of(tour, until, stage.steps)
-        unit = zero.unit
-        start = np.round(self._multipliers / unit).astype(np.int64)
-        first = relaxed(zero, memories, bands, start, self._jobs)
-        self._raise(first, until)
-        most = self._units(first, until)
-        bands = narrowed(first, most, 1)
+    def _climb(self, stage: Stage, until: float) -> None:
+        """Improve the multipliers by steps along subgradients."""
+        tour, unit = self._tour, (until - self._tour.ready) / UNITS
+        memories = memories_of(tour, min(stage.size, tour.targets), until)
+        most = math.floor((until - tour.ready) / unit)
+        best = np.round(self._multipliers / unit).astype(np.int64)
         near = steps_of(tour, until, stage.steps, nearest=True)
         walks: npt.NDArray[np.int32] | None = None
 
@@ -175,7 +171,7 @@ class EarliestEnd:
             value, count, walks = evaluated(near, memories, multipliers, walks)
             return value, count
 
-        best = self._ascended(free, start, most, stage.free)
+        best = self._ascended(free, best, most, stage.free)
         walks = None
         if stage.counted:
             coarse = steps_of(tour, until, COUNTED_STEPS, nearest=True)
@@ -188,10 +184,6 @@ class EarliestEnd:
 
             best = self._ascended(counted, best, most, stage.counted)
         self._multipliers = best * unit
-        rounded = relaxed(zero, memories, bands, best, self._jobs)
-        self._raise(rounded, until)
-        return narrowed(rounded, most, stage.finer)
-
     def _ascended(
         self, evaluate: Callable[[Whole], tuple[int, Whole]], start: Whole, most: int, number: int
     ) -> Whole:
@@ -214,15 +206,22 @@ class EarliestEnd:
             way = share * max(most - value, 1) / int(gradient @ gradient)
             multipliers = multipliers + np.round(way * gradient).astype(np.int64)
         import os
-        if os.environ.get('DBG'): print('      asc', number, best_value/2**20*(most and 1), 'of', most/2**20, 'share', share)
+        if os.environ.get('DBG'): print('      asc', number, best_value/2**20*(most and 1), 'share', share, 'cpu',__import__('time').process_time())
         return best
 
-    def _bound(self, stage: Stage, memories: Memories, until: float, bands: Bands) -> Relaxation:
-        """The relaxation in finer steps, which is a bound."""
-        steps = steps_of(self._tour, until, stage.steps * stage.finer)
-        multipliers = np.round(self._multipliers / steps.unit).astype(np.int64)
-        made = relaxed(steps, memories, bands, multipliers, self._jobs)
-        self._raise(made, until)
+    def _bound(self, stage: Stage, until: float) -> Relaxation:
+        """The relaxation as a bound: in finer and finer steps, and where they matter alone."""
+        tour, bands = self._tour, whole_bands(self._tour.targets, stage.steps)
+        parts = ((1, NARROWING_SIZE), (stage.finer, NARROWING_SIZE), (stage.finer, stage.size))
+        for number, (finer, size) in enumerate(parts):
+            steps = steps_of(tour, until, stage.steps * finer)
+            memories = memories_of(tour, min(size, tour.targets), until)
+            multipliers = np.round(self._multipliers / steps.unit).astype(np.int64)
+            made = relaxed(steps, memories, bands, multipliers, self._jobs)
+            self._raise(made, until)
+            if number + 1 < len(parts):
+                most = self._units(made, until)
+                bands = narrowed(made, most, stage.finer if number == 0 else 1)
         return made
 
     def _raise(self, relaxation: Relaxation, until: float) -> None:
