@@ -68,7 +68,7 @@ STAGES = (
     Stage(500, 1, 4, 60, 0, 3_000),
     Stage(400, 2, 5, 80, 0, 10_000),
     Stage(600, 2, 6, 100, 0, 20_000),
-    Stage(700, 4, 8, 10, 40, 30_000),
+    Stage(700, 4, 8, 40, 0, 30_000),
 )
 """The stages; times are divided more finely from one to the next, and more is remembered."""
 

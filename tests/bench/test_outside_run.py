@@ -76,7 +76,7 @@ def test_wrong_calls_are_refused(script, capsys, tmp_path, monkeypatch):
         (["odrc", "--data", str(tmp_path / "nowhere")], "no such folder"),
         (["kttsp", "--data", str(tmp_path)], "no such file"),
         (["optw", "--data", str(tmp_path), "--solution", "it"], "only solutions of kttsp"),
-        (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "only kttsp takes one"),
+        (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "and tdtsptw take one"),
         (["kttsp", "--data", str(tmp_path), "--time-limit", "-1"], "of 0 or more"),
     )
     for arguments, sentence in calls:
