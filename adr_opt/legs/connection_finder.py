@@ -257,6 +257,11 @@ class ConnectionFinder:
         chosen, self._chosen = self._chosen, {}
         return making.pack(len(self.instance.names), chosen, duration, slot)
 
+    @property
+    def has_functions(self) -> bool:
+        """Whether arrivals of any pair are a function of time."""
+        return self.given is not None and self.given.functions is not None
+
     def function_of(self, i: int, j: int) -> Function | None:
         """The function of a pair whose arrivals are one of time; None for any other pair."""
         if self.given is None or self.given.functions is None:
@@ -285,6 +290,20 @@ class ConnectionFinder:
             found.departure, found.arrival, found.delta_v, found.revolutions, found.family
         )
 
+    def refuse_function(self, i: int, j: int) -> None:
+        """Refuse a pair whose connections are too many to be listed.
+
+        Raises
+        ------
+        InputError
+            Its arrivals are a function of time.
+        """
+        if self.function_of(i, j) is not None:
+            raise InputError(
+                f"{self._names[i]!r} to {self._names[j]!r}: arrivals are a function of time, whose "
+                "connections cannot be listed; plan with auto or exact"
+            )
+
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
         """All connections of a pair; none from a body to itself.
 
@@ -293,11 +312,7 @@ class ConnectionFinder:
         InputError
             Arrivals of the pair are a function of time.
         """
-        if self.function_of(i, j) is not None:
-            raise InputError(
-                f"{self._names[i]!r} to {self._names[j]!r}: arrivals are a function of time, whose "
-                "connections cannot be listed; plan with auto or exact"
-            )
+        self.refuse_function(i, j)
         if i == j:
             none, nothing = np.empty(0), np.empty(0, dtype=np.int8)
             return Connections(none, none, none, nothing, nothing)

@@ -367,8 +367,7 @@ class Mission(Shown, Prizes):
     @property
     def has_functions(self) -> bool:
         """Whether arrivals of any pair are a function of time."""
-        given = self.instance.given
-        return given is not None and given.functions is not None
+        return self.connecting.has_functions
 
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
         """Numbers of bodies given by number or name.

@@ -100,9 +100,8 @@ class Instance(Shown, InstanceFile):
             raise InputError(f"given connections: {strange[0]!r} is not a body of {self.name!r}")
         known, functions = self.transfer.given, given.functions
         if file is None:
-            file = known.file if known else None
             if given.names or functions is None:
-                file = file or "connections.parquet"
+                file = (known.file if known else None) or "connections.parquet"
         if functions is None:
             functions_file = None
         elif functions_file is None:

@@ -205,8 +205,6 @@ class EarliestEnd:
             gradient = count - 1
             way = share * max(most - value, 1) / int(gradient @ gradient)
             multipliers = multipliers + np.round(way * gradient).astype(np.int64)
-        import os
-        if os.environ.get('DBG'): print('      asc', number, best_value/2**20*(most and 1), 'share', share, 'cpu',__import__('time').process_time())
         return best
 
     def _bound(self, stage: Stage, until: float) -> Relaxation:
