@@ -203,11 +203,9 @@ def _checked(where: str, breakpoints: npt.ArrayLike, cost: float) -> Function:
             f"{where}: who leaves at {departure[at + 1]:g} arrives at {arrival[at + 1]:g} and "
             f"overtakes who arrives at {arrival[at]:g}; arrivals must not fall"
         )
-    if np.any((departure[2:] == departure[:-2])):
+    if np.any(departure[2:] == departure[:-2]):
         at = int(np.flatnonzero(departure[2:] == departure[:-2])[0])
-        raise InputError(
-            f"{where}: three breakpoints depart at {departure[at]:g}; a jump has two"
-        )
+        raise InputError(f"{where}: three breakpoints depart at {departure[at]:g}; a jump has two")
     short = np.flatnonzero(arrival - departure < LEAST_S)
     if short.size:
         at = int(short[0])

@@ -26,8 +26,8 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.ephemeris import EPOCH_S
 from ..kernels.orbits.matchings import matchings
 from .chasers import availability
-from .given import Given, only
 from .function_files import read_functions, write_functions
+from .given import Given, only
 from .given_files import read_named, write_given
 from .instance_arrays import orbit_rows, rule_of
 from .instance_file import FORMAT as FORMAT

@@ -337,7 +337,9 @@ def _refuse_functions(problem: Problem, method: MethodSpec) -> None:
     """
     name = problem.instance.name
     if not method.functions:
-        able = [other for other in names(PLANNERS) if _can(other, PLANNERS, lambda it: it.functions)]
+        able = [
+            other for other in names(PLANNERS) if _can(other, PLANNERS, lambda it: it.functions)
+        ]
         raise InputError(
             f"method {method.name!r} plans on lists of connections, and arrivals of {name!r} are "
             f"functions of time; use one of: {', '.join(able)}"

@@ -79,9 +79,7 @@ class _Searches:
     labels : int
     """
 
-    def __init__(
-        self, mission: Mission, certificate: GapTracker, stop: Stop, room: int
-    ) -> None:
+    def __init__(self, mission: Mission, certificate: GapTracker, stop: Stop, room: int) -> None:
         self._mission, self._certificate, self._stop, self._room = mission, certificate, stop, room
         self.answered, self.labels = False, 0
 

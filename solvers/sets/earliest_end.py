@@ -29,7 +29,6 @@ from .relaxation import (
     narrowed,
     relaxed,
     steps_of,
-    visits,
     whole_bands,
 )
 from .tour import Tour, deadlines
@@ -50,8 +49,8 @@ class Stage(NamedTuple):
         Number of steps for multipliers, and into how many each is divided for the bound.
     size : int
         Number of neighbours remembered.
-    free, counted : int
-        Evaluations of multipliers: with any number of services, and with that of a tour.
+    evaluations : int
+        Of multipliers.
     width : int
         Labels kept of a layer.
     """
@@ -59,28 +58,24 @@ class Stage(NamedTuple):
     steps: int
     finer: int
     size: int
-    free: int
-    counted: int
+    evaluations: int
     width: int
 
 
 STAGES = (
-    Stage(500, 1, 4, 60, 0, 3_000),
-    Stage(400, 2, 5, 80, 0, 10_000),
-    Stage(600, 2, 6, 100, 0, 20_000),
-    Stage(700, 4, 8, 40, 0, 30_000),
+    Stage(500, 1, 4, 60, 3_000),
+    Stage(400, 2, 5, 80, 10_000),
+    Stage(600, 2, 6, 100, 20_000),
+    Stage(700, 4, 8, 40, 30_000),
 )
 """The stages; times are divided more finely from one to the next, and more is remembered."""
 
 NARROWING_SIZE = 3
 """Number of neighbours remembered where bands of steps are narrowed."""
 
-COUNTED_STEPS, COUNTED_SIZE = 250, 5
-"""Steps and neighbours where multipliers are evaluated with the number of services of a tour."""
-
 FIRST_STEP, NEXT_STEP, SMALLEST_STEP, PATIENCE, SHORTER, LEAST_GAIN = 1.0, 0.3, 2e-3, 5, 1.5, 1e-4
-"""Steps along subgradients, as shares of the gap: the first one, that of later stages, the last one,
-and how many without a gain of how much make it how much shorter."""
+"""Steps along subgradients, as shares of the gap: the first one, that of later stages, the last
+one, and how many without a gain of how much make it how much shorter."""
 
 SHARES = (0.3, 0.45, 0.65, 1.0)
 """Parts of the gap in which all labels are searched, one after the other."""
@@ -141,6 +136,9 @@ class EarliestEnd:
 
     def rounds(self) -> Iterator[None]:
         """Work on it, with a pause after each round."""
+        if self._latest_s <= self._tour.ready:
+            self.bound_s = self._latest_s
+            return
         for stage in STAGES:
             if self._over() or self.proven:
                 return
@@ -171,25 +169,18 @@ class EarliestEnd:
             value, count, walks = evaluated(near, memories, multipliers, walks)
             return value, count
 
-        best = self._ascended(free, best, most, stage.free)
-        walks = None
-        if stage.counted:
-            coarse = steps_of(tour, until, COUNTED_STEPS, nearest=True)
-            fewer = memories_of(tour, min(COUNTED_SIZE, tour.targets), until)
-            all_steps = whole_bands(tour.targets, COUNTED_STEPS)
-
-            def counted(multipliers: Whole) -> tuple[int, Whole]:
-                made = relaxed(coarse, fewer, all_steps, multipliers, self._jobs)
-                return bound_units(made), visits(made)
-
-            best = self._ascended(counted, best, most, stage.counted)
+        best = self._ascended(free, best, most, stage.evaluations)
         self._multipliers = best * unit
+
     def _ascended(
         self, evaluate: Callable[[Whole], tuple[int, Whole]], start: Whole, most: int, number: int
     ) -> Whole:
         """Multipliers after a number of steps along subgradients, the best of them."""
         multipliers, best, best_value, fruitless = start, start, -NEVER, 0
-        best_count, share = np.ones_like(start), FIRST_STEP if not self._multipliers.any() else NEXT_STEP
+        best_count, share = (
+            np.ones_like(start),
+            FIRST_STEP if not self._multipliers.any() else NEXT_STEP,
+        )
         for _ in range(number):
             if self._over() or share < SMALLEST_STEP:
                 break

@@ -6,6 +6,7 @@ longer be reached in time, or if the relaxed rest of its tour ends too late.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -116,7 +117,7 @@ def _misses(windows, done, place, time):
 
 
 @kernel
-def extend(tour, relaxation, windows, most, before, begin, after, table, cursor):
+def extend(tour, relaxation, windows, most, before, after, table, cursor):
     """Extend labels by each target, until one is left over or there is no room.
 
     Parameters
@@ -124,21 +125,20 @@ def extend(tour, relaxation, windows, most, before, begin, after, table, cursor)
     most : int
         Labels are dropped whose tours end later [units].
     before : Layer
-        Those to extend, and of them
-    begin : (2,) int64
-        the first and the last that are not extended yet; the first is updated.
+        Those to extend.
     after : Layer
         Written.
     table : (2^n,) int32
         Numbers of its labels by set and place, −1 for none.
-    cursor : (2,) int64
-        Labels in ``after``, and targets still to do after it; the first is updated.
+    cursor : (4,) int64
+        Labels in ``after``, targets still to do there, the first label that is not extended yet
+        and the one after the last; the first and the third are updated.
     """
     targets, left = tour.targets, cursor[1]
     steps, memories, bands, multipliers, values = relaxation
     room, count = after.done.size, cursor[0]
-    label = begin[0]
-    while label < begin[1] and count + targets <= room:
+    label = cursor[2]
+    while label < cursor[3] and count + targets <= room:
         done, here, time = before.done[label], np.int64(before.place[label]), before.time[label]
         for j in range(targets):
             if done >> j & 1:
@@ -167,7 +167,7 @@ def extend(tour, relaxation, windows, most, before, begin, after, table, cursor)
                 after.time[known], after.bound[known] = end, bound
                 after.parent[known] = label
         label += 1
-    begin[0], cursor[0] = label, count
+    cursor[2], cursor[0] = label, count
 
 
 @kernel
@@ -217,7 +217,9 @@ class LayerSearch:
         Whether the time is over.
     """
 
-    def __init__(self, tour, relaxation: Relaxation, windows: Windows, over) -> None:  # type: ignore[no-untyped-def]
+    def __init__(
+        self, tour: Tour, relaxation: Relaxation, windows: Windows, over: Callable[[], bool]
+    ) -> None:
         self._tour, self._relaxation, self._windows = tour, relaxation, windows
         self._over = over
 
@@ -269,16 +271,13 @@ class LayerSearch:
         """The next layer; None if there is no room or no time for it."""
         after = empty_layer(FIRST_ROOM)
         table = np.full(4 * FIRST_ROOM, -1, dtype=np.int32)
-        begin, cursor = np.zeros(2, dtype=np.int64), np.array([0, left])
-        while begin[0] < count:
+        cursor = np.array([0, left, 0, 0])
+        while cursor[2] < count:
             if self._over():
                 return None
-            begin[1] = min(begin[0] + CHUNK, count)
-            extend(
-                self._tour, self._relaxation, self._windows, most, before, begin, after, table,
-                cursor,
-            )  # fmt: skip
-            if begin[0] < begin[1]:
+            cursor[3] = min(int(cursor[2]) + CHUNK, count)
+            extend(self._tour, self._relaxation, self._windows, most, before, after, table, cursor)
+            if cursor[2] < cursor[3]:
                 if after.done.size >= room:
                     return None
                 wider = empty_layer(2 * after.done.size)

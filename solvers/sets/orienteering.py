@@ -84,6 +84,40 @@ class Terms(NamedTuple):
     by_time: bool
 
 
+class Question(NamedTuple):
+    """What is asked.
+
+    Attributes
+    ----------
+    terms : Terms
+    latest : (bodies, bodies) float64
+        Latest times at a body from which another one can be reached [s].
+    best : (3,) float64
+        Worth, cost and label of the best route; updated.
+    """
+
+    terms: Terms
+    latest: FloatArray
+    best: FloatArray
+
+
+class Extension(NamedTuple):
+    """A leg and the service after it: label before, destination, and what they lead to.
+
+    Attributes
+    ----------
+    label, body : int
+    time, left, cost : float
+        As of a label.
+    """
+
+    label: int
+    body: int
+    time: float
+    left: float
+    cost: float
+
+
 class Routes(NamedTuple):
     """Labels: beginnings of routes.
 
@@ -139,27 +173,29 @@ def _cost(terms, time, cost):
     return time if terms.by_time else cost + terms.price * (time - terms.ready)
 
 
-@kernel
-def _may_be_better(terms, latest, best, body, done, time, cost, worth):
+@inlined
+def _may_be_better(question, extension, done, worth):
     """Whether a route can still become better than the best one."""
-    most = worth
+    terms, latest, best = question
+    most, body, time = worth, extension.body, extension.time
     for j in range(terms.first_target, terms.service.size):
         if not done >> (j - terms.first_target) & 1 and time <= latest[body, j]:
             most += terms.worth[j]
     slack = ROUNDING * (1.0 + abs(best[0]))
     if most < best[0] - slack:
         return False
-    return most > best[0] + slack or _cost(terms, time, cost) < best[1]
+    return most > best[0] + slack or _cost(terms, time, extension.cost) < best[1]
 
 
 @kernel
-def _put(terms, latest, best, routes, table, count, label, j, end, left, cost):
+def _put(question, routes, table, count, extension):
     """Enter a label unless it is dominated or no use; returns the number of labels."""
+    terms, (label, j, end, left, cost) = question.terms, extension
     done, worth = routes.done[label], routes.worth[label]
     if j >= terms.first_target:
         done |= np.int64(1) << (j - terms.first_target)
         worth += terms.worth[j]
-    if not _may_be_better(terms, latest, best, j, done, end, cost, worth):
+    if not _may_be_better(question, extension, done, worth):
         return count
     slot = _slot(table, routes, done, j)
     if _is_dominated(routes, np.int64(table[slot]), end, left, cost):
@@ -169,7 +205,7 @@ def _put(terms, latest, best, routes, table, count, label, j, end, left, cost):
     routes.worth[count], routes.following[count] = worth, table[slot]
     routes.is_open[count] = True
     table[slot] = count
-    _count_in(terms, best, routes, count)
+    _count_in(terms, question.best, routes, count)
     return count + 1
 
 
@@ -185,21 +221,21 @@ def _count_in(terms, best, routes, label):
 
 
 @kernel
-def grow(legs, terms, latest, best, routes, table, cursor):
+def grow(legs, question, routes, table, cursor):
     """Extend labels by all their legs, as long as there is room.
 
     Parameters
     ----------
-    latest : (bodies, bodies) float64
-        Latest times at a body from which another one can be reached [s].
-    best : (3,) float64
-        Worth, cost and label of the best route; updated.
+    legs : GivenLegs
+    question : Question
+    routes : Routes
     table : (2^n,) int32
         First labels by set and body, −1 for none.
     cursor : (3,) int64
         First label that is not extended, the one after the last, and the number of labels; the
         first and the last are updated.
     """
+    terms = question.terms
     bodies, count, label = terms.service.size, cursor[2], cursor[0]
     while label < cursor[1]:
         if not routes.is_open[label]:
@@ -237,10 +273,8 @@ def grow(legs, terms, latest, best, routes, table, cursor):
                 if leaves < earliest or cost > left or not over <= until:
                     continue
                 rest = terms.budget if refuels else left - cost
-                count = _put(
-                    terms, latest, best, routes, table, count, label, j,
-                    over, rest, routes.cost[label] + cost,
-                )  # fmt: skip
+                paid = routes.cost[label] + cost
+                count = _put(question, routes, table, count, Extension(label, j, over, rest, paid))
         label += 1
     cursor[0], cursor[2] = label, count
 
@@ -299,6 +333,7 @@ class Orienteering:
         most = int(np.diff(self._legs.first).sum())
         routes, table = _wider(None, 0, max(1 << 12, 2 * most))
         best, whole = np.array([-math.inf, math.inf, -1.0]), True
+        question = Question(terms, self._latest, best)
         routes.done[0], routes.body[0], routes.parent[0] = 0, terms.start, -1
         routes.following[0], routes.is_open[0] = -1, True
         routes.time[0], routes.left[0] = terms.ready, terms.budget
@@ -318,7 +353,7 @@ class Orienteering:
                 if self._over():
                     return Found(_sequence(routes, best), float(best[0]), False, count)
                 cursor[1] = min(int(cursor[0]) + CHUNK, last)
-                grow(self._legs, terms, self._latest, best, routes, table, cursor)
+                grow(self._legs, question, routes, table, cursor)
                 count = int(cursor[2])
                 if cursor[0] < cursor[1]:
                     if routes.done.size >= room:
@@ -328,9 +363,7 @@ class Orienteering:
         return Found(_sequence(routes, best), float(best[0]), whole, count)
 
 
-def _wider(
-    routes: Routes | None, count: int, room: int
-) -> tuple[Routes, npt.NDArray[np.int32]]:
+def _wider(routes: Routes | None, count: int, room: int) -> tuple[Routes, npt.NDArray[np.int32]]:
     """Labels with more room, and their table."""
     made = Routes(
         np.empty(room, np.int64), np.empty(room, np.int32), np.empty(room, np.int32),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -181,7 +182,7 @@ def _fill_row(relaxation, left, place):
 
 
 @kernel
-def _fill_some(relaxation, left, first, every):
+def _fill_some(relaxation, left, every, first):
     """Fill the values of some places."""
     for place in range(first, relaxation.bands.low.shape[1], every):
         _fill_row(relaxation, left, place)
@@ -202,9 +203,9 @@ def relaxed(
     made = Relaxation(steps, memories, bands, multipliers, room)
     targets = multipliers.size
     with ThreadPoolExecutor(max(jobs, 1)) as pool:
+        parts = max(jobs, 1)
         for left in range(targets + 1):
-            parts = range(max(jobs, 1))
-            list(pool.map(lambda part, n=left: _fill_some(made, n, part, len(parts)), parts))
+            list(pool.map(partial(_fill_some, made, left, parts), range(parts)))
     return made
 
 
@@ -216,29 +217,6 @@ def bound_units(relaxation: Relaxation) -> int:
         return NEVER
     least = int(relaxation.values[row, 0])
     return NEVER if least >= NEVER else least - int(relaxation.multipliers.sum())
-
-
-@kernel
-def visits(relaxation):
-    """How often the best relaxed tour does each target, shape (targets,) int64."""
-    steps, memories, bands, multipliers, values = relaxation
-    targets = multipliers.size
-    count = np.zeros(targets, np.int64)
-    place, step, memory = np.int64(targets), np.int64(0), np.int64(0)
-    for left in range(targets, 0, -1):
-        value = values[bands.begin[left, place] + step - bands.low[left, place], memory]
-        for j in range(targets):
-            then = np.int64(steps.after[place, j, step])
-            first, last = bands.low[left - 1, j], bands.high[left - 1, j]
-            if j == place or then > last or then < first:
-                continue
-            after = np.int64(memories.onward[place, j, memory])
-            row = bands.begin[left - 1, j] + then - first
-            if values[row, after] + multipliers[j] == value:
-                count[j] += 1
-                place, step, memory = np.int64(j), then, after
-                break
-    return count
 
 
 @kernel

@@ -62,9 +62,7 @@ def _direct(tour, i, j, time):
     """End of the service at a place after the direct leg; +inf if that is too late."""
     places = tour.service.size
     pair = i * places + j
-    _, lands = leg_of(
-        tour.departure, tour.arrival, tour.first[pair], tour.first[pair + 1], time
-    )
+    _, lands = leg_of(tour.departure, tour.arrival, tour.first[pair], tour.first[pair + 1], time)
     end = service_end(lands, tour.opens[j], tour.service[j])
     return end if end <= tour.closes[j] else math.inf
 
@@ -164,8 +162,10 @@ def deadlines(tour, until):
                         continue
                     last = found[by, j]
                     now = max(found[i, j], tour.ready)
-                    if last > -math.inf and now < tour.closes[i] and (
-                        reached(tour, i, by, now + 1e-9 * (1.0 + abs(now))) <= last
+                    if (
+                        last > -math.inf
+                        and now < tour.closes[i]
+                        and (reached(tour, i, by, now + 1e-9 * (1.0 + abs(now))) <= last)
                     ):
                         later = _latest(tour, i, by, last)
                         if later > found[i, j]:
@@ -266,4 +266,3 @@ def sequence_of(mission: Mission, tour: Tour, order: npt.NDArray[np.int64]) -> t
     if isinstance(chaser.end, AtStation):
         moves.append(mission.names.index(chaser.end.station))
     return tuple(moves)
-

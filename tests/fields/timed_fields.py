@@ -6,7 +6,6 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-import adr_opt
 from adr_opt.problem.bodies import Station, Target
 from adr_opt.problem.chasers import AtStation, Chaser, Tank
 from adr_opt.problem.given import Given, of_rows, only
@@ -19,7 +18,7 @@ SPAN_S = 100.0
 
 
 def drawn_function(rng: np.random.Generator) -> np.ndarray:
-    """Breakpoints of a function that never overtakes: continuous, with flat parts, or with jumps."""
+    """Breakpoints of a function that never overtakes, with flat parts or jumps or without."""
     count = int(rng.integers(1, 7))
     departure = np.sort(rng.integers(0, int(0.9 * SPAN_S), count)).astype(float)
     for at in range(2, count):

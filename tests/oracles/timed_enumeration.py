@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from adr_opt.problem.instance import Instance
 
@@ -14,7 +15,7 @@ def arrival_of(points: list[tuple[float, float]], ready: float) -> float:
     if ready > points[-1][0] + SLACK:
         return math.inf
     found = [lands for leaves, lands in points if leaves >= ready - SLACK]
-    for (a, x), (b, y) in zip(points[:-1], points[1:], strict=True):
+    for (a, x), (b, y) in pairwise(points):
         if a <= ready <= b and a < b:
             found.append(x + (y - x) * (ready - a) / (b - a))
     # Of a jump at the ready time the earlier end counts, which the first list has.
@@ -35,9 +36,7 @@ def best_route(instance: Instance) -> tuple[float, float]:
     def legs(i: str, j: str, ready: float) -> list[tuple[float, float]]:
         function = given.functions.of_pair(i, j)
         if function is not None:
-            points = list(
-                zip(function.departure.tolist(), function.arrival.tolist(), strict=True)
-            )
+            points = list(zip(function.departure.tolist(), function.arrival.tolist(), strict=True))
             return [(arrival_of(points, ready), function.cost)]
         leaves, lands, costs = given.of_pair(i, j)
         rows = zip(leaves.tolist(), lands.tolist(), costs.tolist(), strict=True)

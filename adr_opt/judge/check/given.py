@@ -118,5 +118,8 @@ def _arrival(function: Function, departure_s: float) -> float:
     after = int(np.searchsorted(function.departure, departure_s, side="left"))
     if after in (0, function.departure.size):
         return float(function.arrival[min(after, function.departure.size - 1)])
-    leaves, lands = function.departure[after - 1 : after + 1], function.arrival[after - 1 : after + 1]
+    leaves, lands = (
+        function.departure[after - 1 : after + 1],
+        function.arrival[after - 1 : after + 1],
+    )
     return float(np.interp(departure_s, leaves, lands))

@@ -70,7 +70,5 @@ def legs_of(departures, arrivals, ready):
     """
     leaves, lands = np.empty(ready.size), np.empty(ready.size)
     for place in range(ready.size):
-        leaves[place], lands[place] = leg_of(
-            departures, arrivals, 0, departures.size, ready[place]
-        )
+        leaves[place], lands[place] = leg_of(departures, arrivals, 0, departures.size, ready[place])
     return leaves, lands

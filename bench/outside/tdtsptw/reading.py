@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -58,11 +59,13 @@ def read_roads(path: Path) -> Roads:
     """An instance; ways that its graph does not have are closed."""
     content, where = read_object(path), str(path)
     zones = [_floats(zone, 2, where, "speed_zones") for zone in _rows(content, "speed_zones", path)]
-    if not zones or any(zone[1] != after[0] for zone, after in zip(zones, zones[1:], strict=False)):
+    if not zones or any(zone[1] != after[0] for zone, after in pairwise(zones)):
         raise InputError(f"{where}: speed_zones are not one after the other")
     if any(zone[0] >= zone[1] for zone in zones):
         raise InputError(f"{where}: a speed zone ends before it begins")
-    windows = [_floats(each, 2, where, "time_windows") for each in _rows(content, "time_windows", path)]
+    windows = [
+        _floats(each, 2, where, "time_windows") for each in _rows(content, "time_windows", path)
+    ]
     places = len(windows)
     speeds = np.array([
         _floats(row, len(zones), where, "cluster_speeds")

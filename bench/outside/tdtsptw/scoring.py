@@ -21,7 +21,10 @@ def arrival(roads: Roads, origin: int, destination: int, departure: float) -> fl
 
     Infinite after the last zone, and where there is no way.
     """
-    cluster, left = int(roads.cluster[origin, destination]), float(roads.distance[origin, destination])
+    cluster, left = (
+        int(roads.cluster[origin, destination]),
+        float(roads.distance[origin, destination]),
+    )
     if cluster < 0:
         return math.inf
     now = departure
@@ -51,7 +54,9 @@ def score(roads: Roads, tour: Sequence[int]) -> Score:
     for place in (*tour, roads.end):
         now = max(arrival(roads, here, place, now), float(roads.opens[place]))
         if not now <= roads.closes[place] + 1e-6:
-            broken.append(f"place {place}: reached at {now:g}, closed since {roads.closes[place]:g}")
+            broken.append(
+                f"place {place}: reached at {now:g}, closed since {roads.closes[place]:g}"
+            )
         here = place
     if now > roads.latest + 1e-6:
         broken.append(f"ends at {now:g}, after the horizon")
