@@ -84,8 +84,6 @@ class Front(NamedTuple):
         Label at the body before, and the connection taken from there.
     spent : (labels,) float64
         ΔV of all legs where expenses count masses, else empty [m/s].
-    found : Connections or None
-        Those that ``taken`` counts; None at the start.
     """
 
     ready: FloatArray
@@ -94,7 +92,6 @@ class Front(NamedTuple):
     parent: IntArray
     taken: IntArray
     spent: FloatArray = np.empty(0)
-    found: Connections | None = None
 
 
 def left_at_start(rules: Rules, kits: int) -> float:
@@ -262,7 +259,7 @@ class Scheduler:
         if self._weighs:
             spent = here.spent[front.parent] + found.delta_v[front.taken] + flown
             front = front._replace(spent=spent)
-        return front._replace(found=found)
+        return front
 
     @property
     def _weighs(self) -> bool:
@@ -354,8 +351,8 @@ class Scheduler:
         revolutions, families = np.empty((2, made), dtype=np.int8)
         for at in range(made - 1, -1, -1):
             front = fronts[at + 1]
-            found, taken = front.found, front.taken[label]
-            assert found is not None
+            i = order[at - 1] if at else rules.start
+            found, taken = self.from_ready(i, order[at], fronts[at].ready), front.taken[label]
             departures[at], arrivals[at] = found.departure[taken], found.arrival[taken]
             delta_vs[at], revolutions[at] = found.delta_v[taken], found.revolutions[taken]
             families[at] = found.family[taken]

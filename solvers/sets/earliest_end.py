@@ -121,7 +121,7 @@ class EarliestEnd:
         self._latest_s = float(tour.closes[tour.targets + 1])
         self.order: npt.NDArray[np.int64] | None = None
         self.end_s, self.bound_s, self.labels = known_s, tour.ready, 0
-        self._multipliers = np.zeros(tour.targets)  # [s]
+        self._multipliers: npt.NDArray[np.float64] = np.zeros(tour.targets)  # [s]
 
     @property
     def proven(self) -> bool:
@@ -177,10 +177,8 @@ class EarliestEnd:
     ) -> Whole:
         """Multipliers after a number of steps along subgradients, the best of them."""
         multipliers, best, best_value, fruitless = start, start, -NEVER, 0
-        best_count, share = (
-            np.ones_like(start),
-            FIRST_STEP if not self._multipliers.any() else NEXT_STEP,
-        )
+        best_count = np.ones_like(start)
+        share = NEXT_STEP if self._multipliers.any() else FIRST_STEP
         for _ in range(number):
             if self._over() or share < SMALLEST_STEP:
                 break

@@ -15,7 +15,7 @@ from .relaxation import NEVER, Steps
 def _fill(steps, memories, multipliers, values):
     """Fill the values of all places and steps, from the last step back; each leg takes a step."""
     places, size = values.shape[0], values.shape[2] - 1
-    for step in range(steps.count, -1, -1):
+    for step in range(steps.total, -1, -1):
         for place in range(places):
             row = values[place, step]
             for memory in range(size):
@@ -23,7 +23,7 @@ def _fill(steps, memories, multipliers, values):
             row[size] = NEVER
             for j in range(multipliers.size):
                 then = max(step + 1, np.int64(steps.after[place, j, step]))
-                if j == place or then > steps.count:
+                if j == place or then > steps.total:
                     continue
                 source = values[j, then]
                 onward, charge = memories.onward[place, j], np.int32(multipliers[j])
@@ -45,7 +45,7 @@ def _visits(steps, memories, multipliers, values):
         value, found = values[place, step, memory], np.int64(-1)
         for j in range(multipliers.size):
             then = max(step + 1, np.int64(steps.after[place, j, step]))
-            if j == place or then > steps.count:
+            if j == place or then > steps.total:
                 continue
             after = np.int64(memories.onward[place, j, memory])
             if values[j, then, after] + multipliers[j] == value:
@@ -66,7 +66,7 @@ def evaluated(
 ) -> tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int32]]:
     """Value [units] and services of the best relaxed tour, and the room, to be used again."""
     targets = multipliers.size
-    shape = targets + 1, steps.count + 1, memories.onward.shape[2] + 1
+    shape = targets + 1, steps.total + 1, memories.onward.shape[2] + 1
     if room is None or room.shape != shape:
         room = np.empty(shape, dtype=np.int32)
     _fill(steps, memories, multipliers, room)

@@ -75,7 +75,7 @@ def windows_of(latest: npt.NDArray[np.float64]) -> Windows:
     missed = np.zeros((targets, targets + 1), dtype=np.int64)
     for place in range(targets):
         others = [j for j in range(targets) if j != place]
-        order = sorted(others, key=lambda j, at=place: latest[at, j])
+        order = [others[rank] for rank in np.argsort(latest[place, others], kind="stable")]
         time[place, : targets - 1] = latest[place, order]
         for rank, j in enumerate(order):
             missed[place, rank + 1] = missed[place, rank] | (1 << j)
@@ -248,9 +248,9 @@ class LayerSearch:
             layer, count = made
             if width is not None and count > width:
                 kept = np.argpartition(layer.bound[:count], width)[:width]
-                layer, count, whole = Layer(*(part[kept] for part in layer)), width, False
+                layer, count, whole = Layer._make(part[kept] for part in tuple(layer)), width, False
             else:
-                layer = Layer(*(part[:count].copy() for part in layer))
+                layer = Layer._make(part[:count].copy() for part in tuple(layer))
             history.append((layer.place, layer.parent))
             total += count
             if not count:
@@ -281,8 +281,8 @@ class LayerSearch:
                 if after.done.size >= room:
                     return None
                 wider = empty_layer(2 * after.done.size)
-                for new, old in zip(wider, after, strict=True):
-                    new[: old.size] = old
+                for name in Layer._fields:
+                    getattr(wider, name)[: after.done.size] = getattr(after, name)
                 after, table = wider, np.full(2 * table.size, -1, dtype=np.int32)
                 reenter(table, after, int(cursor[0]))
         return after, int(cursor[0])

@@ -372,8 +372,8 @@ def _wider(routes: Routes | None, count: int, room: int) -> tuple[Routes, npt.ND
     )  # fmt: skip
     table = np.full(4 << (room - 1).bit_length(), -1, dtype=np.int32)
     if routes is not None:
-        for new, old in zip(made, routes, strict=True):
-            new[:count] = old[:count]
+        for name in Routes._fields:
+            getattr(made, name)[:count] = getattr(routes, name)[:count]
         reenter(table, made, count)
     return made, table
 

@@ -35,7 +35,7 @@ class Steps(NamedTuple):
     ----------
     length, unit : float
         Of a step, and of a unit [s].
-    count : int
+    total : int
         Number of steps.
     after : (targets + 1, targets, steps + 1) int32
         Step in which a service ends, by origin, destination and the step before; beyond all steps
@@ -46,7 +46,7 @@ class Steps(NamedTuple):
 
     length: float
     unit: float
-    count: int
+    total: int
     after: npt.NDArray[np.int32]
     ends: npt.NDArray[np.int32]
 
@@ -230,7 +230,7 @@ def _forwards(steps, bands, multipliers, done, before, now):
     before, now : (targets + 1, steps + 1) int64
         By place and step by which it is left; ``now`` is written.
     """
-    targets, count = multipliers.size, steps.count
+    targets, count = multipliers.size, steps.total
     for j in range(targets + 1):
         for step in range(count + 1):
             now[j, step] = NEVER
@@ -261,7 +261,7 @@ def narrowed(relaxation: Relaxation, most: int, finer: int) -> Bands:
         Number of steps that become of each.
     """
     steps, _, bands, multipliers, values = relaxation
-    targets, count = multipliers.size, steps.count
+    targets, count = multipliers.size, steps.total
     low, high = np.zeros_like(bands.low), np.full_like(bands.high, -1)
     low[targets, targets] = high[targets, targets] = 0
     before = np.full((targets + 1, count + 1), NEVER, dtype=np.int64)

@@ -71,5 +71,5 @@ def test_damaged_files_are_refused(tmp_path, key, value):
     """A file with another content is refused in a sentence."""
     content = json.loads((FOLDER / "15_70_A_25_B6.json").read_text())
     (tmp_path / "x.json").write_text(json.dumps(content | {key: value}))
-    with pytest.raises(InputError, match="x.json"):
+    with pytest.raises(InputError, match=r"x\.json"):
         reading.read_roads(tmp_path / "x.json")

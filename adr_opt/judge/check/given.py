@@ -34,7 +34,8 @@ def check_given(
         yield Violation(
             number, "given", "states revolutions or a share of eccentricity; must be 0 if given"
         )
-    function = given.functions and given.functions.of_pair(leg.origin, leg.destination)
+    functions = given.functions
+    function = None if functions is None else functions.of_pair(leg.origin, leg.destination)
     if function is not None:
         return (yield from _by_function(function, number, leg, free))
     known = {name: at for at, name in enumerate(given.names)}
