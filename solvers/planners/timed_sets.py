@@ -17,7 +17,7 @@ from ..progress.gap import GapTracker
 from ..proof.proof import ProofOptions
 from ..sets.earliest_end import LABEL_BYTES, EarliestEnd
 from ..sets.orienteering import MOST_TARGETS, Orienteering
-from ..sets.tour import Tour, sequence_of, tour_of
+from ..sets.tour import TimedTour, sequence_of, tour_of
 
 WIDTHS = (100, 1_000, 10_000, 100_000)
 """Labels of a layer that go on in the searches before that of all labels."""
@@ -86,7 +86,7 @@ class _Searches:
     def _over(self) -> bool:
         return self._stop.remaining_s() <= 0.0
 
-    def earliest_end(self, tour: Tour, jobs: int) -> float | None:
+    def earliest_end(self, tour: TimedTour, jobs: int) -> float | None:
         """Search the tour of all targets that ends first; returns what no plan ends before [s]."""
         mission, certificate = self._mission, self._certificate
         search = EarliestEnd(tour, self._over, jobs=jobs, most_labels=self._room)

@@ -31,7 +31,7 @@ from .relaxation import (
     steps_of,
     whole_bands,
 )
-from .tour import Tour, deadlines
+from .tour import TimedTour, deadlines
 
 TOLERANCE = 5e-7
 """Relative improvement that is not looked for."""
@@ -89,7 +89,7 @@ class EarliestEnd:
 
     Parameters
     ----------
-    tour : Tour
+    tour : TimedTour
     over : callable
         Whether the time is over.
     jobs : int
@@ -110,7 +110,7 @@ class EarliestEnd:
 
     def __init__(
         self,
-        tour: Tour,
+        tour: TimedTour,
         over: Callable[[], bool],
         *,
         jobs: int,
@@ -170,7 +170,7 @@ class EarliestEnd:
             return value, count
 
         best = self._ascended(free, best, most, stage.evaluations)
-        self._multipliers = best * unit
+        self._multipliers = np.asarray(best * unit, dtype=np.float64)
 
     def _ascended(
         self, evaluate: Callable[[Whole], tuple[int, Whole]], start: Whole, most: int, number: int

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import kernel
 
-from .memories import Memories
+from .memories import NearMemories
 from .relaxation import NEVER, Steps
 
 
@@ -60,7 +60,7 @@ def _visits(steps, memories, multipliers, values):
 
 def evaluated(
     steps: Steps,
-    memories: Memories,
+    memories: NearMemories,
     multipliers: npt.NDArray[np.int64],
     room: npt.NDArray[np.int32] | None = None,
 ) -> tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int32]]:

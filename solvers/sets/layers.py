@@ -16,7 +16,7 @@ from adr_opt.kernels.core.compile import inlined, kernel
 
 from .memories import memory_of
 from .relaxation import Relaxation
-from .tour import Tour, reached
+from .tour import TimedTour, reached
 
 
 class Layer(NamedTuple):
@@ -205,12 +205,20 @@ FIRST_ROOM, CHUNK = 1 << 14, 20_000
 """Room of a layer in the beginning, and number of labels extended between looks at the clock."""
 
 
+def _at(layer: Layer, labels: npt.NDArray[np.int64]) -> Layer:
+    """Some labels of a layer."""
+    return Layer(
+        layer.done[labels], layer.place[labels], layer.time[labels], layer.bound[labels],
+        layer.rest[labels], layer.parent[labels],
+    )  # fmt: skip
+
+
 class LayerSearch:
     """Search of a tour layer by layer, of all labels or the most promising ones.
 
     Parameters
     ----------
-    tour : Tour
+    tour : TimedTour
     relaxation : Relaxation
     windows : Windows
     over : callable
@@ -218,7 +226,7 @@ class LayerSearch:
     """
 
     def __init__(
-        self, tour: Tour, relaxation: Relaxation, windows: Windows, over: Callable[[], bool]
+        self, tour: TimedTour, relaxation: Relaxation, windows: Windows, over: Callable[[], bool]
     ) -> None:
         self._tour, self._relaxation, self._windows = tour, relaxation, windows
         self._over = over
@@ -248,9 +256,9 @@ class LayerSearch:
             layer, count = made
             if width is not None and count > width:
                 kept = np.argpartition(layer.bound[:count], width)[:width]
-                layer, count, whole = Layer._make(part[kept] for part in tuple(layer)), width, False
+                layer, count, whole = _at(layer, kept), width, False
             else:
-                layer = Layer._make(part[:count].copy() for part in tuple(layer))
+                layer = _at(layer, np.arange(count))
             history.append((layer.place, layer.parent))
             total += count
             if not count:

@@ -13,10 +13,10 @@ import numpy.typing as npt
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.legs.given_functions import leg_of
 
-from .tour import Tour
+from .tour import TimedTour
 
 
-class Memories(NamedTuple):
+class NearMemories(NamedTuple):
     """Neighbourhoods, and how memories change from place to place.
 
     A memory is a number whose bit q says whether neighbour q of the place is done.
@@ -85,8 +85,8 @@ def _lengths(tour, time):
     return lengths
 
 
-def memories_of(tour: Tour, size: int, until: float) -> Memories:
-    """Memories of the nearest targets of each, by the mean time there and back in mid-tour."""
+def memories_of(tour: TimedTour, size: int, until: float) -> NearMemories:
+    """NearMemories of the nearest targets of each, by the mean time there and back in mid-tour."""
     targets = tour.targets
     lengths = _lengths(tour, 0.5 * (tour.ready + until))
     lengths[:targets] = lengths[:targets] + lengths[:targets].T
@@ -96,4 +96,4 @@ def memories_of(tour: Tour, size: int, until: float) -> Memories:
         near[i, : min(size, len(ranked))] = ranked[:size]
     onward = np.empty((targets + 1, targets, 1 << size), dtype=np.int32)
     _onward(near, onward)
-    return Memories(near, onward)
+    return NearMemories(near, onward)

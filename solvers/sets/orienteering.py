@@ -33,7 +33,7 @@ ROUNDING = 1e-9
 """Relative difference of worths that rounding may cause."""
 
 
-class GivenLegs(NamedTuple):
+class LegRows(NamedTuple):
     """Legs of all pairs of bodies, by origin · bodies + destination.
 
     Attributes
@@ -53,7 +53,7 @@ class GivenLegs(NamedTuple):
     is_function: npt.NDArray[np.bool_]
 
 
-class Terms(NamedTuple):
+class RouteTerms(NamedTuple):
     """Rules of the mission, as of :class:`adr_opt.kernels.rules.rules.Rules`.
 
     Attributes
@@ -84,19 +84,19 @@ class Terms(NamedTuple):
     by_time: bool
 
 
-class Question(NamedTuple):
+class RouteQuestion(NamedTuple):
     """What is asked.
 
     Attributes
     ----------
-    terms : Terms
+    terms : RouteTerms
     latest : (bodies, bodies) float64
         Latest times at a body from which another one can be reached [s].
     best : (3,) float64
         Worth, cost and label of the best route; updated.
     """
 
-    terms: Terms
+    terms: RouteTerms
     latest: FloatArray
     best: FloatArray
 
@@ -226,8 +226,8 @@ def grow(legs, question, routes, table, cursor):
 
     Parameters
     ----------
-    legs : GivenLegs
-    question : Question
+    legs : LegRows
+    question : RouteQuestion
     routes : Routes
     table : (2^n,) int32
         First labels by set and body, −1 for none.
@@ -288,7 +288,7 @@ def reenter(table, routes, count):
         table[slot] = label
 
 
-class Found(NamedTuple):
+class BestRoute(NamedTuple):
     """The best route found, its worth, and whether no label was left out."""
 
     sequence: tuple[int, ...] | None
@@ -311,7 +311,7 @@ class Orienteering:
     def __init__(self, mission: Mission, over: Callable[[], bool]) -> None:
         rules, instance = mission.rules, mission.instance
         self._over, self._bodies = over, rules.service.size
-        self._terms = Terms(
+        self._terms = RouteTerms(
             rules.first_target, rules.stations, rules.start, rules.most_targets, rules.service,
             rules.opens, rules.closes, rules.prize, rules.may_end, rules.budget, rules.ready,
             rules.duration, instance.time_m_s_per_s, instance.objective.cost == "duration",
@@ -319,7 +319,7 @@ class Orienteering:
         self._legs = _legs_of(mission)
         self._latest = _latest_of(self._legs, self._terms)
 
-    def search(self, room: int, width: int | None = None) -> Found:
+    def search(self, room: int, width: int | None = None) -> BestRoute:
         """Search all routes, or those of the most promising labels of each layer.
 
         Parameters
@@ -333,7 +333,7 @@ class Orienteering:
         most = int(np.diff(self._legs.first).sum())
         routes, table = _wider(None, 0, max(1 << 12, 2 * most))
         best, whole = np.array([-math.inf, math.inf, -1.0]), True
-        question = Question(terms, self._latest, best)
+        question = RouteQuestion(terms, self._latest, best)
         routes.done[0], routes.body[0], routes.parent[0] = 0, terms.start, -1
         routes.following[0], routes.is_open[0] = -1, True
         routes.time[0], routes.left[0] = terms.ready, terms.budget
@@ -351,16 +351,16 @@ class Orienteering:
             cursor = np.array([first, last, count])
             while cursor[0] < last:
                 if self._over():
-                    return Found(_sequence(routes, best), float(best[0]), False, count)
+                    return BestRoute(_sequence(routes, best), float(best[0]), False, count)
                 cursor[1] = min(int(cursor[0]) + CHUNK, last)
                 grow(self._legs, question, routes, table, cursor)
                 count = int(cursor[2])
                 if cursor[0] < cursor[1]:
                     if routes.done.size >= room:
-                        return Found(_sequence(routes, best), float(best[0]), False, count)
+                        return BestRoute(_sequence(routes, best), float(best[0]), False, count)
                     routes, table = _wider(routes, count, 2 * routes.done.size)
             first = last
-        return Found(_sequence(routes, best), float(best[0]), whole, count)
+        return BestRoute(_sequence(routes, best), float(best[0]), whole, count)
 
 
 def _wider(routes: Routes | None, count: int, room: int) -> tuple[Routes, npt.NDArray[np.int32]]:
@@ -389,7 +389,7 @@ def _sequence(routes: Routes, best: FloatArray) -> tuple[int, ...] | None:
     return tuple(reversed(moves))
 
 
-def _legs_of(mission: Mission) -> GivenLegs:
+def _legs_of(mission: Mission) -> LegRows:
     """The legs of all pairs; those of a start cost what was spent before it as well."""
     bodies, connecting = len(mission.names), mission.connecting
     first, is_function = [0], []
@@ -406,7 +406,7 @@ def _legs_of(mission: Mission) -> GivenLegs:
                 columns.append((found.departure, found.arrival, found.delta_v))
             first.append(first[-1] + columns[-1][0].size)
     departure, arrival, cost = (np.concatenate(each) for each in zip(*columns, strict=True))
-    return GivenLegs(
+    return LegRows(
         np.array(first, dtype=np.int64), departure, arrival, cost, np.array(is_function, np.bool_)
     )
 

@@ -18,8 +18,8 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import kernel
 
-from .memories import Memories
-from .tour import Tour, reached
+from .memories import NearMemories
+from .tour import TimedTour, reached
 
 NEVER = 2**30
 """Value of what cannot be done in time."""
@@ -75,7 +75,7 @@ class Relaxation(NamedTuple):
     Attributes
     ----------
     steps : Steps
-    memories : Memories
+    memories : NearMemories
     bands : Bands
     multipliers : (targets,) int64
         Charge of each service [units].
@@ -84,7 +84,7 @@ class Relaxation(NamedTuple):
     """
 
     steps: Steps
-    memories: Memories
+    memories: NearMemories
     bands: Bands
     multipliers: npt.NDArray[np.int64]
     values: npt.NDArray[np.int32]
@@ -112,7 +112,7 @@ def _fill_steps(tour, length, unit, until, shift, after, ends):
                     )
 
 
-def steps_of(tour: Tour, until: float, count: int, *, nearest: bool = False) -> Steps:
+def steps_of(tour: TimedTour, until: float, count: int, *, nearest: bool = False) -> Steps:
     """Moves in steps, of tours that end in time.
 
     Parameters
@@ -190,7 +190,7 @@ def _fill_some(relaxation, left, every, first):
 
 def relaxed(
     steps: Steps,
-    memories: Memories,
+    memories: NearMemories,
     bands: Bands,
     multipliers: npt.NDArray[np.int64],
     jobs: int,

@@ -27,7 +27,7 @@ HALVINGS = 60
 """Number of halvings of a time span."""
 
 
-class Tour(NamedTuple):
+class TimedTour(NamedTuple):
     """A tour of all targets of a mission whose tank is no limit.
 
     Attributes
@@ -173,7 +173,7 @@ def deadlines(tour, until):
     return found
 
 
-def tour_of(mission: Mission) -> Tour | None:
+def tour_of(mission: Mission) -> TimedTour | None:
     """The tour of all targets of a mission; None where one place or the tank asks for more.
 
     All is well with functions of time alone where the cost is the duration, and the tank holds
@@ -210,7 +210,7 @@ def tour_of(mission: Mission) -> Tour | None:
     closes[targets] = rules.duration  # also of a station that refuels nobody
     if not ends:
         closes[targets + 1] = rules.duration
-    return Tour(
+    return TimedTour(
         targets, np.array(first, dtype=np.int64), np.concatenate(leaves), np.concatenate(lands),
         rules.service[bodies], rules.opens[bodies], closes, rules.ready, not ends,
     )  # fmt: skip
@@ -246,7 +246,7 @@ def _function(mission: Mission, i: int, j: int) -> tuple[FloatArray, FloatArray,
     return leaves, np.repeat(arrival, 2)[1:], float(found.delta_v.max())
 
 
-def sequence_of(mission: Mission, tour: Tour, order: npt.NDArray[np.int64]) -> tuple[int, ...]:
+def sequence_of(mission: Mission, tour: TimedTour, order: npt.NDArray[np.int64]) -> tuple[int, ...]:
     """The bodies of a tour in an order of targets, with stations on the way and at the end."""
     rules, chaser = mission.rules, mission.chaser
     stations = [
