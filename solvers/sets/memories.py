@@ -86,7 +86,7 @@ def _lengths(tour, time):
 
 
 def memories_of(tour: TimedTour, size: int, until: float) -> NearMemories:
-    """NearMemories of the nearest targets of each, by the mean time there and back in mid-tour."""
+    """Memories of the nearest targets of each, by the mean time there and back in mid-tour."""
     targets = tour.targets
     lengths = _lengths(tour, 0.5 * (tour.ready + until))
     lengths[:targets] = lengths[:targets] + lengths[:targets].T
