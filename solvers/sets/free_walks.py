@@ -8,7 +8,7 @@ import numpy.typing as npt
 from adr_opt.kernels.core.compile import kernel
 
 from .memories import NearMemories
-from .relaxation import NEVER, Steps
+from .relaxation import NEVER, TimeSteps
 
 
 @kernel
@@ -59,7 +59,7 @@ def _visits(steps, memories, multipliers, values):
 
 
 def evaluated(
-    steps: Steps,
+    steps: TimeSteps,
     memories: NearMemories,
     multipliers: npt.NDArray[np.int64],
     room: npt.NDArray[np.int32] | None = None,

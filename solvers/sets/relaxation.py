@@ -28,7 +28,7 @@ UNITS = 2**20
 """Number of units in the time of a tour."""
 
 
-class Steps(NamedTuple):
+class TimeSteps(NamedTuple):
     """Moves in steps of time.
 
     Attributes
@@ -52,7 +52,7 @@ class Steps(NamedTuple):
 
 
 class Bands(NamedTuple):
-    """Steps in which a place may be left with a number of targets still to do.
+    """TimeSteps in which a place may be left with a number of targets still to do.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Relaxation(NamedTuple):
 
     Attributes
     ----------
-    steps : Steps
+    steps : TimeSteps
     memories : NearMemories
     bands : Bands
     multipliers : (targets,) int64
@@ -83,7 +83,7 @@ class Relaxation(NamedTuple):
         Least end and charges of the rest of a relaxed tour, by memory [units].
     """
 
-    steps: Steps
+    steps: TimeSteps
     memories: NearMemories
     bands: Bands
     multipliers: npt.NDArray[np.int64]
@@ -112,7 +112,7 @@ def _fill_steps(tour, length, unit, until, shift, after, ends):
                     )
 
 
-def steps_of(tour: TimedTour, until: float, count: int, *, nearest: bool = False) -> Steps:
+def steps_of(tour: TimedTour, until: float, count: int, *, nearest: bool = False) -> TimeSteps:
     """Moves in steps, of tours that end in time.
 
     Parameters
@@ -131,7 +131,7 @@ def steps_of(tour: TimedTour, until: float, count: int, *, nearest: bool = False
     # What rounding does to a quotient never makes a step later.
     _fill_steps(tour, length, unit, until, 0.5 if nearest else -1e-9, after, ends)
     np.maximum(after, 0, out=after)
-    return Steps(length, unit, count, after, ends)
+    return TimeSteps(length, unit, count, after, ends)
 
 
 def whole_bands(targets: int, count: int) -> Bands:
@@ -189,7 +189,7 @@ def _fill_some(relaxation, left, every, first):
 
 
 def relaxed(
-    steps: Steps,
+    steps: TimeSteps,
     memories: NearMemories,
     bands: Bands,
     multipliers: npt.NDArray[np.int64],
