@@ -74,7 +74,7 @@ NARROWING_SIZE = 3
 """Number of neighbours remembered where bands of steps are narrowed."""
 
 FIRST_STEP, NEXT_STEP, SMALLEST_STEP, PATIENCE, SHORTER, LEAST_GAIN = 1.0, 0.3, 2e-3, 5, 1.5, 1e-4
-"""TimeSteps along subgradients, as shares of the gap: the first one, that of later stages, the last
+"""Steps along subgradients, as shares of the gap: the first one, that of later stages, the last
 one, and how many without a gain of how much make it how much shorter."""
 
 SHARES = (0.3, 0.45, 0.65, 1.0)

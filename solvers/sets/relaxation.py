@@ -52,7 +52,7 @@ class TimeSteps(NamedTuple):
 
 
 class Bands(NamedTuple):
-    """TimeSteps in which a place may be left with a number of targets still to do.
+    """Steps in which a place may be left with a number of targets still to do.
 
     Attributes
     ----------
