@@ -7,7 +7,8 @@
 4. :mod:`.policies`: trained policies at work.
 5. :mod:`.beams`: beams, orders of targets, ruin and recreate.
 6. :mod:`.walks`: the network with waiting arcs, its walks and labels, and proofs by them.
-7. :mod:`.progress.gap`, :mod:`.progress.incumbent`: the best plan and the bound, compared in one
+7. :mod:`.sets`: dynamic programming by sets of targets, where arrivals are functions of time.
+8. :mod:`.progress.gap`, :mod:`.progress.incumbent`: the best plan and the bound, compared in one
    place.
 
 Each imports only from further down.

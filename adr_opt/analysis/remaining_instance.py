@@ -126,9 +126,14 @@ def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) 
     }
     given = among(instance.given, Numbering(*parts).names, starts)
     # Beside the file of all of them, and of no other rest.
-    file = f"{PurePath(of_all.file).stem}-{given.sha256[:8]}.parquet"
+    file, functions_file = of_all.file, of_all.functions
+    if file is not None:
+        file = f"{PurePath(file).stem}-{given.sha256[:8]}.parquet"
+    if functions_file is not None and given.functions is not None:
+        digest = given.functions.sha256
+        functions_file = f"{PurePath(functions_file).stem}-{digest[:8]}.json"
     emptied = instance.with_given(among(instance.given, ()))
-    return emptied.replace(**changes).with_given(given, file)
+    return emptied.replace(**changes).with_given(given, file, functions_file)
 
 
 def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[Station, ...] | None:

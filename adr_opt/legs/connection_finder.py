@@ -12,10 +12,12 @@ import numpy.typing as npt
 from ..common.constants import HOUR_S, MU_M3_S2, SLACK_S
 from ..common.errors import InputError
 from ..kernels.legs import connections as kernels
-from ..kernels.legs.found import ConnectionArrays
+from ..kernels.legs.found import GIVEN, ConnectionArrays
+from ..kernels.legs.given_functions import legs_of
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.leg_kinds import leg_kinds
+from ..problem.given_functions import Function
 from ..problem.instance import Instance
 from .connection_cache import ConnectionCache, Pair
 from .connections import Connections
@@ -255,8 +257,62 @@ class ConnectionFinder:
         chosen, self._chosen = self._chosen, {}
         return making.pack(len(self.instance.names), chosen, duration, slot)
 
+    @property
+    def has_functions(self) -> bool:
+        """Whether arrivals of any pair are a function of time."""
+        return self.given is not None and self.given.functions is not None
+
+    def function_of(self, i: int, j: int) -> Function | None:
+        """The function of a pair whose arrivals are one of time; None for any other pair."""
+        if self.given is None or self.given.functions is None:
+            return None
+        return self.given.functions.of_pair(self._names[i], self._names[j])
+
+    def by_function(self, i: int, j: int, ready: FloatArray) -> Connections | None:
+        """Legs by the function of a pair, one for each ready time that is in time for one.
+
+        None for a pair without a function. As arrivals never overtake, a chaser that is ready needs
+        no other one.
+        """
+        function = self.function_of(i, j)
+        if function is None:
+            return None
+        departure, arrival = legs_of(function.departure, function.arrival, ready)
+        there = arrival <= self._end
+        count = int(there.sum())
+        found = ConnectionArrays(
+            departure[there], arrival[there], np.full(count, function.cost),
+            np.zeros(count, dtype=np.int8), np.arange(count, dtype=np.int32),
+            np.full(count, GIVEN, dtype=np.int8),
+        )  # fmt: skip
+        found = self._charged(i, j, found)
+        return Connections(
+            found.departure, found.arrival, found.delta_v, found.revolutions, found.family
+        )
+
+    def refuse_function(self, i: int, j: int) -> None:
+        """Refuse a pair whose connections are too many to be listed.
+
+        Raises
+        ------
+        InputError
+            Its arrivals are a function of time.
+        """
+        if self.function_of(i, j) is not None:
+            raise InputError(
+                f"{self._names[i]!r} to {self._names[j]!r}: arrivals are a function of time, whose "
+                "connections cannot be listed; plan with auto or exact"
+            )
+
     def of_pair(self, i: int, j: int, resolution_m_s: float) -> Connections:
-        """All connections of a pair; none from a body to itself."""
+        """All connections of a pair; none from a body to itself.
+
+        Raises
+        ------
+        InputError
+            Arrivals of the pair are a function of time.
+        """
+        self.refuse_function(i, j)
         if i == j:
             none, nothing = np.empty(0), np.empty(0, dtype=np.int8)
             return Connections(none, none, none, nothing, nothing)

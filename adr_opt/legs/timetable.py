@@ -368,6 +368,7 @@ class Timetable(Shown):
         """
         _check_number("time_s", time_s)
         i, j = self.index(origin), self.index(destination)
+        self.connecting.refuse_function(i, j)
         delta_v, arrival = kernels.lookup(self.table, i, j, float(time_s))
         return float(delta_v) - self.connecting.spent_m_s(i), float(arrival)
 
@@ -476,6 +477,9 @@ class Timetable(Shown):
         size = len(self.names)
         delta_v = np.empty((times.size, size, size))
         duration = np.empty_like(delta_v)
+        for i in range(size if self.connecting.has_functions else 0):
+            for j in range(size):
+                self.connecting.refuse_function(i, j)
         if choose is None:
             step = max(1, SLICE_SAMPLES // size**2)
             for begin in range(0, times.size, step):

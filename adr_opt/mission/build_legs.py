@@ -177,11 +177,12 @@ def _left_out(
         if not mission.timetable.holds(body, j):
             yield mission.names[j], "not-considered"
             continue
-        found = mission.schedules.connections(body, j).after(time)
+        found = mission.schedules.from_ready(body, j, np.array([time])).after(time)
         ends = service_ends(found.arrival, rules.opens[j], rules.service[j])
         in_time = ends <= rules.closes[j]
         if not in_time.any():
-            reason = "duration" if mission.has_transfer[j] else "no-transfer"
+            leads = mission.has_transfer[j] or mission.has_functions
+            reason = "duration" if leads else "no-transfer"
         elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
         elif _is_one_too_many(mission, moves, j):

@@ -364,6 +364,11 @@ class Mission(Shown, Prizes):
         found: npt.NDArray[np.bool_] = transfer_exists(table)
         return found
 
+    @property
+    def has_functions(self) -> bool:
+        """Whether arrivals of any pair are a function of time."""
+        return self.connecting.has_functions
+
     def numbers(self, sequence: Iterable[int | str]) -> Sequence:
         """Numbers of bodies given by number or name.
 

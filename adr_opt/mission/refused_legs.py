@@ -80,7 +80,7 @@ def _ways(mission: Mission, moves: list[int], made: int) -> _Ways:
     spent_m_s = mission.connecting.spent_m_s(body)
     found = []
     for ready_s, left_m_s in zip(front.ready, front.left, strict=True):
-        after = schedules.connections(body, j).after(float(ready_s))
+        after = schedules.from_ready(body, j, np.array([ready_s])).after(float(ready_s))
         ends_s = service_ends(after.arrival, rules.opens[j], rules.service[j])
         needs_m_s = after.delta_v + (extra_m_s - spent_m_s)
         found.append((needs_m_s, np.full(ends_s.size, left_m_s - spent_m_s), ends_s))

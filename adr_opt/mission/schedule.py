@@ -134,9 +134,13 @@ class Scheduler:
             return connecting.of_pair(i, j, connecting.planning_resolution_m_s)
 
         def least(i: int, j: int) -> float:
+            function = connecting.function_of(i, j)
+            if function is not None:
+                return function.cost + connecting.spent_m_s(i)
             return float(self.connections(i, j).delta_v.min(initial=math.inf))
 
         self._spent_m_s = connecting.spent_m_s
+        self._by_function = connecting.by_function
         self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
         self._least = lru_cache(None)(least)
         # The order of the last call, the kits at its start, and its fronts. One object, so that
@@ -157,6 +161,14 @@ class Scheduler:
         made.connections = connections
         made._last = ((), 0, ())
         return made
+
+    def from_ready(self, i: int, j: int, ready: FloatArray) -> Connections:
+        """The connections of a pair that chasers ready at some times may need, by departure.
+
+        All that are listed; of a function of time those that leave as soon as one is ready.
+        """
+        found = self._by_function(i, j, ready)
+        return self.connections(i, j) if found is None else found
 
     def kits_for(self, order: tuple[int, ...]) -> int:
         """Number of kits that the services of an order need, all taken along."""
@@ -230,7 +242,7 @@ class Scheduler:
         refuelled : bool
             Whether it has refuelled before.
         """
-        rules, found = self._rules(), self.connections(i, j)
+        rules, found = self._rules(), self.from_ready(i, j, here.ready)
         loads = rules.loads
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
@@ -339,8 +351,8 @@ class Scheduler:
         revolutions, families = np.empty((2, made), dtype=np.int8)
         for at in range(made - 1, -1, -1):
             front = fronts[at + 1]
-            found = self.connections(order[at - 1] if at else rules.start, order[at])
-            taken = front.taken[label]
+            i = order[at - 1] if at else rules.start
+            found, taken = self.from_ready(i, order[at], fronts[at].ready), front.taken[label]
             departures[at], arrivals[at] = found.departure[taken], found.arrival[taken]
             delta_vs[at], revolutions[at] = found.delta_v[taken], found.revolutions[taken]
             families[at] = found.family[taken]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -23,15 +23,13 @@ from ..common.card import Shown
 from ..common.errors import InputError
 from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_TIME_S
 from ..kernels.legs.given_connections import sifted
+from .given_functions import LEAST_S, Functions
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int32]
 
 COLUMNS = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
 """Columns of a row."""
-
-LEAST_S = 1e-3
-"""Least duration of a connection: proofs proceed through a mission in order of time [s]."""
 
 Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.ArrayLike]]
 """Durations [s] and costs from an origin to some destinations at a departure [s]."""
@@ -54,6 +52,8 @@ class Given(Shown):
         Times since the epoch; service begins after the arrival [s].
     cost : (connections,) float64
         What stands where others have a ΔV [m/s by convention].
+    functions : Functions or None
+        Of pairs whose arrivals are functions of time, and which have no connections.
     """
 
     names: tuple[str, ...]
@@ -62,6 +62,7 @@ class Given(Shown):
     departure: FloatArray
     arrival: FloatArray
     cost: FloatArray
+    functions: Functions | None = None
     _number: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -75,6 +76,27 @@ class Given(Shown):
         bodies = len(self.names)
         pair = self.origin.astype(np.int64) * bodies + self.destination
         return np.searchsorted(pair, np.arange(bodies**2 + 1))
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """All bodies with connections or functions, in the order of their names."""
+        return tuple(sorted({*self.names, *(self.functions.names if self.functions else ())}))
+
+    def with_functions(self, functions: Functions | None) -> Given:
+        """The same connections, beside functions of time.
+
+        Raises
+        ------
+        InputError
+            A pair has both.
+        """
+        for origin, destination in functions.pairs if functions else ():
+            if self.of_pair(origin, destination)[0].size:
+                raise InputError(
+                    f"{origin!r} to {destination!r}: has given connections and a function of "
+                    "time; give one of the two"
+                )
+        return replace(self, functions=functions)
 
     @cached_property
     def sha256(self) -> str:
@@ -133,11 +155,20 @@ def among(
     mine, taken = (np.flatnonzero(origins[given.origin] & stays[given.destination])
                    for origins in (stays, left))  # fmt: skip
     rows = np.concatenate([mine, taken])
-    return _made(
+    made = _made(
         np.concatenate([given.origin[mine], become[given.origin[taken]]]),
         given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
         known, "row {}",
     )  # fmt: skip
+    if given.functions is not None:
+        made = made.with_functions(given.functions.among(names, starts))
+    return made
+
+
+def only(functions: Functions) -> Given:
+    """Functions of time, and no connections."""
+    none: FloatArray = np.empty(0)
+    return of_rows(dict.fromkeys(COLUMNS, none.astype(np.int32)), ()).with_functions(functions)
 
 
 def of_rows(columns: Any, names: Sequence[str]) -> Given:

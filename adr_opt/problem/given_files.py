@@ -74,6 +74,7 @@ def read_named(
     InputError, MissingExtra
         As :func:`read_given`; or they are others than the instance says.
     """
+    assert reference.file is not None
     path = Path(instance_path).parent / reference.file
     given = read_given(path, names)
     if reference.sha256 not in (None, given.sha256):

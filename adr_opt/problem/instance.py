@@ -26,7 +26,8 @@ from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.orbits.ephemeris import EPOCH_S
 from ..kernels.orbits.matchings import matchings
 from .chasers import availability
-from .given import Given
+from .function_files import read_functions, write_functions
+from .given import Given, only
 from .given_files import read_named, write_given
 from .instance_arrays import orbit_rows, rule_of
 from .instance_file import FORMAT as FORMAT
@@ -57,7 +58,7 @@ class Instance(Shown, InstanceFile):
         """
         made = self._changed(changes)
         if made._given is not None:
-            gone = sorted(set(made._given.names) - set(made.names))
+            gone = sorted(set(made._given.bodies) - set(made.names))
             if gone:
                 raise InputError(
                     f"given connections: {gone[0]!r} is one of their bodies, and would go; keep "
@@ -73,7 +74,9 @@ class Instance(Shown, InstanceFile):
             made._given = self._given
         return made
 
-    def with_given(self, given: Given, file: str | None = None) -> Self:
+    def with_given(
+        self, given: Given, file: str | None = None, functions_file: str | None = None
+    ) -> Self:
         """The same instance with given connections in place of the model's.
 
         Parameters
@@ -81,7 +84,10 @@ class Instance(Shown, InstanceFile):
         given : Given
         file : str, optional
             What the file is called that :meth:`save` writes them to, beside that of the instance;
-            by default as the instance says, or "connections.parquet".
+            by default as the instance says, or "connections.parquet"; none where all is functions.
+        functions_file : str, optional
+            The same of its functions of time; by default as the instance says, or
+            "functions.json".
 
         Raises
         ------
@@ -89,13 +95,24 @@ class Instance(Shown, InstanceFile):
             A connection is from or to a body that the instance does not have, or a field makes no
             sense with it.
         """
-        strange = sorted(set(given.names) - set(self.names))
+        strange = sorted(set(given.bodies) - set(self.names))
         if strange:
             raise InputError(f"given connections: {strange[0]!r} is not a body of {self.name!r}")
+        known, functions = self.transfer.given, given.functions
         if file is None:
-            file = self.transfer.given.file if self.transfer.given else "connections.parquet"
+            if given.names or functions is None:
+                file = (known.file if known else None) or "connections.parquet"
+        if functions is None:
+            functions_file = None
+        elif functions_file is None:
+            functions_file = (known.functions if known else None) or "functions.json"
         try:
-            reference = GivenFile(file=file, sha256=given.sha256)
+            reference = GivenFile(
+                file=file,
+                sha256=None if file is None else given.sha256,
+                functions=functions_file,
+                functions_sha256=None if functions is None else functions.sha256,
+            )
         except ValidationError as error:
             raise InputError(sentence(error)) from None
         made = self.replace(transfer=self.transfer.replace(given=reference))
@@ -114,7 +131,8 @@ class Instance(Shown, InstanceFile):
         reference = self.transfer.given
         if reference is not None and self._given is None:
             raise InputError(
-                f"the connections of {self.name!r} are in {reference.file!r}, which was not read; "
+                f"the connections of {self.name!r} are in "
+                f"{reference.file or reference.functions!r}, which was not read; "
                 "read the instance with adr_opt.load from a file beside it"
             )
         return self._given
@@ -304,7 +322,13 @@ class Instance(Shown, InstanceFile):
         reference = instance.transfer.given
         if reference is None:
             return instance
-        return instance.with_given(read_named(path, reference, instance.names), reference.file)
+        functions = read_functions(path, reference, instance.names)
+        if reference.file is not None:
+            given = read_named(path, reference, instance.names).with_functions(functions)
+        else:
+            assert functions is not None  # one of the two is named
+            given = only(functions)
+        return instance.with_given(given, reference.file, reference.functions)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the instance file and, beside it, the file of given connections if any.
@@ -315,8 +339,15 @@ class Instance(Shown, InstanceFile):
             One of them cannot be written.
         """
         check_writable(path)
-        if self.transfer.given is not None and self.given is not None:
-            write_given(Path(path).parent / self.transfer.given.file, self.given)
+        reference, given = self.transfer.given, self.given
+        if reference is not None and given is not None:
+            folder = Path(path).parent
+            if reference.functions == Path(path).name:
+                raise InputError(f"{path}: its functions have the same name; choose another one")
+            if reference.file is not None:
+                write_given(folder / reference.file, given)
+            if reference.functions is not None and given.functions is not None:
+                write_functions(folder / reference.functions, given.functions)
         write_text(path, self.to_json())
 
     @property

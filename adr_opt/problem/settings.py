@@ -108,14 +108,37 @@ class SequenceSettings(Record):
         return self
 
 
-class GivenFile(Record):
-    """Reference to a file of given connections beside the instance, and its digest.
+Digest = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
-    ``sha256`` is :attr:`.given.Given.sha256`; None for whatever the file holds.
+
+class GivenFile(Record):
+    """Reference to files of given costs beside the instance, and their digests.
+
+    ``file`` has connections, ``functions`` what is a function of time; one of them may be absent.
+    ``sha256`` is :attr:`.given.Given.sha256`, ``functions_sha256`` is
+    :attr:`.given_functions.Functions.sha256`; None for whatever the file holds.
     """
 
-    file: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.(parquet|nc)$")]
-    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
+    file: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.(parquet|nc)$")] | None = None
+    sha256: Digest | None = None
+    functions: Annotated[Name, Field(pattern=r"^[^/\\\x00]+\.json$")] | None = None
+    functions_sha256: Digest | None = None
+
+    @model_validator(mode="after")
+    def _names_a_file(self) -> Self:
+        if self.file is None and self.functions is None:
+            raise ValueError("names no file; give file, functions or both")
+        for name, file in (("sha256", self.file), ("functions_sha256", self.functions)):
+            if file is None and getattr(self, name) is not None:
+                raise ValueError(f"field {name} is that of no file; leave it out")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_absent_files(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = write(self)
+        absent = ["functions", "functions_sha256"] if self.functions is None else []
+        absent += ["file", "sha256"] if self.file is None else []
+        return {name: value for name, value in content.items() if name not in absent}
 
 
 class TransferSettings(SequenceSettings):

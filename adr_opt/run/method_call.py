@@ -98,6 +98,7 @@ class Prepared:
         result = self.function(given, stop=_Shown(problem, stop), progress=told, **self.arguments)
         _check_result(self.method, result)
         late = stop.remaining_s() <= 0.0 and not is_tour(problem, self.spec)
+        late = late and not problem.missions[0].has_functions
         if self.plans and self.method != PUBLISHED and late:
             result = self._at_least_the_fallback(problem, result, stop, progress)
         return noted(result, self.notes)
@@ -300,6 +301,8 @@ def refuse_unable(problem: Problem, method: MethodSpec) -> None:
         It plans for one chaser, and there are several; or does not know a rule that counts.
     """
     _refuse_no_tour(problem, method)
+    if problem.missions[0].has_functions:
+        _refuse_functions(problem, method)
     if problem.alone is not None:
         return
     counts = _rules_of(problem)
@@ -323,6 +326,29 @@ def refuse_unable(problem: Problem, method: MethodSpec) -> None:
         word = what_counts(instance) if unknown[0] == LOADS else unknown[0]
         why = f"does not support {word}, {_NEED[unknown[0]].format(instance.name)}"
     raise InputError(f"method {method.name!r} {why}; use one of: {others}")
+
+
+def _refuse_functions(problem: Problem, method: MethodSpec) -> None:
+    """Refuse functions of time for a method without them, or for other missions than it plans.
+
+    Raises
+    ------
+    InputError
+    """
+    name = problem.instance.name
+    if not method.functions:
+        able = [
+            other for other in names(PLANNERS) if _can(other, PLANNERS, lambda it: it.functions)
+        ]
+        raise InputError(
+            f"method {method.name!r} plans on lists of connections, and arrivals of {name!r} are "
+            f"functions of time; use one of: {', '.join(able)}"
+        )
+    if problem.alone is None:
+        raise InputError(
+            f"arrivals of {name!r} are functions of time, which are planned for one chaser without "
+            "loads, limited stations or expense; give connections in place of functions"
+        )
 
 
 _NEED = {

@@ -57,6 +57,8 @@ class MethodSpec:
         Whether its bounds hold of all pairs of bodies, whatever the timetable has.
     tours : bool
         Whether it plans tours through time (:mod:`adr_opt.mission.tours`), without a timetable.
+    functions : bool
+        Whether it plans where arrivals are functions of time.
     on_demand : bool
         Whether it looks up what is chosen of few pairs, and needs no table of them all.
     table_options : tuple of str
@@ -73,6 +75,7 @@ class MethodSpec:
     shows_evidence: bool = False
     bounds_all_pairs: bool = False
     tours: bool = False
+    functions: bool = False
     on_demand: bool = False
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)

@@ -8,10 +8,12 @@
     python bench/outside/run.py optw --data DIR
     python bench/outside/run.py kttsp --data DIR --solution FILE --time-limit SECONDS --cells FILE
     python bench/outside/run.py odrc --data DIR
+    python bench/outside/run.py tdtsptw --data DIR [--time-limit S --cells FILE]
 
 DIR is the folder of all data, or that of the benchmark; without --data, what ADR_OPT_EXTERNAL_DATA
 names. Published solutions are scored again. Of kttsp nothing is planned or proven with a time limit
 of 0, and no round of the proof begins after it; the proof is kept in --cells, and gone on with.
+So are the results of tdtsptw, whose time limit is that of each instance.
 Every row is printed as soon as it is known, and with --out FILE it is there, too.
 Exit status 0: done; 2: the call or a file is wrong, in one sentence, before any work starts; 130:
 interrupted, what is printed is kept.
@@ -36,11 +38,14 @@ from outside.gtoc9 import known as of_gtoc9
 from outside.kttsp import known as of_kttsp
 from outside.odrc import known as of_odrc
 from outside.optw import known as of_optw
+from outside.tdtsptw import known as of_tdtsptw
 from outside.telling import Doing, silent, tell
 
 DONE, WRONG, INTERRUPTED = 0, 2, 130
 
-FOLDERS = {"gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv"}
+FOLDERS = {
+    "gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv", "tdtsptw": "tdtsptw",
+}  # fmt: skip
 """Folders of the data within the common folder."""
 
 
@@ -76,12 +81,18 @@ def report(
     doing: Doing = silent,
 ) -> Iterator[str]:
     """What is known of a benchmark, in Markdown, line by line."""
-    if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
-        raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
+    takes_time = name in ("kttsp", "tdtsptw")
+    if time_limit_s is not None and not (takes_time and time_limit_s >= 0.0):
+        raise InputError(
+            f"--time-limit {time_limit_s:g}: only kttsp and tdtsptw take one, of 0 or more"
+        )
     if name == "kttsp":
         return of_kttsp.report(folder, solution, time_limit_s, cells, write, doing)
+    if name == "tdtsptw" and write is None and solution is None:
+        limit_s = of_tdtsptw.TIME_LIMIT_S if time_limit_s is None else time_limit_s
+        return of_tdtsptw.report(folder, limit_s, cells, doing)
     if cells is not None:
-        raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
+        raise InputError(f"--cells {cells}: only kttsp and tdtsptw keep any")
     if write is not None:
         raise InputError(f"--write {write}: only tours of kttsp are written")
     if solution is not None:
@@ -102,9 +113,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--time-limit",
         type=float,
         metavar="SECONDS",
-        help="of the proof of kttsp",
+        help="of the proof of kttsp; of each instance of tdtsptw",
     )
-    parser.add_argument("--cells", type=Path, metavar="FILE", help="of the proof of kttsp")
+    parser.add_argument(
+        "--cells", type=Path, metavar="FILE", help="of the proof of kttsp, or results of tdtsptw"
+    )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
         "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"

@@ -16,7 +16,7 @@ from adr_opt.mission.tours import tour_obstacle
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
 from ..tours import planners as tours
-from . import many_routes, one_route
+from . import many_routes, one_route, timed_sets
 from .many_routes import Goals
 
 
@@ -57,6 +57,11 @@ def auto(
     problem = problem_of(problem)
     if tour_obstacle(problem) is None:
         return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
+    if problem.alone is not None and problem.alone.has_functions:
+        return timed_sets.plan(
+            "auto", problem.alone, seed=seed, stop=stop, progress=progress,
+            start=None if start is None else next(iter(start)), options=options,
+        )  # fmt: skip
     if problem.alone is not None:
         return one_route.plan(
             problem.alone, seed=seed, stop=stop, progress=progress,

@@ -33,7 +33,7 @@ from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
 from ..tours import planners as tours
 from ..walks.latest_times import Latest
-from . import many_routes
+from . import many_routes, timed_sets
 
 WIDTH = 2000
 """Width of the guided beams before each round of proof."""
@@ -79,6 +79,11 @@ def exact(
     problem = problem_of(problem)
     if tour_obstacle(problem) is None:
         return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
+    if problem.alone is not None and problem.alone.has_functions:
+        return timed_sets.plan(
+            "exact", problem.alone, seed=seed, stop=stop, progress=progress,
+            start=None if start is None else next(iter(start)), options=options,
+        )  # fmt: skip
     if problem.alone is not None:
         return _one_route(problem.alone, seed, stop, progress, start, options)
     return many_routes.plan(

@@ -1,4 +1,4 @@
-"""Check of legs over given connections, by search among the rows."""
+"""Check of legs over given connections, by search among the rows, or by the function of a pair."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ...common.constants import SLACK_S
 from ...plan.leg_kinds import GIVEN
 from ...plan.plan import Leg
 from ...problem.given import Given
+from ...problem.given_functions import Function
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
@@ -33,6 +34,10 @@ def check_given(
         yield Violation(
             number, "given", "states revolutions or a share of eccentricity; must be 0 if given"
         )
+    functions = given.functions
+    function = None if functions is None else functions.of_pair(leg.origin, leg.destination)
+    if function is not None:
+        return (yield from _by_function(function, number, leg, free))
     known = {name: at for at, name in enumerate(given.names)}
     i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
     rows = np.flatnonzero((given.origin == i) & (given.destination == j))
@@ -66,3 +71,56 @@ def check_given(
     if given.departure[row] < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")
     return float(given.arrival[row]), float(given.cost[row])
+
+
+def _by_function(
+    function: Function, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, tuple[float, float]]:
+    """Check that a leg arrives and costs as the function of its pair says.
+
+    Returns when the chaser arrives and the cost, as :func:`check_given` does.
+    """
+    ends = f"from {leg.origin!r} to {leg.destination!r}"
+    first, last = float(function.departure[0]), float(function.departure[-1])
+    if not first - TIME_TOLERANCE_S <= leg.departure_s <= last + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "departure",
+            f"legs {ends} leave from {first!r} to {last!r}, not at {leg.departure_s!r}",
+        )  # fmt: skip
+        return leg.arrival_s, leg.delta_v_m_s
+    # Within the tolerance of a jump either arrival may be meant.
+    early, late = (
+        _arrival(function, leg.departure_s + shift)
+        for shift in (-TIME_TOLERANCE_S, TIME_TOLERANCE_S)
+    )
+    arrival = _arrival(function, leg.departure_s)
+    if not early - TIME_TOLERANCE_S <= leg.arrival_s <= late + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "arrival",
+            f"who leaves {ends} at {leg.departure_s!r} arrives at {arrival!r}, not at "
+            f"{leg.arrival_s!r}",
+        )  # fmt: skip
+        arrival = leg.arrival_s
+    elif abs(arrival - leg.arrival_s) > TIME_TOLERANCE_S:
+        arrival = leg.arrival_s
+    if abs(leg.delta_v_m_s - function.cost) > DELTA_V_TOLERANCE_M_S:
+        yield Violation(
+            number, "cost",
+            f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {function.cost!r}",
+        )  # fmt: skip
+        return arrival, leg.delta_v_m_s
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+    return arrival, function.cost
+
+
+def _arrival(function: Function, departure_s: float) -> float:
+    """When somebody arrives who leaves at a time; at a jump, by then [s]."""
+    after = int(np.searchsorted(function.departure, departure_s, side="left"))
+    if after in (0, function.departure.size):
+        return float(function.arrival[min(after, function.departure.size - 1)])
+    leaves, lands = (
+        function.departure[after - 1 : after + 1],
+        function.arrival[after - 1 : after + 1],
+    )
+    return float(np.interp(departure_s, leaves, lands))

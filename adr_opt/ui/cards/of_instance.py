@@ -28,7 +28,8 @@ def facts_of(instance: Instance) -> tuple[str, ...]:
     facts.append(f"{'–'.join(f'{tank:g}' for tank in {tanks[0]: 0, tanks[-1]: 0})} m/s")
     facts.append(instance.dynamics)
     if instance.transfer.given is not None:
-        facts.append("given connections")
+        timed = instance.transfer.given.functions is not None
+        facts.append("given functions of time" if timed else "given connections")
     if instance.keep_out_zones:
         facts.append(counted(len(instance.keep_out_zones), "keep-out zone"))
     return tuple(facts)

@@ -349,10 +349,14 @@ def _tanks(instance: Instance) -> str:
 def _transfers(settings: TransferSettings) -> str:
     """Description of the transfers planned with."""
     if settings.given is not None:
-        digest = settings.given.sha256 or ""
-        return (
-            f"connections given in {escape(settings.given.file)}, SHA-256 "
-            f"<code>{digest[:16]}…</code>"
+        files = (
+            ("connections", settings.given.file, settings.given.sha256),
+            ("functions of time", settings.given.functions, settings.given.functions_sha256),
+        )
+        return "; ".join(
+            f"{what} given in {escape(file)}, SHA-256 <code>{(digest or '')[:16]}…</code>"
+            for what, file, digest in files
+            if file is not None
         )
     said = (
         "co-elliptic sequences that wait for the line of nodes, phasing circles between "

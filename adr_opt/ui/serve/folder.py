@@ -73,10 +73,12 @@ class Folder:
         reference, given = instance.transfer.given, instance.given
         if reference is not None and given is not None:
             # Beside those of the plan, which stay as they are.
-            file = f"draft-{reference.file}"
-            if planned:
-                self._file(file).unlink(missing_ok=True)
-            instance = instance.with_given(given, file)
+            names = reference.file, reference.functions
+            drafts = [None if name is None else f"draft-{name}" for name in names]
+            for file in drafts:
+                if planned and file is not None:
+                    self._file(file).unlink(missing_ok=True)
+            instance = instance.with_given(given, *drafts)
         if planned:
             path.unlink(missing_ok=True)
         else:
@@ -89,8 +91,10 @@ class Folder:
         plan.save(path)
 
     def _save(self, instance: Instance, path: Path) -> None:
-        if instance.transfer.given is not None:
-            self._file(instance.transfer.given.file)
+        reference = instance.transfer.given
+        for name in () if reference is None else (reference.file, reference.functions):
+            if name is not None:
+                self._file(name)
         instance.save(path)
 
     def _file(self, name: str) -> Path:

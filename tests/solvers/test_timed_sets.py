@@ -1,0 +1,118 @@
+"""Planning and proving where arrivals are functions of time, against enumeration."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from seeds import over_seeds
+from timed_enumeration import best_route
+from timed_fields import timed_mission
+
+import adr_opt
+from adr_opt.mission.certify import certificate_of
+from solvers.sets.earliest_end import EarliestEnd
+from solvers.sets.layers import LayerSearch, windows_of
+from solvers.sets.memories import memories_of
+from solvers.sets.relaxation import bound_units, narrowed, relaxed, steps_of, whole_bands
+from solvers.sets.tour import deadlines, end_of, sequence_of, tour_of
+
+
+def _compare(instance: adr_opt.Instance, method: str) -> adr_opt.Result:
+    prizes, cost = best_route(instance)
+    result = adr_opt.solve(instance, method, time_limit=1000.0)
+    if prizes == -math.inf:
+        assert result.status == "infeasible"
+        return result
+    assert result.status == "optimal"
+    assert result.plan is not None
+    assert adr_opt.check(instance, result.plan) == ()
+    assert result.objective == pytest.approx(prizes)
+    assert result.plan.cost == pytest.approx(cost, abs=1e-5)
+    assert result.plan.cost_status == "optimal"
+    assert result.plan.cost_bound <= cost + 1e-5
+    return result
+
+
+@over_seeds(range(150), gate=12)
+def test_routes_are_those_of_enumeration(seed: int) -> None:
+    """Prizes, cost and both proofs are those of all orders, with rules on and off."""
+    _compare(timed_mission(seed), "exact" if seed % 2 else "auto")
+
+
+@over_seeds(range(200), gate=20)
+def test_tours_are_those_of_enumeration(seed: int) -> None:
+    """With all targets required the end is the least of all orders, or there is no tour."""
+    _compare(timed_mission(seed, all_required=True), "auto" if seed % 2 else "exact")
+
+
+@over_seeds(range(100), gate=10)
+def test_relaxed_tours_end_no_later(seed: int) -> None:
+    """For any multipliers, steps and memories the relaxation is no more than the best tour."""
+    instance = timed_mission(seed, all_required=True)
+    prizes, least = best_route(instance)
+    tour = tour_of(adr_opt.Mission(instance))
+    if prizes == -math.inf or tour is None:
+        pytest.skip("no tour")
+    rng, until = np.random.default_rng(seed), float(tour.closes[tour.targets + 1])
+    size, count = int(rng.integers(1, 4)), int(rng.integers(3, 60))
+    steps, memories = steps_of(tour, until, count), memories_of(tour, size, until)
+    multipliers = rng.integers(-50_000, 50_000, tour.targets)
+    found = relaxed(steps, memories, whole_bands(tour.targets, count), multipliers, 1)
+    assert tour.ready + bound_units(found) * steps.unit <= least + 1e-6
+    # What bands leave out is no part of a tour that ends by then: the search still finds the best.
+    most = math.floor((least + 1e-6 - tour.ready) / steps.unit)
+    finer = steps_of(tour, until, 2 * count)
+    narrow = relaxed(finer, memories, narrowed(found, most, 2), multipliers, 1)
+    search = LayerSearch(tour, narrow, windows_of(deadlines(tour, until)), lambda: False)
+    outcome = search.search(most, 10**6)
+    assert outcome.whole
+    assert outcome.end_s == pytest.approx(least, abs=1e-6)
+    assert end_of(tour, outcome.order) == outcome.end_s
+
+
+@over_seeds(range(60), gate=6)
+def test_bounds_hold_whenever_the_search_ends(seed: int) -> None:
+    """Bound and best tour enclose the least end after every round."""
+    instance = timed_mission(seed, all_required=True)
+    prizes, least = best_route(instance)
+    mission = adr_opt.Mission(instance)
+    tour = tour_of(mission)
+    assert tour is not None
+    search = EarliestEnd(tour, lambda: False, jobs=1, most_labels=10**6)
+    for _ in search.rounds():
+        if prizes == -math.inf:
+            assert search.order is None
+        else:
+            assert search.bound_s <= least + 1e-6 <= search.end_s + 2e-6
+    assert search.proven
+    if search.order is not None:
+        order = sequence_of(mission, tour, search.order)
+        assert mission.time(order).cost == pytest.approx(search.end_s, abs=1e-5)
+
+
+def test_a_changed_leg_is_found() -> None:
+    """A leg that leaves, arrives or costs otherwise than its function says is a violation."""
+    instance = timed_mission(1, all_required=False)
+    plan = adr_opt.solve(instance, "auto", time_limit=1000.0).plan
+    leg = plan.routes[0].legs[0]
+    for change in (
+        {"arrival_s": leg.arrival_s - 1.0}, {"arrival_s": leg.arrival_s + 1.0},
+        {"delta_v_m_s": leg.delta_v_m_s + 1.0}, {"departure_s": leg.departure_s + 1e4},
+    ):  # fmt: skip
+        legs = (leg.replace(**change), *plan.routes[0].legs[1:])
+        routes = (plan.routes[0].replace(legs=legs),)
+        assert adr_opt.check(instance, plan.replace(routes=routes)) != ()
+
+
+def test_a_certificate_is_verified() -> None:
+    """Where all targets are done the certificate stands, and is verified."""
+    for seed in range(40):
+        instance = timed_mission(seed, all_required=True)
+        result = adr_opt.solve(instance, "auto", time_limit=1000.0)
+        if result.plan is not None:
+            break
+    verdict = adr_opt.verify(instance, result.plan, certificate_of(instance, result))
+    assert verdict.verified
+    assert verdict.upper_bound == result.objective
