@@ -21,7 +21,14 @@ from ..common.errors import InputError
 from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
-from .agreement import check_expense, check_names, check_orbits, check_removals, check_stations
+from .agreement import (
+    check_exceptions,
+    check_expense,
+    check_names,
+    check_orbits,
+    check_removals,
+    check_stations,
+)
 from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
 from .epoch import Epoch
@@ -84,6 +91,7 @@ class InstanceFile(Record):
             sum(target.required for target in self.targets),
         )
         check_expense(self.chasers, self.objective)
+        check_exceptions(self.chasers, self.transfer)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
         if is_given and self.keep_out_zones:

@@ -24,7 +24,7 @@ from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates
+from .table_budget import candidates, may_go_without, without_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -232,21 +232,26 @@ def run(
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
     drifts = whole.connecting.is_listed
-    if drifts and not whole.has_timetable:
+    bare = known.orders_all and bound is None and may_go_without(whole)
+    if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None
-    chosen = candidates(
-        whole,
-        wanted.time_limit,
-        first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
-        interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
-        building=building,
-        table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
-        hasty=hasty,
-        on_demand=prepared.on_demand,
+    chosen = (
+        without_table(whole)
+        if bare
+        else candidates(
+            whole,
+            wanted.time_limit,
+            first=list(chain.from_iterable(destinations)) if group == PLANNERS or of_all else None,
+            interrupted=lambda: stop is not None and stop.remaining_s() <= 0.0,
+            building=building,
+            table_bytes=TABLE_BYTES if memory_gib is None else memory_gib * 2.0**30,
+            hasty=hasty,
+            on_demand=prepared.on_demand,
+        )
     )
     progress(-math.inf, math.inf)
     if not chosen.all and not hasty and (chosen.none or (group == BOUNDS and not of_all)):

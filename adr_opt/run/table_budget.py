@@ -7,9 +7,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from ..common.clock import now_s
 from ..kernels.tables.timetable import source_of
-from ..kernels.tables.timetable_making import WAVE
+from ..kernels.tables.timetable_making import WAVE, Pairs
 from ..legs.connection_finder import estimate
 from ..legs.nearest_pairs import nearest_pairs, neighbours
 from ..legs.timetable import Timetable
@@ -109,7 +111,7 @@ class TableBudget:
         of_all : bool
             Whether its bound holds of all pairs; that of the cost does not.
         """
-        if self.all:
+        if self.all or not self.mission.missions[0].timetable.pairs.near.size:
             return result
         bound = result.upper_bound if of_all else math.inf
         note = self.note(bounded=math.isfinite(bound))
@@ -152,6 +154,20 @@ def may_work_on_demand(whole: Problem) -> bool:
         return False
     size = estimate(whole.instance)
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
+
+
+def may_go_without(whole: Problem) -> bool:
+    """Whether all targets are put in order and the timetable would be large."""
+    if whole.has_timetable or not whole.asks_for_least_end:
+        return False
+    return estimate(whole.instance).entries >= LARGE_ENTRIES
+
+
+def without_table(whole: Problem) -> TableBudget:
+    """A timetable of no pairs, for methods that look at connections alone."""
+    bodies = len(whole.names)
+    whole.build(Pairs(np.arange(bodies), np.empty((bodies, 0), dtype=np.int32)))
+    return TableBudget(whole, 0.0, 0.0)
 
 
 def candidates(

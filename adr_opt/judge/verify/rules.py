@@ -25,7 +25,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
-        "expense",
+        "expense", "max_exceptions",
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
@@ -34,7 +34,8 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 }  # fmt: skip
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
-walks may take any. A frame and designators of objects change nothing."""
+walks may take any. Nor do walks count exceptions, while `check` counts those of plans. A frame and
+designators of objects change nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""

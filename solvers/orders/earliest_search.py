@@ -1,0 +1,170 @@
+"""Ruin and recreate for the earliest end of all targets.
+
+Strings of targets are taken out of an order (:func:`.string_removal.ruin`) and put back where most
+time is left, before a deadline that is drawn first: as early as the annealing would accept. While
+not all targets are in, an order with others missing is accepted if those were missing less often
+so far (Christiaens and Vanden Berghe, Transportation Science 54, 2020).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.lists import rising
+from adr_opt.kernels.core.memory import borrowed, write
+
+from . import earliest_order
+from .string_removal import ruin
+
+PASSED_OVER = 0.05
+"""Probability that a position is skipped."""
+
+
+class Annealing(NamedTuple):
+    """Temperatures of a run, and its work.
+
+    Attributes
+    ----------
+    hot, cold : float
+        How much later an order may end, at first and at last [s].
+    iterations : int
+    latest : float
+        No order may end later [s].
+    """
+
+    hot: float
+    cold: float
+    iterations: int
+    latest: float
+
+
+@kernel
+def _recreate(legs, course, start, length, deadline, missed, scratch, rng):
+    """Put missing targets in as far as they fit; returns how many are visited."""
+    order = course.order
+    total = order.size - length
+    weight = np.empty(total)
+    by_need = rng.random() < 0.5
+    for place in range(total):
+        weight[place] = rng.random()
+        if by_need:
+            weight[place] *= -missed[order[length + place]] - 1.0
+    ranks = rising(weight, total)
+    wanted = np.empty(total, np.int64)
+    for place in range(total):
+        wanted[place] = order[length + ranks[place]]
+    for place in range(total):
+        j = wanted[place]
+        position = earliest_order.best_position(
+            legs, course, start, length, j, deadline, PASSED_OVER, scratch, rng
+        )
+        if position < 0:
+            continue
+        source = length
+        while order[source] != j:
+            source += 1
+        earliest_order.insert(order, source, position)
+        early, late = course.early, course.late
+        for p in range(length + 1, position, -1):
+            for used in range(early.shape[1]):
+                early[p, used], late[p, used] = early[p - 1, used], late[p - 1, used]
+        length += 1
+        earliest_order.time_forth(legs, course, start, length, position, position + 1, scratch[0])
+        earliest_order.time_back(
+            legs, course, start, length, position + 1, position + 1, deadline, scratch[0]
+        )
+    return length
+
+
+@kernel
+def _burden(order, length, missed):
+    """How often the targets that are missing were missing."""
+    total = 0.0
+    for p in range(length, order.size):
+        total += 1.0 + missed[order[p]]
+    return total
+
+
+@kernel
+def search(legs, start, ready, order, length, near, missed, annealing, rng, halt):  # noqa: PLR0913
+    """Improve an order.
+
+    Parameters
+    ----------
+    legs : QuickestLegs
+    start : int
+        Body of the start.
+    ready : float
+        Since when the chaser is free there [s].
+    order : (targets,) int64
+        All targets: those visited in order, then the others. Left as the last order accepted.
+    length : int
+        How many are visited; they can be done by the latest end.
+    near : (bodies, targets) int64
+        Targets by how near they are to each body, itself first.
+    missed : (bodies,) float64
+        How often each target was missing; updated.
+    annealing : Annealing
+    rng : numpy.random.Generator
+    halt : (1,) bool
+        Once another thread sets it, the search ends.
+
+    Returns
+    -------
+    best : (visited,) int64
+        The order with most targets, of those the earliest.
+    end : float
+        Its end [s].
+    length : int
+        Targets visited by the last order accepted.
+    """
+    legs, near = borrowed(legs), borrowed(near)
+    scratch = np.empty((2, legs.exceptions + 1))
+    here = earliest_order.new_order(order, legs.exceptions)
+    there = earliest_order.new_order(order, legs.exceptions)
+    for course in (here, there):
+        for used in range(legs.exceptions + 1):
+            course.early[0, used] = ready
+    targets, most = order.size, legs.exceptions
+    earliest_order.time_forth(legs, here, start, length, 0, length, scratch[0])
+    while length > 0 and not here.early[length, most] <= annealing.latest:
+        length -= 1
+    end = here.early[length, most]
+    best, best_end = here.order[:length].copy(), end
+    earliest_order.copy_order(here, there, length)
+    for iteration in range(annealing.iterations):
+        if halt[0]:
+            break
+        share = iteration / annealing.iterations
+        allowed = annealing.hot * (annealing.cold / annealing.hot) ** share
+        deadline = annealing.latest
+        if length == targets:
+            deadline = min(end - allowed * math.log(1.0 - rng.random()), deadline)
+        size, first = 0, 0
+        if length > 0:
+            size, first, _ = ruin(there.order, length, near, rng)
+        earliest_order.time_forth(legs, there, start, size, first, size, scratch[0])
+        earliest_order.time_back(legs, there, start, size, size, -1, deadline, scratch[0])
+        taken = False
+        if earliest_order.slack(legs, there.early[0], there.late[0]) >= 0.0:
+            size = _recreate(legs, there, start, size, deadline, missed, scratch, rng)
+            if size == targets:
+                taken = True
+            elif length < targets:
+                taken = _burden(there.order, size, missed) <= _burden(here.order, length, missed)
+        if taken:
+            length, end = size, there.early[size, most]
+            earliest_order.copy_order(there, here, length)
+            if length > best.size or (length == best.size and end < best_end):
+                best, best_end = here.order[:length].copy(), end
+        else:
+            earliest_order.copy_order(here, there, length)
+        if size < targets:
+            for p in range(size, targets):
+                missed[there.order[p]] += 1.0
+    write(order, here.order)
+    return best, best_end, length
