@@ -75,7 +75,7 @@ def legs_of(problem: Problem) -> list[Leg]:
     """Kind, origin and destination of all legs that are not ruled out at any time."""
     least = _least(problem)
     return [
-        (kind, i, j)
+        (kind, int(i), int(j))
         for kind in range(2)
         for i, j in zip(
             *np.nonzero(least <= limit_m_s(problem, kind) * (1.0 + 1e-9)), strict=True
