@@ -267,6 +267,12 @@ class Problem(Shown, Prizes):
     def _of(self, instance: Instance, connecting: ConnectionFinder, margin: float) -> Problem:
         return Problem(instance, threads=self._threads, margin=margin, connecting=connecting)
 
+    def without_limits_of_exceptions(self) -> Problem:
+        """The same problem with any number of exceptions: its bounds hold of this one, too."""
+        chasers = [chaser.replace(max_exceptions=None) for chaser in self.instance.chasers]
+        instance = self.instance.replace(chasers=chasers)
+        return Problem(instance, threads=self._threads, margin=self.margin)
+
     def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
         """Use of station supplies by a chaser's moves with given ΔV [m/s]."""
         if not self.limits:

@@ -18,6 +18,9 @@ from adr_opt.kernels.core.compile import inlined, kernel
 
 from .quickest_legs import EXCEPTION, USUAL, arrives, has_leg, leaves
 
+MISSING = -2
+"""Place of a target that is not visited; that of the start is −1."""
+
 
 class EarliestOrder(NamedTuple):
     """An order and its times.
@@ -26,41 +29,66 @@ class EarliestOrder(NamedTuple):
     ----------
     order : (targets,) int64
         All targets: those visited in order, then the others.
-    early : (targets + 1, exceptions + 1) float64
-        Earliest end at each position with that many exceptions at most; position 0 is the start
-        [s].
-    late : (targets + 1, exceptions + 1) float64
+    place : (bodies,) int64
+        Index of each visited target in the order, −1 of the start, and :data:`MISSING`.
+    early : (bodies, exceptions + 1) float64
+        Earliest end at each body with that many exceptions at most [s].
+    late : (bodies, exceptions + 1) float64
         Latest end there for all that follow to be done by the deadline, with that many exceptions
         at most [s].
     """
 
     order: np.ndarray
+    place: np.ndarray
     early: np.ndarray
     late: np.ndarray
 
 
 @kernel
-def new_order(order, exceptions):
-    """Storage for an order and its times."""
-    shape = (order.size + 1, exceptions + 1)
-    return EarliestOrder(order.copy(), np.full(shape, np.inf), np.full(shape, -np.inf))
+def new_order(order, start, ready, shape):
+    """Storage for an order and its times.
+
+    Parameters
+    ----------
+    order : (targets,) int64
+    start : int
+        Body of the start.
+    ready : float
+        Since when the chaser is free there [s].
+    shape : (bodies, exceptions + 1)
+    """
+    made = EarliestOrder(
+        order.copy(), np.full(shape[0], MISSING), np.full(shape, np.inf), np.full(shape, -np.inf)
+    )
+    made.place[start] = -1
+    for used in range(shape[1]):
+        made.early[start, used] = ready
+    return made
 
 
 @kernel
-def copy_order(source, destination, length):
-    """Copy an order, and its times at the visited targets."""
+def number(course, length):
+    """Write the places of an order's first targets."""
+    for p in range(course.order.size):
+        course.place[course.order[p]] = p if p < length else MISSING
+
+
+@kernel
+def copy_order(source, destination):
+    """Copy an order and its times."""
     for p in range(source.order.size):
         destination.order[p] = source.order[p]
-    for p in range(length + 1):
+    for body in range(source.place.size):
+        destination.place[body] = source.place[body]
         for used in range(source.early.shape[1]):
-            destination.early[p, used] = source.early[p, used]
-            destination.late[p, used] = source.late[p, used]
+            destination.early[body, used] = source.early[body, used]
+            destination.late[body, used] = source.late[body, used]
 
 
 @inlined
-def body_at(order, start, position):
-    """Body at a position; 0 is the start."""
-    return start if position == 0 else order[position - 1]
+def body_before(order, start, position):
+    """Body before a position of an order."""
+    return np.int64(start) if position == 0 else order[position - 1]
 
 
 @inlined
@@ -96,35 +124,41 @@ def slack(legs, early, late):
     return most
 
 
+@inlined
+def _taken_over(scratch, row):
+    """Write times; returns whether they were the same."""
+    same = True
+    for used in range(scratch.size):
+        same = same and scratch[used] == row[used]
+        row[used] = scratch[used]
+    return same
+
+
 @kernel
 def time_forth(legs, course, start, length, first, settled, scratch):
-    """Earliest times from a position on, to where they are as they were beyond ``settled``."""
+    """Earliest times from a position on, to where they are as before from ``settled`` on."""
     for p in range(first, length):
-        i, j = body_at(course.order, start, p), course.order[p]
-        forth(legs, i, j, course.early[p], scratch)
-        same = p >= settled
-        for used in range(scratch.size):
-            same = same and scratch[used] == course.early[p + 1, used]
-            course.early[p + 1, used] = scratch[used]
-        if same:
+        i, j = body_before(course.order, start, p), course.order[p]
+        forth(legs, i, j, course.early[i], scratch)
+        if _taken_over(scratch, course.early[j]) and p >= settled:
             break
 
 
 @kernel
 def time_back(legs, course, start, length, last, settled, deadline, scratch):
-    """Latest times from a position down, to where they are as they were below ``settled``."""
+    """Latest times of the bodies before positions, from ``last`` down.
+
+    To where they are as before at ``settled`` or below.
+    """
     for p in range(last, -1, -1):
+        i = body_before(course.order, start, p)
         if p == length:
             for used in range(scratch.size):
                 scratch[used] = deadline
         else:
-            i, j = body_at(course.order, start, p), course.order[p]
-            back(legs, i, j, course.late[p + 1], scratch)
-        same = p < settled
-        for used in range(scratch.size):
-            same = same and scratch[used] == course.late[p, used]
-            course.late[p, used] = scratch[used]
-        if same:
+            j = course.order[p]
+            back(legs, i, j, course.late[j], scratch)
+        if _taken_over(scratch, course.late[i]) and p <= settled:
             break
 
 
@@ -133,31 +167,34 @@ def best_position(legs, course, start, length, j, deadline, passed_over, scratch
     """Position with most time left after inserting a target; −1 if it fits nowhere."""
     best, most = -1, 0.0
     at, then = scratch[0], scratch[1]
-    for p in range(length + 1):
-        i = body_at(course.order, start, p)
-        if not has_leg(legs, i, j):
-            continue
-        if p < length and not has_leg(legs, j, course.order[p]):
+    for line in range(legs.into_first[j], legs.into_first[j + 1]):
+        i = legs.into[line]
+        p = course.place[i] + 1
+        if p < 0 or (p < length and not has_leg(legs, j, course.order[p])):
             continue
         if rng.random() < passed_over:
             continue
-        forth(legs, i, j, course.early[p], at)
+        forth(legs, i, j, course.early[i], at)
         if p == length:
             left = deadline - at[legs.exceptions]
-        elif at[legs.exceptions] >= course.late[p + 1, legs.exceptions]:
-            continue
         else:
-            forth(legs, j, course.order[p], at, then)
-            left = slack(legs, then, course.late[p + 1])
+            k = course.order[p]
+            if at[legs.exceptions] >= course.late[k, legs.exceptions]:
+                continue
+            forth(legs, j, k, at, then)
+            left = slack(legs, then, course.late[k])
         if left >= most:
             best, most = p, left
     return best
 
 
 @kernel
-def insert(order, source, position):
-    """Move a target at a later position to a position."""
+def insert(course, source, position):
+    """Move a target at a later position to a position; all before that are visited."""
+    order, place = course.order, course.place
     j = order[source]
     for p in range(source, position, -1):
         order[p] = order[p - 1]
-    order[position] = j
+        if place[order[p]] != MISSING:
+            place[order[p]] = p
+    order[position], place[j] = j, position

@@ -24,6 +24,10 @@ PASSED_OVER = 0.05
 """Probability that a position is skipped."""
 
 
+RENEWED = 20
+"""Iterations after which another deadline is drawn, if no order was accepted before."""
+
+
 class Annealing(NamedTuple):
     """Temperatures of a run, and its work.
 
@@ -67,15 +71,11 @@ def _recreate(legs, course, start, length, deadline, missed, scratch, rng):
         source = length
         while order[source] != j:
             source += 1
-        earliest_order.insert(order, source, position)
-        early, late = course.early, course.late
-        for p in range(length + 1, position, -1):
-            for used in range(early.shape[1]):
-                early[p, used], late[p, used] = early[p - 1, used], late[p - 1, used]
+        earliest_order.insert(course, source, position)
         length += 1
         earliest_order.time_forth(legs, course, start, length, position, position + 1, scratch[0])
         earliest_order.time_back(
-            legs, course, start, length, position + 1, position + 1, deadline, scratch[0]
+            legs, course, start, length, position + 1, position, deadline, scratch[0]
         )
     return length
 
@@ -123,48 +123,52 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
         Targets visited by the last order accepted.
     """
     legs, near = borrowed(legs), borrowed(near)
-    scratch = np.empty((2, legs.exceptions + 1))
-    here = earliest_order.new_order(order, legs.exceptions)
-    there = earliest_order.new_order(order, legs.exceptions)
-    for course in (here, there):
-        for used in range(legs.exceptions + 1):
-            course.early[0, used] = ready
     targets, most = order.size, legs.exceptions
+    scratch, shape = np.empty((2, most + 1)), (legs.bodies, most + 1)
+    here = earliest_order.new_order(order, start, ready, shape)
+    there = earliest_order.new_order(order, start, ready, shape)
     earliest_order.time_forth(legs, here, start, length, 0, length, scratch[0])
-    while length > 0 and not here.early[length, most] <= annealing.latest:
+    while length > 0 and not here.early[here.order[length - 1], most] <= annealing.latest:
         length -= 1
-    end = here.early[length, most]
+    earliest_order.number(here, length)
+    end = here.early[here.order[length - 1], most] if length > 0 else ready
     best, best_end = here.order[:length].copy(), end
-    earliest_order.copy_order(here, there, length)
+    deadline, since = annealing.latest, RENEWED
     for iteration in range(annealing.iterations):
         if halt[0]:
             break
-        share = iteration / annealing.iterations
-        allowed = annealing.hot * (annealing.cold / annealing.hot) ** share
-        deadline = annealing.latest
-        if length == targets:
-            deadline = min(end - allowed * math.log(1.0 - rng.random()), deadline)
-        size, first = 0, 0
+        since += 1
+        if since > RENEWED:
+            since = 0
+            share = iteration / annealing.iterations
+            allowed = annealing.hot * (annealing.cold / annealing.hot) ** share
+            if length == targets:
+                later = -allowed * math.log(1.0 - rng.random())
+                deadline = min(end + later, annealing.latest)
+            earliest_order.time_back(legs, here, start, length, length, -1, deadline, scratch[0])
+            earliest_order.copy_order(here, there)
+        size, first, last = length, 0, 0
         if length > 0:
-            size, first, _ = ruin(there.order, length, near, rng)
-        earliest_order.time_forth(legs, there, start, size, first, size, scratch[0])
-        earliest_order.time_back(legs, there, start, size, size, -1, deadline, scratch[0])
+            size, first, last = ruin(there.order, length, near, rng)
+        earliest_order.number(there, size)
+        earliest_order.time_forth(legs, there, start, size, first, last, scratch[0])
+        earliest_order.time_back(legs, there, start, size, last, first, deadline, scratch[0])
         taken = False
-        if earliest_order.slack(legs, there.early[0], there.late[0]) >= 0.0:
+        if earliest_order.slack(legs, there.early[start], there.late[start]) >= 0.0:
             size = _recreate(legs, there, start, size, deadline, missed, scratch, rng)
             if size == targets:
                 taken = True
             elif length < targets:
                 taken = _burden(there.order, size, missed) <= _burden(here.order, length, missed)
+        for p in range(size, targets):
+            missed[there.order[p]] += 1.0
         if taken:
-            length, end = size, there.early[size, most]
-            earliest_order.copy_order(there, here, length)
+            length, since = size, RENEWED if size == targets else since
+            end = there.early[there.order[length - 1], most]
+            earliest_order.copy_order(there, here)
             if length > best.size or (length == best.size and end < best_end):
                 best, best_end = here.order[:length].copy(), end
         else:
-            earliest_order.copy_order(here, there, length)
-        if size < targets:
-            for p in range(size, targets):
-                missed[there.order[p]] += 1.0
+            earliest_order.copy_order(here, there)
     write(order, here.order)
     return best, best_end, length

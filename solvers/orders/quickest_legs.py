@@ -36,6 +36,10 @@ class QuickestLegs(NamedTuple):
         destination.
     departure, end : (connections,) float64
         Departure, and end of the service at the destination; both rise within a pair [s].
+    into : (pairs,) int64
+        Bodies with a connection to a body, destination by destination.
+    into_first : (bodies + 1,) int64
+        Place of the first of each destination.
     bodies : int
     exceptions : int
         How many a route may use.
@@ -44,6 +48,8 @@ class QuickestLegs(NamedTuple):
     first: IntArray
     departure: FloatArray
     end: FloatArray
+    into: IntArray
+    into_first: IntArray
     bodies: int
     exceptions: int
 
@@ -88,7 +94,9 @@ def quickest_legs(
     _sift(pair, departure, end, kept)
     pair, departure, end = pair[kept], departure[kept], end[kept]
     first = np.searchsorted(pair, np.arange(2 * bodies**2 + 1))
-    return QuickestLegs(first, departure, end, bodies, exceptions)
+    joined = np.unique(pair % bodies * bodies + pair // bodies % bodies)
+    into_first = np.searchsorted(joined, np.arange(bodies + 1) * bodies)
+    return QuickestLegs(first, departure, end, joined % bodies, into_first, bodies, exceptions)
 
 
 def quickest_legs_of(mission: Mission) -> QuickestLegs:

@@ -46,16 +46,9 @@ class _Rounds(ShareOfTime):
         return self._left < 0 or super().__call__(incumbent, bound)
 
 
-def _without_limit(problem: Problem) -> Problem:
-    """The same problem with as many exceptions as one likes."""
-    instance = problem.instance
-    chasers = [chaser.replace(max_exceptions=None) for chaser in instance.chasers]
-    return Problem(instance.replace(chasers=chasers), margin=problem.margin)
-
-
 def _without_exceptions(problem: Problem) -> Problem:
     """The same problem without connections that are exceptions."""
-    instance = _without_limit(problem).instance
+    instance = problem.without_limits_of_exceptions().instance
     given = instance.given
     assert given is not None
     assert given.exception is not None
@@ -91,7 +84,8 @@ def plan(
     certificate.offer(*((),) * len(problem.missions))
     if start is not None:
         certificate.offer(*start)
-    free = planner(_without_limit(problem), seed=seed, stop=_Rounds(stop), progress=silent)
+    unlimited = problem.without_limits_of_exceptions()
+    free = planner(unlimited, seed=seed, stop=_Rounds(stop), progress=silent)
     if free.upper_bound == -math.inf:
         certificate.lower(-math.inf)
     elif math.isfinite(free.upper_bound):

@@ -147,6 +147,8 @@ def test_plans_and_bounds_hold_enumeration_between_them(seed: int) -> None:
     instance, rows = drawn(seed, cost=cost, tank=10.0, required=False)
     prizes = {target.name: target.prize for target in instance.targets}
     best = max(sum(prizes[name] for name in order) for order in ways(instance, rows))
+    for method in ("exact", "lagrangian"):
+        assert adr_opt.bound(instance, method, time_limit=60.0, iterations=3).upper_bound >= best
     result = adr_opt.solve(instance, time_limit=60.0, iterations=3)
     assert adr_opt.check(instance, result.plan) == ()
     assert result.objective <= best <= result.upper_bound

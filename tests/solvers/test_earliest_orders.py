@@ -70,18 +70,17 @@ def test_times_of_an_order_are_those_of_enumeration(seed: int) -> None:
     legs, rows = drawn(seed, 4)
     rng = np.random.default_rng(seed)
     order = 1 + rng.permutation(4)
-    course = earliest_order.new_order(order, EXCEPTIONS)
-    course.early[0, :] = 0.0
+    course = earliest_order.new_order(order, 0, 0.0, (5, EXCEPTIONS + 1))
     scratch = np.empty(EXCEPTIONS + 1)
     earliest_order.time_forth(legs, course, 0, 4, 0, 4, scratch)
     for length in range(1, 5):
-        assert course.early[length].tolist() == ends_of(rows, tuple(order[:length]))
-    for deadline in (30.0, 45.0, min(course.early[4, EXCEPTIONS], 100.0)):
+        assert course.early[order[length - 1]].tolist() == ends_of(rows, tuple(order[:length]))
+    end = course.early[order[3], EXCEPTIONS]
+    for deadline in (30.0, 45.0, min(end, 100.0)):
         earliest_order.time_back(legs, course, 0, 4, 4, -1, deadline, scratch)
-        fits = course.early[4, EXCEPTIONS] <= deadline
-        for position in range(5):
-            left = earliest_order.slack(legs, course.early[position], course.late[position])
-            assert (left >= 0.0) == fits
+        for body in range(5):
+            left = earliest_order.slack(legs, course.early[body], course.late[body])
+            assert (left >= 0.0) == (end <= deadline)
 
 
 @over_seeds(range(60), gate=10)

@@ -144,6 +144,7 @@ def check_playable(mission: Mission) -> None:
         (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
         (any(each.is_limited for each in mission.instance.stations), "has limited stations"),
         (rules.returns, "must end at a station"),
+        (mission.chaser.max_exceptions is not None, "limits exceptions"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
         if odd:
