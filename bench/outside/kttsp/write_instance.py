@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -129,7 +130,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draw", type=int, metavar="TARGETS", help="draw a field instead")
     parser.add_argument("--seed", type=int, default=0, help="of the drawing")
     parser.add_argument("--end", type=float, help="last departure [d]")
-    pair = {"type": float, "nargs": 2, "metavar": ("USUAL", "EXCEPTIONS")}
+    pair: dict[str, Any] = {"type": float, "nargs": 2, "metavar": ("USUAL", "EXCEPTIONS")}
     defaults = Grid(0.0)
     parser.add_argument("--step", **pair, default=defaults.step_d, help="of departures [d]")
     parser.add_argument("--arrival", **pair, default=defaults.arrival_d, help="of arrivals [d]")
