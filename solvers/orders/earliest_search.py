@@ -28,7 +28,7 @@ RENEWED = 20
 """Iterations after which another deadline is drawn, if no order was accepted before."""
 
 
-class Annealing(NamedTuple):
+class Cooling(NamedTuple):
     """Temperatures of a run, and its work.
 
     Attributes
@@ -108,7 +108,7 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
         Targets by how near they are to each body, itself first.
     missed : (bodies,) float64
         How often each target was missing; updated.
-    annealing : Annealing
+    annealing : Cooling
     rng : numpy.random.Generator
     halt : (1,) bool
         Once another thread sets it, the search ends.

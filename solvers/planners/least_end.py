@@ -22,7 +22,7 @@ from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..orders.all_orders import MOST_TARGETS, earliest_of_all
-from ..orders.earliest_search import Annealing, search
+from ..orders.earliest_search import Cooling, search
 from ..orders.quickest_legs import quickest_legs_of, shortest
 from ..progress.gap import GapTracker
 from ..progress.halting import halted_by
@@ -78,7 +78,7 @@ class _Chain:
         latest = float(self._rules.duration)
         end = self.end if math.isfinite(self.end) else latest
         pace = max(end - self._rules.ready, 1.0) / max(self._order.size, 1)
-        annealing = Annealing(HOT * pace, COLD * pace, iterations, latest)
+        annealing = Cooling(HOT * pace, COLD * pace, iterations, latest)
         with halted_by(stop) as halt:
             best, end, self._length = search(
                 self._legs, self._rules.start, self._rules.ready, self._order, self._length,

@@ -28,11 +28,14 @@ from .scoring import score
 FIRST_SHARE = 0.6
 """Of the time that a tour may take, for a first search."""
 
-FIRST = Grid(math.nan, (0.02, 0.02), (0.02, 0.02), (7.0, 2.0), (60, 60))
+FIRST = Grid(math.nan, (0.02, 0.04), (0.02, 0.04), (7.0, 4.0), (60, 60))
 """What is sampled first."""
 
-FINER = (4.0, 0.005), (1.0, 0.00125)
-"""How near to the times of the tour departures are then sampled, and at which steps [d]."""
+FINER = (
+    (15.0, Grid(math.nan, (0.01, 0.02), (0.02, 0.02), (7.0, 1.0), (60, 20))),
+    (2.0, Grid(math.nan, (0.0025, 0.005), (0.02, 0.02), (7.0, 1.0), (60, 20))),
+)
+"""How near to the times of the tour departures are then sampled [d], and what."""
 
 PLANNING_S = 60.0
 """Time for planning on each table."""
@@ -162,15 +165,15 @@ def plan(
     else:
         raise InputError(f"{problem.name}: no tour was found in {ends[-1]:g} d")
     best, end = tour, math.inf
-    for within_d, step_d in (*FINER, (0.0, 0.0)):
+    for within_d, grid in (*FINER, (0.0, None)):
         for each in (tour, flown(problem, tour.order, kinds_of(problem, tour))):
             judged = score(problem, each)
             if not judged.violations and judged.duration_d < end:
                 best, end = each, judged.duration_d
-        if step_d:
-            finer = FIRST._replace(end_d=end + step_d, step_d=(step_d, step_d))
+        if grid is not None:
             found = planned(
-                problem, finer, limit_s=limit_s, near=best, within_d=within_d, jobs=jobs
+                problem, grid._replace(end_d=min(end, last_d)), limit_s=limit_s, near=best,
+                within_d=within_d, jobs=jobs,
             )  # fmt: skip
             tour = best if found is None else found
     spent = time.perf_counter() - clock[0], time.process_time() - clock[1]

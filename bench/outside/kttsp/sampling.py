@@ -136,7 +136,8 @@ def _earliest(pair, steps, least, longest, limit, wanted, arrival):
     count = int(((arrival.size - 1) * step + longest) / coarse) + 2
     r_1, v_1, r, v = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     r_2, v_2 = np.empty((count, 3)), np.empty((count, 3))
-    kepler.states(pair[1], np.arange(count) * coarse, r_2, v_2)
+    for m in range(count):
+        kepler.state(pair[1], m * coarse, r_2[m], v_2[m])
     known = math.inf
     for k in range(arrival.size - 1, -1, -1):
         leaves = k * step
