@@ -3,7 +3,9 @@
 Strings of targets are taken out of an order (:func:`.string_removal.ruin`) and put back where most
 time is left, before a deadline that is drawn first: as early as the annealing would accept. While
 not all targets are in, an order with others missing is accepted if those were missing less often
-so far (Christiaens and Vanden Berghe, Transportation Science 54, 2020).
+so far (Christiaens and Vanden Berghe, Transportation Science 54, 2020). The end says little where a
+chaser waits for a connection late in the mission: what is gained before is not seen there. So the
+mean slack of the targets counts as well.
 """
 
 from __future__ import annotations
@@ -28,6 +30,10 @@ RENEWED = 20
 """Iterations after which another deadline is drawn, if no order was accepted before."""
 
 
+MORE = 2.0
+"""How much later than the annealing accepts an order may end that has more slack, as a multiple."""
+
+
 class Cooling(NamedTuple):
     """Temperatures of a run, and its work.
 
@@ -38,12 +44,15 @@ class Cooling(NamedTuple):
     iterations : int
     latest : float
         No order may end later [s].
+    spare : float
+        What a second of mean slack is worth, in seconds of the end.
     """
 
     hot: float
     cold: float
     iterations: int
     latest: float
+    spare: float
 
 
 @kernel
@@ -90,6 +99,20 @@ def _burden(order, length, missed):
 
 
 @kernel
+def _value(legs, course, start, scratch, spare):
+    """End of an order of all targets, less what its mean slack is worth [s]."""
+    order, most = course.order, legs.exceptions
+    end = course.early[order[order.size - 1], most]
+    if spare == 0.0:
+        return end
+    earliest_order.time_back(legs, course, start, order.size, order.size, -1, end, scratch[0])
+    total = 0.0
+    for j in order:
+        total += earliest_order.slack(legs, course.early[j], course.late[j])
+    return end - spare * total / order.size
+
+
+@kernel
 def search(legs, start, ready, order, length, near, missed, annealing, rng, halt):  # noqa: PLR0913
     """Improve an order.
 
@@ -133,7 +156,10 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
     earliest_order.number(here, length)
     end = here.early[here.order[length - 1], most] if length > 0 else ready
     best, best_end = here.order[:length].copy(), end
-    deadline, since = annealing.latest, RENEWED
+    deadline, later, since = annealing.latest, 0.0, RENEWED
+    value = math.inf
+    if length == targets:
+        value = _value(legs, here, start, scratch, annealing.spare)
     for iteration in range(annealing.iterations):
         if halt[0]:
             break
@@ -144,7 +170,7 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
             allowed = annealing.hot * (annealing.cold / annealing.hot) ** share
             if length == targets:
                 later = -allowed * math.log(1.0 - rng.random())
-                deadline = min(end + later, annealing.latest)
+                deadline = min(end + MORE * later, annealing.latest)
             earliest_order.time_back(legs, here, start, length, length, -1, deadline, scratch[0])
             earliest_order.copy_order(here, there)
         size, first, last = length, 0, 0
@@ -157,7 +183,10 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
         if earliest_order.slack(legs, there.early[start], there.late[start]) >= 0.0:
             size = _recreate(legs, there, start, size, deadline, missed, scratch, rng)
             if size == targets:
-                taken = True
+                new = _value(legs, there, start, scratch, annealing.spare)
+                taken = new <= value + later or length < targets
+                if taken:
+                    value = new
             elif length < targets:
                 taken = _burden(there.order, size, missed) <= _burden(here.order, length, missed)
         for p in range(size, targets):

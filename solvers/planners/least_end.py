@@ -2,7 +2,7 @@
 
 Few targets are put in order over all their sets, which is a proof. Of more, two orders are annealed
 beside each other (:mod:`solvers.orders.earliest_search`) in rounds, each longer than the one
-before, from the better of them.
+before: the best one, and one from nothing, as what an annealing ends at depends on where it begins.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ..progress.gap import GapTracker
 from ..progress.halting import halted_by
 
 CHAINS = 2
-"""Orders that are annealed beside each other."""
+"""Orders that are annealed beside each other: the best one, and one from nothing."""
 
 ITERATIONS = 200_000
 """Of the first round, by chain, divided by the number of targets."""
@@ -36,8 +36,14 @@ ITERATIONS = 200_000
 LONGER = 1.6
 """Factor from round to round."""
 
-HOT, COLD = 0.5, 0.01
+HOT, COLD = 1.0, 0.02
 """First and last temperature of a round, in mean times between targets."""
+
+HEATS = 1.0, 0.3, 3.0
+"""First temperatures of the best order, round by round."""
+
+SPARE = 0.2
+"""What a second of mean slack is worth, in seconds of the end."""
 
 EXCEPTION_DAYS = 1.0
 """Days by which an exception makes two targets farther apart, for the choice of neighbours."""
@@ -65,6 +71,7 @@ class _Chain:
         self._length = 0
         self.best: Order = np.empty(0, dtype=np.int64)
         self.end = math.inf
+        self.hot = HOT
 
     def begin(self, order: Iterable[int]) -> None:
         """Go on from an order of some targets."""
@@ -78,14 +85,22 @@ class _Chain:
         latest = float(self._rules.duration)
         end = self.end if math.isfinite(self.end) else latest
         pace = max(end - self._rules.ready, 1.0) / max(self._order.size, 1)
-        annealing = Cooling(HOT * pace, COLD * pace, iterations, latest)
+        annealing = Cooling(self.hot * pace, COLD * pace, iterations, latest, SPARE)
         with halted_by(stop) as halt:
             best, end, self._length = search(
                 self._legs, self._rules.start, self._rules.ready, self._order, self._length,
                 self._near, self._missed, annealing, self._rng, halt,
             )  # fmt: skip
-        if best.size > self.best.size or (best.size == self.best.size and end < self.end):
-            self.best, self.end = best, float(end)
+        self._keep(best, float(end))
+
+    def take_over(self, other: _Chain) -> None:
+        """Go on from the better order of both chains."""
+        self._keep(other.best, other.end)
+        self.begin(self.best)
+
+    def _keep(self, order: Order, end: float) -> None:
+        if order.size > self.best.size or (order.size == self.best.size and end < self.end):
+            self.best, self.end = order, end
 
 
 def plan(
@@ -132,10 +147,9 @@ def plan(
     apart = np.minimum(apart, apart.T)
     np.fill_diagonal(apart, 0.0)
     near = np.argsort(apart[:, rules.first_target :], axis=1, kind="stable") + rules.first_target
-    seeds = np.random.SeedSequence(seed).generate_state(CHAINS)
-    chains = [_Chain(problem, legs, near, int(each)) for each in seeds]
-    for chain in chains:
-        chain.begin(certificate.sequence or ())
+    rng = np.random.default_rng(seed)
+    best = _Chain(problem, legs, near, int(rng.integers(2**31)))
+    best.begin(certificate.sequence or ())
     iterations = max(ITERATIONS // targets, 1)
 
     def is_over() -> bool:
@@ -143,13 +157,13 @@ def plan(
 
     with ThreadPoolExecutor(max(min(cores, CHAINS), 1)) as threads:
         while not is_over():
+            fresh = _Chain(problem, legs, near, int(rng.integers(2**31)))
+            fresh.hot, best.hot = HOT, HEATS[int(counters["rounds"]) % len(HEATS)]
+            chains = best, fresh
             list(threads.map(partial(_Chain.anneal, iterations=iterations, stop=stop), chains))
-            best = min(chains, key=lambda chain: (-chain.best.size, chain.end))
+            best.take_over(fresh)
             if best.best.size == targets:
                 certificate.offer(best.best)
-            for chain in chains:
-                if chain is not best and best.best.size == targets:
-                    chain.begin(best.best)
             counters["rounds"] += 1.0
             counters["iterations"] += float(CHAINS * iterations)
             iterations = int(LONGER * iterations)
