@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from ..common.card import Shown
 from ..common.errors import InputError
 from ..kernels.tables.timetable_making import Pairs
@@ -146,8 +148,8 @@ class Problem(Shown, Prizes):
     def asks_for_least_end(self) -> bool:
         """Whether a plan is an order of all targets, of which the end alone counts.
 
-        One chaser over given connections, all targets required, the cost the end of the mission,
-        and a tank that no order empties.
+        One chaser over given connections, of which none leads to a station, all targets required,
+        the cost the end of the mission, and a tank that no order empties.
         """
         instance, mission = self.instance, self.missions[0]
         given, chaser = instance.given, mission.chaser
@@ -160,6 +162,9 @@ class Problem(Shown, Prizes):
         if not all_required or (mission.most_targets or targets) < targets:
             return False
         if chaser.end != "anywhere" or loads_of(instance, chaser, self.margin) is not None:
+            return False
+        stations = [name in instance.station_names for name in given.names]
+        if np.isin(given.destination, np.flatnonzero(stations)).any():
             return False
         spent = chaser.tank.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))

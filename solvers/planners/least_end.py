@@ -133,7 +133,7 @@ def plan(
     rules, legs = mission.rules, quickest_legs_of(mission)
     targets = rules.service.size - rules.first_target
     counters = {"rounds": 0.0, "iterations": 0.0}
-    if targets <= MOST_TARGETS and not rules.stations:
+    if targets <= MOST_TARGETS:
         order, end = earliest_of_all(
             legs, rules.start, rules.ready, rules.first_target, rules.duration
         )
