@@ -70,7 +70,7 @@ class _Chain:
         self._order = np.arange(rules.first_target, rules.service.size)
         self._length = 0
         self.best: Order = np.empty(0, dtype=np.int64)
-        self.end = math.inf
+        self.end = self.about = math.inf
         self.hot = HOT
 
     def begin(self, order: Iterable[int]) -> None:
@@ -83,7 +83,7 @@ class _Chain:
     def anneal(self, iterations: int, stop: Stop) -> None:
         """Anneal the order from hot to cold."""
         latest = float(self._rules.duration)
-        end = self.end if math.isfinite(self.end) else latest
+        end = min(self.end, self.about, latest)
         pace = max(end - self._rules.ready, 1.0) / max(self._order.size, 1)
         annealing = Cooling(self.hot * pace, COLD * pace, iterations, latest, SPARE)
         with halted_by(stop) as halt:
@@ -158,7 +158,7 @@ def plan(
     with ThreadPoolExecutor(max(min(cores, CHAINS), 1)) as threads:
         while not is_over():
             fresh = _Chain(problem, legs, near, int(rng.integers(2**31)))
-            fresh.hot, best.hot = HOT, HEATS[int(counters["rounds"]) % len(HEATS)]
+            fresh.about, best.hot = best.end, HEATS[int(counters["rounds"]) % len(HEATS)]
             chains = best, fresh
             list(threads.map(partial(_Chain.anneal, iterations=iterations, stop=stop), chains))
             best.take_over(fresh)
