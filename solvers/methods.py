@@ -7,13 +7,13 @@ from adr_opt.run.method_spec import ALL_RULES, EXCEPTIONS, MethodSpec, Practice
 AUTO = MethodSpec(
     "auto", "solvers.planners.auto:auto",
     several=True, rules=ALL_RULES | {EXCEPTIONS}, starts=True, uses_cores=True,
-    shows_evidence=True, bounds_all_pairs=True, on_demand=True, orders_all=True,
+    shows_evidence=True, bounds_all_pairs=True, on_demand=True, tours=True, orders_all=True,
 )  # fmt: skip
 
 EXACT = MethodSpec(
     "exact", "solvers.planners.exact:exact",
     several=True, rules=ALL_RULES, starts=True, uses_cores=True, shows_evidence=True,
-    bounds_all_pairs=True, on_demand=True, practice=Practice(rounds=12),
+    bounds_all_pairs=True, on_demand=True, tours=True, practice=Practice(rounds=12),
 )  # fmt: skip
 
 GREEDY = MethodSpec(

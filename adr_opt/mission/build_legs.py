@@ -18,7 +18,7 @@ from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
 from .mission import Mission
-from .schedule import left_at_start
+from .schedule import Schedule, left_at_start
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -29,8 +29,17 @@ APPROXIMATE = (
 )
 
 
-def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
+def legs(
+    mission: Mission, sequence: Iterable[int], timing: Schedule | None = None
+) -> tuple[Leg, ...]:
     """Price a sequence of bodies, leg by leg.
+
+    Parameters
+    ----------
+    mission : Mission
+    sequence : iterable of int
+    timing : Schedule, optional
+        When they are visited; by default their best schedule.
 
     Raises
     ------
@@ -38,7 +47,7 @@ def legs(mission: Mission, sequence: Iterable[int]) -> tuple[Leg, ...]:
         A move is illegal; the sentence says which.
     """
     moves = [int(j) for j in sequence]
-    timing = mission.time(moves)
+    timing = mission.time(moves) if timing is None else timing
     if timing.made < len(moves):
         raise InputError(
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
@@ -137,18 +146,14 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
         What each chaser visits. Of several the one is asked that comes nearest to the target.
     """
     found: dict[str, Reason] = {}
-    visited: set[str] = set()
-    for mission, sequence in flown:
-        moves = [int(j) for j in sequence]
-        visited.update(mission.names[j] for j in moves)
-        for name, reason in _left_out(mission, moves):
+    routes = [(mission, [int(j) for j in sequence]) for mission, sequence in flown]
+    visited = {j for _, moves in routes for j in moves}
+    for mission, moves in routes:
+        left = sorted(set(range(mission.rules.first_target, len(mission.names))) - visited)
+        for name, reason in _left_out(mission, moves, left) if left else ():
             if name not in found or _FURTHEST.index(reason) > _FURTHEST.index(found[name]):
                 found[name] = reason
-    return tuple(
-        Unvisited(target=name, reason=reason)
-        for name, reason in found.items()
-        if name not in visited
-    )
+    return tuple(Unvisited(target=name, reason=reason) for name, reason in found.items())
 
 
 _FURTHEST: tuple[Reason, ...] = (
@@ -157,8 +162,10 @@ _FURTHEST: tuple[Reason, ...] = (
 """Obstacles to reaching a target, hardest first."""
 
 
-def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]]:
-    """Targets not among the moves of a chaser, with reasons."""
+def _left_out(
+    mission: Mission, moves: list[int], left_out: Iterable[int]
+) -> Iterator[tuple[str, Reason]]:
+    """Targets left out, with reasons of a chaser with these moves."""
     timing = mission.time(moves)
     rules = mission.rules
     body = moves[-1] if moves else rules.start
@@ -166,7 +173,7 @@ def _left_out(mission: Mission, moves: list[int]) -> Iterator[tuple[str, Reason]
     left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
     heavy = mission.chaser.kit_mass_kg > 0.0
     tows = removals_of(mission.instance)
-    for j in sorted(set(range(rules.first_target, len(mission.names))) - set(moves)):
+    for j in left_out:
         reason: Reason
         if not mission.timetable.holds(body, j):
             yield mission.names[j], "not-considered"

@@ -16,6 +16,7 @@ from .mission import Mission
 from .prizes import Prizes
 from .problem import Problem
 from .result import Result, cost_gap, cost_status, proven_of, versions
+from .schedule import Schedule
 
 
 def _lacks(problem: Prizes, lacking: tuple[int, ...], status: Status) -> str:
@@ -92,6 +93,7 @@ def certify_routes(  # noqa: PLR0913
     *,
     seed: int,
     runtime_s: float,
+    schedules: Sequence[Schedule | None] | None = None,
     upper_bound: float = math.inf,
     cost_bound: float | None = None,
     evidence: Evidence | None = None,
@@ -106,6 +108,8 @@ def certify_routes(  # noqa: PLR0913
     method : str
     routes : iterable of sequences of int or str, or None
         Bodies in order for each chaser, by number or by name; no target twice.
+    schedules : sequence of Schedule or None, optional
+        When each route is flown; by default at its best schedule.
     seed, runtime_s, upper_bound, cost_bound, evidence, counters, notes
         As :func:`certify` takes them.
 
@@ -137,8 +141,8 @@ def certify_routes(  # noqa: PLR0913
             runtime_s, said, evidence=evidence,
         )  # fmt: skip
     priced = tuple(
-        Route(chaser=mission.chaser.name, legs=legs(mission, sequence))
-        for mission, sequence in flown
+        Route(chaser=mission.chaser.name, legs=legs(mission, sequence, timing))
+        for (mission, sequence), timing in zip(flown, schedules or [None] * len(flown), strict=True)
     )
     objective = problem.prizes(moves)
     status, bound, gap = proven_of(problem, objective, upper_bound)

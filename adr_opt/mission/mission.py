@@ -158,6 +158,11 @@ class Mission(Shown, Prizes):
             connecting=self.connecting, chaser=self._number, asked=near,
         )  # fmt: skip
 
+    def do_without(self) -> None:
+        """Do without a timetable, for planners that look at connections themselves."""
+        bodies = len(self.names)
+        self.build(Pairs(np.arange(bodies), np.empty((bodies, 0), dtype=np.int32)), most=0)
+
     def _forget(self) -> None:
         """Discard everything derived from another timetable."""
         for name in ("rules", "has_transfer"):

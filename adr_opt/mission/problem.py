@@ -133,12 +133,15 @@ class Problem(Shown, Prizes):
     def alone(self) -> Mission | None:
         """The mission of the only chaser, where a plan is a single route.
 
-        None with several chasers, and where loads, what stations have, the expense of a chaser
-        that is used or exceptions count as well. What is quicker with one chaser is chosen by it.
+        None with several chasers, and where loads, what stations have, the expense of a chaser that
+        is used, the time of its launch or exceptions count as well. What is quicker with one chaser
+        is chosen by it.
         """
         instance = self.instance
         counts = bool(self.limits) or instance.objective.cost == "expense"
-        counts = counts or self.limits_exceptions
+        counts |= instance.mission.mission_separation_s is not None
+        counts |= instance.transfer.max_leg_s is not None
+        counts |= self.limits_exceptions
         if len(self.missions) > 1 or counts:
             return None
         mission = self.missions[0]
@@ -157,6 +160,11 @@ class Problem(Shown, Prizes):
         if len(self.missions) > 1 or given is None or self.limits or not targets:
             return False
         if instance.objective.cost != "duration" or self.connecting.corrections:
+            return False
+        if (
+            instance.transfer.max_leg_s is not None
+            or instance.mission.mission_separation_s is not None
+        ):
             return False
         all_required = all(target.required for target in instance.targets)
         if not all_required or (mission.most_targets or targets) < targets:
@@ -234,6 +242,11 @@ class Problem(Shown, Prizes):
         """Do without timetables, see :meth:`Mission.ask`."""
         for mission in self.missions:
             mission.ask(near)
+
+    def do_without(self) -> None:
+        """Do without timetables, see :meth:`Mission.do_without`."""
+        for mission in self.missions:
+            mission.do_without()
 
     def with_margin(self, margin: float) -> Problem:
         """The same problem with another reserved share of each tank; a built timetable stays."""

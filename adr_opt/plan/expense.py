@@ -72,10 +72,17 @@ def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
 
 
 def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:
-    """Cost of the days of routes, from each chaser's availability to the end of its last stay."""
+    """Cost of the days of routes, from each chaser's availability to the end of its last stay.
+
+    Where missions are separated, from the launch, whose time is a choice.
+    """
     numbers, since_s = _numbers(instance, routes), instance.available_s
+    chosen = instance.mission.mission_separation_s is not None
     flown_s = [
-        route.legs[-1].done_s - since_s[numbers[route.chaser]][0] for route in routes if route.legs
+        route.legs[-1].done_s
+        - (route.legs[0].departure_s if chosen else since_s[numbers[route.chaser]][0])
+        for route in routes
+        if route.legs
     ]
     return instance.time_m_s_per_s * math.fsum(flown_s)
 

@@ -50,6 +50,17 @@ def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> No
             )
 
 
+def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> None:
+    """Missions that are kept apart begin with a launch at a time of the plan's choice."""
+    there = [number for number, chaser in enumerate(chasers) if not chaser.is_launched]
+    if mission.mission_separation_s is not None and there:
+        raise ValueError(
+            f"field mission.mission_separation_s = {mission.mission_separation_s!r}: it keeps "
+            f"launches apart from earlier missions, but chasers[{there[0]}] starts in space; "
+            'write its start "anywhere", or leave the separation out'
+        )
+
+
 def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> None:
     """Only given connections can be marked as exceptions."""
     for number, chaser in enumerate(chasers):

@@ -27,6 +27,7 @@ from .agreement import (
     check_names,
     check_orbits,
     check_removals,
+    check_separation,
     check_stations,
 )
 from .bodies import Station, Target
@@ -92,6 +93,7 @@ class InstanceFile(Record):
         )
         check_expense(self.chasers, self.objective)
         check_exceptions(self.chasers, self.transfer)
+        check_separation(self.chasers, self.mission)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
         if is_given and self.keep_out_zones:

@@ -25,7 +25,10 @@ from ..common.records import (
     without,
 )
 
-NOT_WRITTEN = ("service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s")
+NOT_WRITTEN = (
+    "service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s",
+    "mission_separation_s",
+)  # fmt: skip
 """Fields omitted from the file if None."""
 
 
@@ -36,6 +39,8 @@ class MissionSettings(Record):
     and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
     to, where it is None. Chasers that are launched are so in the order of the file, each not less
     than ``launch_separation_s`` after the one before it; that is not in the file either if None.
+    With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
+    and follows the last service of every chaser launched before it by no less than that.
     """
 
     duration_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)]
@@ -44,6 +49,7 @@ class MissionSettings(Record):
     refuel_revolutions: NonNegative = 1.0
     disposal_altitude_m: Length | None = None
     launch_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
+    mission_separation_s: Annotated[float, Field(ge=0.0, le=LARGEST_DURATION_S)] | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -60,6 +66,15 @@ class MissionSettings(Record):
             raise ValueError(
                 "must give service_revolutions or service_s, but gives "
                 f"{stated}; write exactly one of the two"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _one_separation(self) -> Self:
+        if self.launch_separation_s is not None and self.mission_separation_s is not None:
+            raise ValueError(
+                "gives launch_separation_s, for launches in the order of the file, and "
+                "mission_separation_s, for launches in any order; write one of the two"
             )
         return self
 
@@ -109,14 +124,16 @@ class TransferSettings(SequenceSettings):
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
     ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
-    one may take, 0 for none. Where connections are ``given``, they are those; the field is not in
-    files of other instances.
+    one may take, 0 for none. From the arrival at one body to that at the next no more than
+    ``max_leg_s`` may pass, waiting and service included; it is not in the file if None. Where
+    connections are ``given``, they are those; the field is not in files of other instances.
     """
 
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
     drift_step_s: Positive = DAY_S
     max_drift_s: NonNegative = 0.0
+    max_leg_s: Annotated[float, Field(gt=0.0, le=LARGEST_DURATION_S)] | None = None
     given: GivenFile | None = None
 
     @property
@@ -128,11 +145,8 @@ class TransferSettings(SequenceSettings):
         return self.max_drift_s > 0.0 or self.given is not None
 
     @model_serializer(mode="wrap")
-    def _without_nothing_given(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        content: dict[str, Any] = write(self)
-        if self.given is None:
-            content.pop("given", None)
-        return content
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "max_leg_s", "given")
 
 
 class Objective(Record):

@@ -19,13 +19,13 @@ from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
-from .method_call import method_of, prepare, refuse_unable, spec_of, warm_up
+from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
 from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates, may_go_without, without_table
+from .table_budget import candidates, may_go_without, no_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -240,8 +240,10 @@ def run(
     )  # fmt: skip
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
-    drifts = whole.connecting.is_listed
-    bare = known.orders_all and bound is None and may_go_without(whole)
+    drifts, tours = whole.connecting.is_listed, is_tour(whole, known)
+    if tours and start is not None:
+        raise InputError("start: a campaign planned as a tour through time begins from none")
+    bare = tours or (known.orders_all and bound is None and may_go_without(whole))
     if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
@@ -249,7 +251,7 @@ def run(
     of_all = known.bounds_all_pairs
     hasty = of_all and group == BOUNDS and whole.alone is not None
     chosen = (
-        without_table(whole)
+        no_table(whole)
         if bare
         else candidates(
             whole,

@@ -16,6 +16,7 @@ from ..mission.build_legs import APPROXIMATE
 from ..mission.certified import certify_routes
 from ..mission.problem import Problem
 from ..mission.result import Result, noted
+from ..mission.tours import tour_obstacle, tour_rule
 from ..plan.cargo import loads_of, what_counts
 from ..sources.generator import LARGEST_SEED
 from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec
@@ -96,7 +97,8 @@ class Prepared:
         given, told = given_to(problem, self.spec), _shown(problem, progress)
         result = self.function(given, stop=_Shown(problem, stop), progress=told, **self.arguments)
         _check_result(self.method, result)
-        if self.plans and self.method != PUBLISHED and stop.remaining_s() <= 0.0:
+        late = stop.remaining_s() <= 0.0 and not is_tour(problem, self.spec)
+        if self.plans and self.method != PUBLISHED and late:
             result = self._at_least_the_fallback(problem, result, stop, progress)
         return noted(result, self.notes)
 
@@ -263,6 +265,34 @@ def given_to(problem: Problem, method: MethodSpec) -> Any:
     return problem if method.several else problem.missions[0]
 
 
+def is_tour(problem: Problem, method: MethodSpec) -> bool:
+    """Whether a method plans a problem as a tour through time."""
+    return method.tours and tour_obstacle(problem) is None
+
+
+def _refuse_no_tour(problem: Problem, method: MethodSpec) -> None:
+    """Refuse rules that are planned with in tours alone, where there is none.
+
+    Raises
+    ------
+    InputError
+        Such a rule is set.
+    """
+    rule, obstacle = tour_rule(problem.instance), tour_obstacle(problem)
+    if rule is None:
+        return
+    name = problem.instance.name
+    if obstacle is not None:
+        raise InputError(
+            f"field {rule}: planned with only in tours through time, and {name!r} is none: "
+            f"{obstacle}; see docs/campaigns.md, or leave it out"
+        )
+    if not method.tours:
+        raise InputError(
+            f"method {method.name!r} does not support {rule}, which {name!r} sets; use auto"
+        )
+
+
 def refuse_unable(problem: Problem, method: MethodSpec) -> None:
     """Refuse a method that does not support a rule of a problem.
 
@@ -271,6 +301,7 @@ def refuse_unable(problem: Problem, method: MethodSpec) -> None:
     InputError
         It plans for one chaser, and there are several; or does not know a rule that counts.
     """
+    _refuse_no_tour(problem, method)
     if problem.alone is not None:
         return
     counts = _rules_of(problem)

@@ -59,6 +59,8 @@ class MethodSpec:
         Whether its results say what their bounds rest on, so that certificates can be made.
     bounds_all_pairs : bool
         Whether its bounds hold of all pairs of bodies, whatever the timetable has.
+    tours : bool
+        Whether it plans tours through time (:mod:`adr_opt.mission.tours`), without a timetable.
     on_demand : bool
         Whether it looks up what is chosen of few pairs, and needs no table of them all.
     orders_all : bool
@@ -77,6 +79,7 @@ class MethodSpec:
     uses_cores: bool = False
     shows_evidence: bool = False
     bounds_all_pairs: bool = False
+    tours: bool = False
     on_demand: bool = False
     orders_all: bool = False
     table_options: tuple[str, ...] = ()

@@ -7,11 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from ..common.clock import now_s
 from ..kernels.tables.timetable import source_of
-from ..kernels.tables.timetable_making import WAVE, Pairs
+from ..kernels.tables.timetable_making import WAVE
 from ..legs.connection_finder import estimate
 from ..legs.nearest_pairs import nearest_pairs, neighbours
 from ..legs.timetable import Timetable
@@ -48,16 +46,19 @@ class TableBudget:
         What the timetable took [s].
     whole_s : float
         What it takes of all pairs, by the pace so far [s].
+    needed : bool
+        Whether the method plans on it.
     """
 
     mission: Problem
     spent_s: float
     whole_s: float
+    needed: bool = True
 
     @property
     def all(self) -> bool:
-        """Whether the timetable is complete."""
-        return self.mission.is_whole
+        """Whether the timetable is complete, or not needed."""
+        return not self.needed or self.mission.is_whole
 
     @property
     def none(self) -> bool:
@@ -111,7 +112,7 @@ class TableBudget:
         of_all : bool
             Whether its bound holds of all pairs; that of the cost does not.
         """
-        if self.all or not self.mission.missions[0].timetable.pairs.near.size:
+        if self.all:
             return result
         bound = result.upper_bound if of_all else math.inf
         note = self.note(bounded=math.isfinite(bound))
@@ -131,6 +132,13 @@ class TableBudget:
             result, plan=plan, upper_bound=bound, status=proven.status, notes=notes,
             evidence=result.evidence if of_all else None,
         )  # fmt: skip
+
+
+def no_table(whole: Problem) -> TableBudget:
+    """A mission without a timetable, for methods that do without."""
+    if not whole.has_timetable:
+        whole.do_without()
+    return TableBudget(whole, 0.0, 0.0, needed=False)
 
 
 LARGE_ENTRIES = 5_000_000
@@ -161,13 +169,6 @@ def may_go_without(whole: Problem) -> bool:
     if whole.has_timetable or not whole.asks_for_least_end:
         return False
     return estimate(whole.instance).entries >= LARGE_ENTRIES
-
-
-def without_table(whole: Problem) -> TableBudget:
-    """A timetable of no pairs, for methods that look at connections alone."""
-    bodies = len(whole.names)
-    whole.build(Pairs(np.arange(bodies), np.empty((bodies, 0), dtype=np.int32)))
-    return TableBudget(whole, 0.0, 0.0)
 
 
 def candidates(

@@ -1,6 +1,7 @@
 """Known results of others' benchmarks, and those of our planners.
 
-    python bench/outside/run.py gtoc9 --data DIR [--time-limit S --seed N --bound-time-limit S]
+    python bench/outside/run.py gtoc9 --data DIR
+    python bench/outside/run.py gtoc9 --data DIR --write-instance FILE [--step DAYS]
     python bench/outside/run.py gtoc9 --data DIR --fly MISSION [--plan FILE]
     python bench/outside/run.py gtoc9 --data DIR --fly-all FILE [--plan FILE]
     python bench/outside/run.py gtoc9 --data DIR --flown FILE
@@ -51,33 +52,18 @@ def folder_of(name: str, data: Path) -> Path:
     return inner if inner.is_dir() else data
 
 
-BOUND_S = 1000.0
-"""Default time for the proof of a bound of gtoc9."""
-
-
 def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> Iterator[str]:
     """What is known of GTOC9 and made of it, or a flown mission, in Markdown."""
-    limit = parsed.time_limit
-    if limit is not None and not 0.0 < limit < 1e7:
-        raise InputError(f"--time-limit {limit:g}: give seconds above 0")
-    if not 0.0 <= parsed.bound_time_limit < 1e7:
-        raise InputError(f"--bound-time-limit {parsed.bound_time_limit:g}: give seconds, or 0")
-    if parsed.seed < 0 or not 1 <= parsed.chains <= 256:
-        raise InputError("--seed is 0 or more, and --chains from 1 to 256")
+    if parsed.time_limit is not None:
+        raise InputError("--time-limit: gtoc9 is planned by adr-opt solve; see --write-instance")
+    if parsed.write_instance is not None:
+        return of_gtoc9.written(folder, parsed.write_instance, parsed.step)
     if parsed.flown is not None:
         return of_gtoc9.judged_again(folder, parsed.flown, doing)
     if parsed.fly is not None or parsed.fly_all is not None:
         plan = parsed.plan or folder / of_gtoc9.campaign.FILE
         return of_gtoc9.flights(folder, plan, parsed.fly, parsed.fly_all, doing)
-    return of_gtoc9.report(
-        folder,
-        time_limit_s=parsed.time_limit,
-        seed=parsed.seed,
-        chains=parsed.chains,
-        write=parsed.write,
-        bound_limit_s=parsed.bound_time_limit or None,
-        doing=doing,
-    )
+    return of_gtoc9.report(folder, doing=doing)
 
 
 def report(
@@ -91,15 +77,13 @@ def report(
 ) -> Iterator[str]:
     """What is known of a benchmark, in Markdown, line by line."""
     if time_limit_s is not None and not (name == "kttsp" and time_limit_s >= 0.0):
-        raise InputError(
-            f"--time-limit {time_limit_s:g}: only gtoc9 and kttsp take one, of 0 or more"
-        )
+        raise InputError(f"--time-limit {time_limit_s:g}: only kttsp takes one, of 0 or more")
     if name == "kttsp":
         return of_kttsp.report(folder, solution, time_limit_s, cells, write, doing)
     if cells is not None:
         raise InputError(f"--cells {cells}: only the proof of kttsp keeps any")
     if write is not None:
-        raise InputError(f"--write {write}: only campaigns of gtoc9 and tours of kttsp are written")
+        raise InputError(f"--write {write}: only tours of kttsp are written")
     if solution is not None:
         raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
     return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder, doing=doing)
@@ -118,16 +102,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--time-limit",
         type=float,
         metavar="SECONDS",
-        help="of the proof of kttsp; of gtoc9: plan, with so much processor time a chain",
+        help="of the proof of kttsp",
     )
     parser.add_argument("--cells", type=Path, metavar="FILE", help="of the proof of kttsp")
-    parser.add_argument(
-        "--bound-time-limit",
-        type=float,
-        default=BOUND_S,
-        metavar="SECONDS",
-        help="of gtoc9: prove a bound, in so much of it; 0 for none [%(default)g s]",
-    )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
         "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"
@@ -135,10 +112,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--flown", type=Path, metavar="FILE", help="of gtoc9: score a campaign that was flown"
     )
-    parser.add_argument("--plan", type=Path, help="of gtoc9: the campaign; without, the winner's")
-    parser.add_argument("--seed", type=int, default=0, help="of gtoc9")
-    parser.add_argument("--chains", type=int, default=2, help="of gtoc9: threads")
-    parser.add_argument("--write", type=Path, help="of gtoc9 and kttsp: where our plan is written")
+    parser.add_argument(
+        "--plan", type=Path, help="of gtoc9: a campaign, or a plan of solve; without, the winner's"
+    )
+    parser.add_argument(
+        "--write-instance", type=Path, metavar="FILE", help="of gtoc9: write it as an instance"
+    )
+    parser.add_argument(
+        "--step", type=float, default=0.1, metavar="DAYS",
+        help="of gtoc9: grid of the connections of that instance [%(default)g d]",
+    )  # fmt: skip
+    parser.add_argument("--write", type=Path, help="of kttsp: where our plan is written")
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep there what is printed")
     parsed = parser.parse_args(arguments)
     try:

@@ -12,9 +12,11 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
+from adr_opt.mission.tours import tour_obstacle
 
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
+from ..tours import planners as tours
 from . import few_exceptions, least_end, many_routes, one_route
 from .many_routes import Goals
 
@@ -56,6 +58,8 @@ def auto(
         A plan to begin from: bodies in order, for each chaser.
     """
     problem = problem_of(problem)
+    if tour_obstacle(problem) is None:
+        return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.asks_for_least_end:
         return least_end.plan(
             "auto", problem, seed=seed, stop=stop, progress=progress,

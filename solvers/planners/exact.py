@@ -21,6 +21,7 @@ from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
+from adr_opt.mission.tours import tour_obstacle
 
 from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
@@ -30,6 +31,7 @@ from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
 from ..proof.proof import MOST_LABELS, ProofOptions, prove, prove_cost
+from ..tours import planners as tours
 from ..walks.latest_times import Latest
 from . import many_routes
 
@@ -75,6 +77,8 @@ def exact(
         A plan to begin with, a route for each chaser, compared with one found by beam search.
     """
     problem = problem_of(problem)
+    if tour_obstacle(problem) is None:
+        return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None:
         return _one_route(problem.alone, seed, stop, progress, start, options)
     return many_routes.plan(

@@ -87,7 +87,7 @@ def judged(cost, tour, size, behind, grid, expense, fresh):
         row = behind[order[k]]
         best, then = FAR, -1
         if begins[k]:
-            for t in range(now + grid.apart, times):
+            for t in range(max(0, now + grid.apart), times):
                 if row[t] < best:
                     best, then = row[t], t
         else:
@@ -253,10 +253,12 @@ def anneal(costs, tour, grid, expense, iterations, seed, heat, rules):
     best_order, best_begins, best_at = order.copy(), begins.copy(), at.copy()
     putting = PuttingRules(
         grid, wide, rules.near, expense.fixed + expense.per_kg * expense.kit_kg, usual, 0.25,
-        rules.blinks, rules.noise * heat,
+        rules.blinks, rules.noise * heat, expense.most_missions,
     )  # fmt: skip
     for _ in range(iterations):
         split = marked(least, now, cut, when, count, most, marks)
+        if split >= 0 and cut.sum() >= expense.most_missions:
+            split = -1
         size, lost, pending = 0, 0, False
         for k in range(count):
             pending = pending or cut[k] or k == split

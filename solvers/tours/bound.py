@@ -16,13 +16,14 @@ counts is swept once more in double precision at the best prices.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from adr_opt.common.clock import now_s
 
 from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
 from .walks import LeastWalks, MassCosts, Memories, sweep, trace
@@ -89,7 +90,7 @@ class Bounding:
     rounds : int
         0: the given prices are only valued.
     time_limit_s : float
-        Processor time of this thread [s].
+        [s].
     target : float
         What steps aim at; below the best bound it is taken to be a tenth above it.
     share : float
@@ -311,8 +312,8 @@ def bound(
     if settings.rounds > 0:
         walks, random = _Walks(*asked, np.float32), np.random.default_rng(0)
         share, stalled, direction = settings.share, 0, np.zeros(count + 1)
-        since = time.thread_time()
-        while made < settings.rounds and time.thread_time() - since < settings.time_limit_s:
+        since = now_s()
+        while made < settings.rounds and now_s() - since < settings.time_limit_s:
             fee = FEE * now[-1]
             found = walks.value(now[:-1], fee) - fee * given
             short, launched, carried_kg = walks.missing(now[:-1], fee, random)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +39,27 @@ class TimeGrid(NamedTuple):
     least_gap: int
     apart: int
     unit_m_s: float
+
+
+@dataclass(frozen=True)
+class Tour:
+    """All missions of a campaign.
+
+    Attributes
+    ----------
+    order : (targets,) int64
+    begins : (targets,) bool
+        Whether a mission begins with a target.
+    at : (targets,) int64
+        When each is reached [steps of the grid].
+    expense : float
+        On the grid; infinite where there is no way through.
+    """
+
+    order: npt.NDArray[np.int64]
+    begins: npt.NDArray[np.bool_]
+    at: npt.NDArray[np.int64]
+    expense: float
 
 
 class TourCosts(NamedTuple):
@@ -91,6 +113,7 @@ class TourExpense(NamedTuple):
     exhaust_m_s : float
         Specific impulse times g₀.
     most_propellant_kg : float
+    most_missions : int
     """
 
     fixed: float
@@ -100,6 +123,7 @@ class TourExpense(NamedTuple):
     kit_kg: float
     exhaust_m_s: float
     most_propellant_kg: float
+    most_missions: int
 
 
 OVERWEIGHT = 0.1

@@ -63,6 +63,7 @@ class PuttingRules(NamedTuple):
         Share of places that are overlooked.
     noise : float
         Largest random error of the costs of places.
+    most_missions : int
     """
 
     grid: TimeGrid
@@ -73,6 +74,7 @@ class PuttingRules(NamedTuple):
     kit: float
     blinks: float
     noise: float
+    most_missions: int
 
 
 @inlined
@@ -86,7 +88,7 @@ def least_sum(one, other, low, high):
 
 
 @kernel
-def at_place(cost, tour, size, rows, target, k, rules):
+def at_place(cost, tour, size, rows, target, k, rules, may_launch):
     """Cost of a tour with another target before position k, and the kind of insertion.
 
     Parameters
@@ -97,6 +99,8 @@ def at_place(cost, tour, size, rows, target, k, rules):
     rows : CostRows
     target, k : int
     rules : PuttingRules
+    may_launch : bool
+        Whether there may be another mission.
     """
     order, begins, at, slope, kit = borrowed(tour)
     ahead, behind, into, on = borrowed(rows)
@@ -147,7 +151,7 @@ def at_place(cost, tour, size, rows, target, k, rules):
         if found < best:
             best, how = found, LAST
     found = least_sum(launch, rest, first, last) + rules.fixed
-    if found < best:
+    if may_launch and found < best:
         best, how = found, ALONE
     return best, how
 
@@ -237,6 +241,7 @@ def put_back(costs, tour, size, bag, count, rows, rules):
             if lower[k] < lower[promising]:
                 promising = k
         base = least_sum(ahead[order[0]], behind[order[0]], 0, times)
+        may_launch = begins[:size].sum() < rules.most_missions
         for turn in range(-1, size + 1):
             k = promising if turn < 0 else turn
             if turn == promising:
@@ -246,7 +251,7 @@ def put_back(costs, tour, size, bag, count, rows, rules):
                     continue
                 if np.random.random() < rules.blinks:
                     continue
-            found, way = at_place(cost, tour, size, rows, target, k, rules)
+            found, way = at_place(cost, tour, size, rows, target, k, rules, may_launch)
             found += rules.noise * np.random.random()
             if way >= 0 and found < best:
                 best, place, how = found, k, way

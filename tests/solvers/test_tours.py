@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,12 +17,13 @@ from solvers.tours.bound import (
     memories,
     neighbourhoods,
 )
-from solvers.tours.costs import FORBIDDEN, TimeGrid, TourExpense
-from solvers.tours.planner import Annealing, plan
+from solvers.tours.costs import FORBIDDEN, TimeGrid, TourCosts, TourExpense, blocks, nearby
+from solvers.tours.crossing import crossed, first_tour
+from solvers.tours.planner import Annealing, Population
 
 GRID = TimeGrid(least_gap=1, apart=3, unit_m_s=1.0)
-EXPENSE = TourExpense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0)
-QUICK = Annealing(starts=2, chunk=20, most=4, wide=20, near=20, missions=2)
+EXPENSE = TourExpense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0, most_missions=9)
+QUICK = Annealing(hot=8.0, chunk=20, most=4, wide=20, near=20, missions=2, iterations=200)
 
 
 def drawn(seed, targets=4, gaps=3, times=10):
@@ -99,29 +99,49 @@ def judged_apart(cost, tour):
     return total + expense_of(legs)
 
 
+def planned(cost, seed, generations, cores=1):
+    """Tours of a population after some generations."""
+    found = Population(cost, GRID, EXPENSE, QUICK, lambda: 0.0, seed=seed, cores=cores)
+    for _ in range(generations):
+        found.advance()
+    return found.tours
+
+
 def test_the_search_finds_what_trying_everything_finds(tried):
-    """On tiny campaigns the tour is legal, costs what it says, and is the best one or near it."""
+    """On tiny campaigns tours are legal, cost what they say, and the best is the best of all."""
     cost, least = tried
-    tour = plan(cost, GRID, EXPENSE, replace(QUICK, iterations=2000), seed=3)[0]
-    assert judged_apart(cost, tour) == pytest.approx(tour.expense, rel=1e-6)
-    assert tour.expense >= least - 1e-4
-    assert tour.expense <= 1.05 * least
+    tours = planned(cost, 3, 5)
+    for tour in tours:
+        assert judged_apart(cost, tour) == pytest.approx(tour.expense, rel=1e-6)
+        assert tour.expense >= least - 1e-4
+    assert tours[0].expense <= 1.05 * least
 
 
 def test_the_search_is_the_same_again():
-    """A seed and a number of iterations give one tour, however often and in how many chains."""
+    """A seed and a number of generations give the same tours, however many threads there are."""
     cost = drawn(9, targets=6, times=20)
-    tours = [
-        plan(cost, GRID, EXPENSE, replace(QUICK, iterations=300), seed=5, chains=chains)
-        for chains in (1, 1, 2)
-    ]
-    first = tours[0][0]
-    for found in (tours[1][0], *tours[2]):
-        if found.expense == first.expense:
-            assert (found.order == first.order).all()
-            assert (found.at == first.at).all()
-    assert tours[1][0].expense == first.expense
-    assert tours[2][0].expense <= first.expense
+    first, *others = (planned(cost, 5, 4, cores) for cores in (1, 1, 2))
+    for again in others:
+        assert len(again) == len(first)
+        for one, other in zip(first, again, strict=True):
+            assert one.expense == other.expense
+            assert (one.order == other.order).all()
+            assert (one.at == other.at).all()
+
+
+def test_a_crossed_tour_has_every_target_once():
+    """Whatever two tours are crossed, each target has one place, and missions begin in time."""
+    cost = drawn(11, targets=9, times=30)
+    least = np.zeros((*cost.shape[:2], blocks(cost.shape[3])), np.uint16)
+    nearby(cost, least)
+    costs = TourCosts(cost, least)
+    for seed in range(200):
+        parents = tuple(
+            first_tour(costs, GRID, EXPENSE, 2 * seed + k, 1 + seed % 4) for k in range(2)
+        )
+        made = crossed(costs, GRID, EXPENSE, parents, seed)
+        assert sorted(made.order) == list(range(9))
+        assert made.begins[0]
 
 
 @pytest.mark.parametrize("remembered", [0, 1, 2])

@@ -16,7 +16,7 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
 from .given import is_exception
 from .leg import Physics, check_transfer
-from .shared import Drawn, launch_times
+from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
 from .tow import Towed, check_tow
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
@@ -45,6 +45,8 @@ class _Followed:
     where : str
     free : float
         Since when it is [s].
+    arrived : float or None
+        When it arrived there [s]; None at the start.
     tank : TankLevel
     chaser : Chaser
     drawn : Drawn
@@ -62,6 +64,7 @@ class _Followed:
     tank: TankLevel
     chaser: Chaser
     drawn: Drawn
+    arrived: float | None = None
     since_refuelling: int = 0
     targets: int = 0
     exceptions: int = 0
@@ -110,6 +113,7 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             yield from _check_end(plan, now)
         whole = whole and leads_on
     yield from drawn.violations()
+    yield from check_apart(instance, plan)
     if not whole or plan.status not in ("optimal", "feasible"):
         return
     for target in instance.targets:
@@ -140,6 +144,7 @@ def _check_route(
             )
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
+        yield from _check_leg_time(instance, now, number, arrival)
         yield from _check_zones(instance, number, leg)
         now.exceptions += is_exception(instance.given, leg)
         towed = physics.towed.get(leg.destination)
@@ -155,6 +160,7 @@ def _check_route(
             now.targets += leg.destination not in visited
             visited.add(leg.destination)
         now.where, now.free = leg.destination, end + (towed.time_s if towed else 0.0)
+        now.arrived = arrival
     return True
 
 
@@ -184,6 +190,19 @@ def _check_order(
     elif leg.destination in visited:
         yield Violation(number, "order", f"{leg.destination!r} was visited before")
     return True
+
+
+def _check_leg_time(
+    instance: Instance, now: _Followed, number: int, arrival: float
+) -> Iterator[Violation]:
+    """Check the time from one arrival to the next; the first arrival has none before it."""
+    most = instance.transfer.max_leg_s
+    if most is not None and now.arrived is not None and arrival > now.arrived + most + SLACK_S:
+        yield Violation(
+            number,
+            "leg-time",
+            f"arrives {arrival - now.arrived!r} s after the arrival before, but may take {most!r}",
+        )
 
 
 def _check_zones(instance: Instance, number: int, leg: Leg) -> Iterator[Violation]:

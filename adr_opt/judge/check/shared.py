@@ -1,10 +1,12 @@
-"""Checks of what chasers share: stations, launches, expenses."""
+"""Checks of what chasers share: stations, launches, separated missions, expenses."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
+from ...common.constants import SLACK_S
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
@@ -28,6 +30,31 @@ def launch_times(instance: Instance) -> dict[str, float]:
                 earliest = max(earliest, list(found.values())[-1] + apart)
             found[chaser.name] = earliest
     return found
+
+
+def check_apart(instance: Instance, plan: Plan) -> Iterator[Violation]:
+    """Check that each mission is launched long enough after the end of all launched before it."""
+    apart = instance.mission.mission_separation_s
+    if apart is None:
+        return
+    flown = sorted(
+        (route.legs[0].departure_s, max(over_s(leg) for leg in route.legs), route.chaser)
+        for route in plan.routes
+        if route.legs
+    )
+    for (_, over, before), (launch, _, after) in pairwise(flown):
+        if launch < over + apart - SLACK_S:
+            yield Violation(
+                None,
+                "separation",
+                f"{after!r} is launched {launch - over!r} s after the mission of {before!r}, which "
+                f"must be {apart!r} s before",
+            )
+
+
+def over_s(leg: Leg) -> float:
+    """End of a leg, with service and tow [s]."""
+    return leg.end_s if leg.tow is None else leg.tow.end_s
 
 
 class Drawn:

@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator
 
 from ...common.constants import DAY_S
-from ...plan.plan import FORMER_MODEL, Leg, Plan
+from ...plan.plan import FORMER_MODEL, Plan
 from ...problem.instance import Instance
 from .prizes import difference_of, is_met
-from .shared import expense, launch_times
+from .shared import expense, launch_times, over_s
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
     EXPENSE_TOLERANCE,
@@ -91,7 +91,7 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
         cost = expense(instance, plan)
         slack = EXPENSE_TOLERANCE * cost
     elif instance.objective.cost == "duration":
-        cost, slack = max([0.0, *(_over_s(leg) for leg in plan.legs)]), TIME_TOLERANCE_S
+        cost, slack = max([0.0, *(over_s(leg) for leg in plan.legs)]), TIME_TOLERANCE_S
     else:
         tows = [leg.tow.delta_v_m_s for leg in plan.legs if leg.tow is not None]
         cost = sum(leg.delta_v_m_s for leg in plan.legs) + sum(tows) + _time_m_s(instance, plan)
@@ -131,8 +131,9 @@ def check_cost(instance: Instance, plan: Plan) -> Iterator[Violation]:
 def _time_m_s(instance: Instance, plan: Plan) -> float:
     """Cost of the chasers' days, each from its availability to the end of its last leg.
 
-    A day has the price that the instance states, or else the ΔV resolution over the days of the
-    mission. Plans of the former model were made before that, and given costs have no known unit.
+    Where missions are separated, from the launch, whose time is a choice. A day has the price that
+    the instance states, or else the ΔV resolution over the days of the mission. Plans of the former
+    model were made before that, and given costs have no known unit.
     """
     mission_days = instance.mission.duration_s / DAY_S
     price = instance.objective.time_m_s_per_day
@@ -143,16 +144,12 @@ def _time_m_s(instance: Instance, plan: Plan) -> float:
     launches, first = launch_times(instance), instance.chasers[0]
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     over: dict[str, float] = {}
+    since = {name: each.available_s[0] for name, each in chasers.items()} | launches
     for route in plan.routes:
         name = chasers.get(route.chaser, first).name
         for leg in route.legs:
-            over[name] = max(over.get(name, 0.0), _over_s(leg))
-    flown_s = sum(
-        end - launches.get(name, chasers[name].available_s[0]) for name, end in over.items()
-    )
+            over[name] = max(over.get(name, 0.0), over_s(leg))
+        if route.legs and instance.mission.mission_separation_s is not None:
+            since[name] = route.legs[0].departure_s
+    flown_s = sum(end - since[name] for name, end in over.items())
     return price * flown_s / DAY_S
-
-
-def _over_s(leg: Leg) -> float:
-    """End of a leg, with service and tow [s]."""
-    return leg.end_s if leg.tow is None else leg.tow.end_s

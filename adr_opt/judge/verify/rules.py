@@ -29,13 +29,14 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
-        "disposal_altitude_m", "launch_separation_s",
+        "disposal_altitude_m", "launch_separation_s", "mission_separation_s",
     }),
 }  # fmt: skip
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
-walks may take any. Nor do walks count exceptions, while `check` counts those of plans. A frame and
-designators of objects change nothing."""
+walks may take any; so are the separation of missions and the longest leg, which only forbid plans,
+and the limit of exceptions, which `check` counts. A frame and designators of objects change
+nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""

@@ -393,6 +393,12 @@ def _asked(instance: Instance) -> list[str]:
         asked.append(f"each day of a chaser that is used costs {price} m/s")
     if instance.mission.launch_separation_s:
         asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
+    if instance.mission.mission_separation_s is not None:
+        rest = in_days(instance.mission.mission_separation_s)
+        asked.append(f"a mission ends {rest} or more before the next is launched")
+    if instance.transfer.max_leg_s is not None:
+        most = in_days(instance.transfer.max_leg_s)
+        asked.append(f"from one arrival to the next at most {most} pass")
     for station in instance.stations:
         if station.max_refuellings is not None:
             asked.append(f"{station.name} refuels {counted(station.max_refuellings, 'time')}")

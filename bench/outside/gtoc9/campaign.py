@@ -7,11 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
+from adr_opt.plan.plan import Plan
 
 from ..reading import floats_of, read_object, sequence_of
 
 FILE = "jpl_solution.json"
+
+FIRST_D, LAST_D = 23467.0, 26419.0
+"""Range of the missions [d, MJD2000]."""
+
+PREFIX = "debris-"
+"""Names of targets begin so, and end with the number of a debris."""
 
 
 class Stop(NamedTuple):
@@ -51,13 +59,34 @@ class Removals:
         return self.stops[-1].departure_d
 
 
+def _missions_of(plan: Plan) -> tuple[Removals, ...]:
+    """The missions of a plan, in order of time."""
+    found = []
+    for route in plan.routes:
+        leaves = [leg.departure_s for leg in route.legs[1:]] + [
+            leg.end_s for leg in route.legs[-1:]
+        ]
+        stops = tuple(
+            Stop(
+                int(leg.destination.removeprefix(PREFIX)), FIRST_D + leg.arrival_s / DAY_S,
+                FIRST_D + then / DAY_S,
+            )
+            for leg, then in zip(route.legs, leaves, strict=True)
+        )  # fmt: skip
+        if stops:
+            found.append(Removals(stops, tuple(leg.delta_v_m_s for leg in route.legs[1:])))
+    return tuple(sorted(found, key=lambda mission: mission.begin_d))
+
+
 def read_campaign(path: Path) -> tuple[Removals, ...]:
     """The missions of a file.
 
     `start_mjd2000` holds the launches; each of `missions` its `debris` in order, `stay_d` and
-    `transfer_d` [d], and `dv_m_s` of its legs.
+    `transfer_d` [d], and `dv_m_s` of its legs. A plan of :func:`.instance.contest` is read as well.
     """
     content = read_object(path)
+    if "routes" in content:
+        return _missions_of(Plan.load(path))
     missions = sequence_of(content, "missions", str(path))
     begins = floats_of(content, "start_mjd2000", len(missions), str(path))
     found = []

@@ -1,36 +1,14 @@
-"""From tours on a grid to missions in time, and their best times on a finer one."""
+"""Missions of a campaign at better times, each between its neighbours."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 
-import numpy as np
-import numpy.typing as npt
-
 from ..reading import FloatArray
-from .campaign import Removals, Stop
+from .campaign import Removals
 from .phases import Latitude
 from .retiming import retimed
-from .scoring import APART_D, FIRST_D, LAST_D, STAY_D
-
-
-def missions_of(
-    order: npt.NDArray[np.int64],
-    begins: npt.NDArray[np.bool_],
-    at: npt.NDArray[np.int64],
-    step_d: float,
-) -> tuple[Removals, ...]:
-    """Missions of a tour at its times on a grid."""
-    firsts = [*np.flatnonzero(begins), len(order)]
-    missions = []
-    for first, last in itertools.pairwise(firsts):
-        stops = []
-        for k in range(first, last):
-            arrival = FIRST_D + step_d * int(at[k])
-            stops.append(Stop(int(order[k]), arrival, arrival + STAY_D))
-        missions.append(Removals(tuple(stops)))
-    return tuple(missions)
+from .scoring import APART_D, FIRST_D, LAST_D
 
 
 def better_times(

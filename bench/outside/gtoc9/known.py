@@ -9,9 +9,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from adr_opt.common.files import check_writable
+from adr_opt.common.errors import InputError
 
 from ..tables import Row, head, line
 from ..telling import Doing, silent
@@ -20,11 +18,10 @@ from .ephemeris import read_ephemeris
 from .estimate import legs_m_s
 from .flights import mission_table, report_flights
 from .flown import read_flown
+from .instance import contest
 from .judging import judged
-from .least import proven
-from .ours import planned, write_campaign
 from .retiming import retimed
-from .scoring import Score, score
+from .scoring import STAY_D, WITHIN_D, Score, score
 
 PUBLISHED_MEUR = 731.2756
 """J of the winning solution (Petropoulos et al., Acta Futura 11, 2018, 25–35)."""
@@ -43,7 +40,7 @@ def _line(name: str, found: Score) -> str:
 
 
 BEST = Path(__file__).parent / "best.json"
-"""Our best campaign by the estimate that was planned from nothing."""
+"""Our best campaign by the estimate."""
 
 FLOWN = Path(__file__).parent / "flown.json"
 """A campaign of ours with all its impulses."""
@@ -57,6 +54,21 @@ def flights(
     yield from report_flights(folder / debris.FILE, plan, rows, number, write, doing=doing)
 
 
+def written(folder: Path, file: Path, step_d: float) -> Iterator[str]:
+    """The contest as an instance file, on a grid of connections; a sentence about it.
+
+    Raises
+    ------
+    InputError
+        The step is not above 0, or the file cannot be written.
+    """
+    if not 0.0 < step_d <= WITHIN_D - STAY_D:
+        raise InputError(f"--step {step_d:g}: give days above 0, at most {WITHIN_D - STAY_D:g}")
+    made = contest(debris.read_debris(folder / debris.FILE), step_d)
+    made.save(file)
+    yield f"{file}: {len(made.targets)} targets, connections on a grid of {step_d:g} d"
+
+
 def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[str]:
     """A campaign with its impulses flown once more and scored, in Markdown."""
     rows = debris.read_debris(folder / debris.FILE)
@@ -68,11 +80,6 @@ def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[s
 def report(
     folder: Path,
     step_d: float = STEP_D,
-    time_limit_s: float | None = None,
-    seed: int = 0,
-    chains: int = 2,
-    write: Path | None = None,
-    bound_limit_s: float | None = None,
     doing: Doing = silent,
 ) -> Iterator[str]:
     """The tables, in Markdown, each line as soon as it is known.
@@ -82,22 +89,12 @@ def report(
     folder : Path
     step_d : float
         Of the grid on which missions get better times [d].
-    time_limit_s : float, optional
-        Processor time of each chain of the search [s]; without, nothing is planned, and the best
-        campaign that was is scored again.
-    seed, chains : int
-    write : Path, optional
-        Where our campaign is written, in the form of the winner's file.
-    bound_limit_s : float, optional
-        Processor time in which prices are raised [s]; nothing is proven without.
     doing : callable
         Hears of each part before it is done.
     """
     rows = debris.read_debris(folder / debris.FILE)
     missions = campaign.read_campaign(folder / campaign.FILE)
-    if write is not None:
-        check_writable(write)
-    count = len(missions) + 3
+    count = len(missions) + 1
     flown = score(missions, [mission.flown_m_s for mission in missions], len(rows), ROUNDED_D)
     as_planned = score(
         missions, [legs_m_s(mission, rows) for mission in missions], len(rows), ROUNDED_D
@@ -117,39 +114,19 @@ def report(
     )
     row = Row("GTOC9", PUBLISHED_MEUR, flown.total_meur)
     broken = [*flown.violations, *as_planned.violations, *best.violations]
-    doing("planning", count - 3, count)
-    if time_limit_s is not None:
-        found = planned(rows, seed, chains, step_d, time_limit_s)
-        if write is not None:
-            write_campaign(write, found.missions, rows)
-        name = f"from nothing, {len(found.missions)} missions, re-timed to {step_d:g} d"
-        yield _line(f"ours {name}, ΔV of the estimate", found.judged)
-        row = replace(row, ours=found.judged.total_meur, taken_s=found.processor_s)
-        broken += found.judged.violations
-    elif BEST.is_file():
+    if BEST.is_file():
         kept = campaign.read_campaign(BEST)
         known = score(kept, [legs_m_s(mission, rows) for mission in kept], len(rows))
         name = f"kept in `{BEST.name}`, {len(kept)} missions"
         yield _line(f"ours {name}, ΔV of the estimate", known)
         row = replace(row, ours=known.total_meur)
         broken += known.violations
-    doing("flying", count - 2, count)
+    doing("flying", count - 1, count)
     if FLOWN.is_file():
         whole = judged(read_flown(FLOWN, len(rows)), read_ephemeris(folder / debris.FILE))
         yield _line(f"ours of `{FLOWN.name}`, flown with the full J2", whole.score)
         broken += whole.violations
-    if bound_limit_s is not None:
-        doing("proving", count - 1, count)
-        below = proven(rows, bound_limit_s)
-        yield f"| no campaign by the estimate is below | {below.value:.2f} | – | – |"
-        for number, value in enumerate(below.by_missions, start=1):
-            more = " or more" if number == len(below.by_missions) else ""
-            yield f"| none of {number} missions{more} | {value:.2f} | – | – |"
-        spent = f"{below.processor_s:.0f} s of one processor, {below.rounds} rounds"
-        yield f"\nThe bound took {spent} of prices."
-        taken = np.nansum([row.taken_s, below.processor_s]).item()
-        row = replace(row, bound=below.value, taken_s=taken)
-    yield "\nTime is that of all processors together.\n"
+    yield ""
     yield head("M€")
     yield line(row, ".2f")
     yield from dict.fromkeys(broken)

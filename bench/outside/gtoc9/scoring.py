@@ -6,11 +6,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .campaign import Removals
+from .campaign import FIRST_D, LAST_D, Removals
 from .expense import MOST_PROPELLANT_KG, expense_meur, launched_kg, propellant_kg
-
-FIRST_D, LAST_D = 23467.0, 26419.0
-"""Range of the missions [d, MJD2000]."""
 
 STAY_D, WITHIN_D, APART_D = 5.0, 30.0, 30.0
 """Least stay at a debris; most from an arrival to the next; least between missions [d]."""

@@ -1,0 +1,49 @@
+"""Planning and bounding of campaigns that are tours through time."""
+
+from __future__ import annotations
+
+import math
+
+from adr_opt.common.clock import now_s
+from adr_opt.common.progress import Progress
+from adr_opt.common.stop import Stop
+from adr_opt.mission.problem import Problem
+from adr_opt.mission.result import Result
+
+from ..progress.halting import ShareOfTime
+from .campaign import Campaign, certified_tour, plan_tours
+from .least_expense import LeastExpense
+
+FOR_PLAN = 0.15
+"""Share of the time for the plan where its cost is to be bounded."""
+
+
+def auto(problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: int) -> Result:
+    """The best campaign that the time allows; nothing is proven of its cost."""
+    began_s = now_s()
+    planned = plan_tours(problem, seed=seed, stop=stop, progress=progress, cores=cores)
+    return certified_tour("auto", problem, planned, seed=seed, began_s=began_s)
+
+
+def exact(problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: int) -> Result:
+    """A campaign, and a bound on the cost of all, where that is an expense by mass.
+
+    Without a limit of legs nothing is proven of the cost.
+    """
+    began_s = now_s()
+    within: Stop = stop
+    can_bound = Campaign(problem).weighs and problem.instance.transfer.max_leg_s is not None
+    if can_bound and math.isfinite(stop.remaining_s()):
+        within = ShareOfTime(stop, FOR_PLAN)
+    planned = plan_tours(problem, seed=seed, stop=within, progress=progress, cores=cores)
+    if not can_bound:
+        return certified_tour("exact", problem, planned, seed=seed, began_s=began_s)
+    least, everything = LeastExpense(problem, cores=cores), problem.total_worth
+    while True:
+        least.advance(stop.remaining_s())
+        if stop.remaining_s() <= 0.0 or stop(everything, everything):
+            break
+    return certified_tour(
+        "exact", problem, planned, seed=seed, began_s=began_s, cost_bound=least.value,
+        counters={"rounds": float(least.rounds)},
+    )  # fmt: skip
