@@ -17,7 +17,8 @@ from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
-from .exceptions import Front, by_exceptions
+from .exceptions import Front as Front
+from .exceptions import by_exceptions
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
