@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from adr_opt.run.method_spec import ALL_RULES, MethodSpec, Practice
+from adr_opt.run.method_spec import ALL_RULES, EXCEPTIONS, MethodSpec, Practice
 
 AUTO = MethodSpec(
     "auto", "solvers.planners.auto:auto",
-    several=True, rules=ALL_RULES, starts=True, uses_cores=True, shows_evidence=True,
-    bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
+    several=True, rules=ALL_RULES | {EXCEPTIONS}, starts=True, uses_cores=True,
+    shows_evidence=True, bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
+    orders_all=True,
 )  # fmt: skip
 
 EXACT = MethodSpec(

@@ -34,7 +34,8 @@ class Connections(Shown):
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
+        Phasing revolutions; −1 for a transfer that drifts; 0 for one that is given, and 1 if it is
+        an exception.
     family : (connections,) int8
         Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     """
@@ -72,7 +73,8 @@ class AllConnections(Shown):
     delta_v : (connections,) float64
         [m/s].
     revolutions : (connections,) int8
-        Phasing revolutions; −1 for a transfer that drifts, 0 for one that is given.
+        Phasing revolutions; −1 for a transfer that drifts; 0 for one that is given, and 1 if it is
+        an exception.
     family : (connections,) int8
         Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
     """

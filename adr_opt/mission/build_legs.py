@@ -12,7 +12,7 @@ from ..common.errors import InputError
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg
-from ..plan.leg_kinds import leg_kinds
+from ..plan.leg_kinds import GIVEN, leg_kinds
 from ..plan.plan import Leg, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
@@ -117,11 +117,12 @@ def transfer_leg(
         It cannot be flown.
     """
     family, revolutions = int(found.family[row]), int(found.revolutions[row])
+    kind = leg_kinds()[family]
     departure, arrival = float(found.departure[row]), float(found.arrival[row])
     connecting = mission.connecting
     flown = connecting.flown(*ends, family, StatedLeg(departure, arrival, revolutions))
     return Leg(
-        kind=leg_kinds()[family].name,
+        kind=kind.name,
         origin=mission.names[ends[0]],
         destination=mission.names[ends[1]],
         ready_s=ready_s,
@@ -130,7 +131,7 @@ def transfer_leg(
         end_s=arrival,
         delta_v_m_s=connecting.modelled(*ends, family, float(found.delta_v[row])),
         delta_v_left_m_s=0.0,
-        phasing_revolutions=max(revolutions, 0),
+        phasing_revolutions=max(revolutions, 0) if kind is not GIVEN else 0,
         eccentricity_delta_v_m_s=flown.eccentricity_m_s,
         burns=burns_of(*flown.manoeuvres),
     )

@@ -8,7 +8,6 @@ from copy import copy
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +17,8 @@ from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
+from .exceptions import Front as Front
+from .exceptions import by_exceptions
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -70,28 +71,6 @@ class Schedule:
         return Connections(
             self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families
         )
-
-
-class Front(NamedTuple):
-    """Undominated labels at the last body of an order.
-
-    Attributes
-    ----------
-    ready, left, cost : (labels,) float64
-        Since when the chaser is free there [s], ascending; ΔV left [m/s]; ΔV of all legs and tows
-        [m/s], or, where expenses count, what it has to carry at the start if it ends here [kg].
-    parent, taken : (labels,) int64
-        Label at the body before, and the connection taken from there.
-    spent : (labels,) float64
-        ΔV of all legs where expenses count masses, else empty [m/s].
-    """
-
-    ready: FloatArray
-    left: FloatArray
-    cost: FloatArray
-    parent: IntArray
-    taken: IntArray
-    spent: FloatArray = np.empty(0)
 
 
 def left_at_start(rules: Rules, kits: int) -> float:
@@ -227,7 +206,7 @@ class Scheduler:
         if self._weighs:
             needed[0] = kits * self._chaser.kit_mass_kg
         ready = np.array([rules.ready])
-        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1))
+        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1), nothing)
 
     def extended(self, here: Front, i: int, j: int, aboard: int, *, refuelled: bool) -> Front:
         """The labels after a move.
@@ -242,7 +221,21 @@ class Scheduler:
         refuelled : bool
             Whether it has refuelled before.
         """
-        rules, found = self._rules(), self.from_ready(i, j, here.ready)
+        most, found = self._chaser.max_exceptions, self.from_ready(i, j, here.ready)
+        if most is None:
+            return self._followed(here, (i, j), found, aboard, refuelled=refuelled)
+
+        def followed(labels: Front, found: Connections) -> Front:
+            return self._followed(labels, (i, j), found, aboard, refuelled=refuelled)
+
+        return by_exceptions(here, found, most, followed)
+
+    def _followed(
+        self, here: Front, pair: tuple[int, int], found: Connections, aboard: int, *,
+        refuelled: bool,
+    ) -> Front:  # fmt: skip
+        """The labels after a move by some connections, exceptions or not."""
+        rules, j = self._rules(), pair[1]
         loads = rules.loads
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)

@@ -61,6 +61,16 @@ def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> Non
         )
 
 
+def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> None:
+    """Only given connections can be marked as exceptions."""
+    for number, chaser in enumerate(chasers):
+        if chaser.max_exceptions is not None and transfer.given is None:
+            raise ValueError(
+                f"field chasers[{number}].max_exceptions = {chaser.max_exceptions!r}: only given "
+                "connections have exceptions; name them in transfer.given, or leave it out"
+            )
+
+
 def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:
     """Minimising the expense requires a chaser that states one."""
     if objective.cost == "expense" and all(chaser.expense is None for chaser in chasers):

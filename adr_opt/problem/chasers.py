@@ -246,6 +246,8 @@ class Chaser(Record):
 
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
     ``expense`` counts where the objective says so; the field is in no file that does not state it.
+    Nor is ``max_exceptions``, the maximum number of given connections marked as exceptions that it
+    uses; None for no limit.
     """
 
     name: Name
@@ -257,10 +259,11 @@ class Chaser(Record):
     kits: Annotated[int, Field(ge=0)] | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
+    max_exceptions: Annotated[int, Field(ge=0)] | None = None
 
     @model_serializer(mode="wrap")
-    def _without_no_expense(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "expense")
+    def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "expense", "max_exceptions")
 
     @model_validator(mode="after")
     def _can_be_weighed(self) -> Self:

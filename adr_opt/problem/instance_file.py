@@ -22,6 +22,7 @@ from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
 from .agreement import (
+    check_exceptions,
     check_expense,
     check_names,
     check_orbits,
@@ -91,6 +92,7 @@ class InstanceFile(Record):
             sum(target.required for target in self.targets),
         )
         check_expense(self.chasers, self.objective)
+        check_exceptions(self.chasers, self.transfer)
         check_separation(self.chasers, self.mission)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)

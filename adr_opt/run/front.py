@@ -20,11 +20,12 @@ from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
 from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
+from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
 from .start_plan import Start, start_destinations
-from .table_budget import candidates, no_table
+from .table_budget import candidates, may_go_without, no_table
 
 __all__ = [
     "DEFAULT_BOUND",
@@ -217,6 +218,14 @@ def run(
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     known, prover = spec_of(method, group), None
+    if group == BOUNDS and whole.limits_exceptions and EXCEPTIONS not in known.rules:
+        return _of_all_exceptions(
+            lambda free: run(
+                group, free, method, replace(wanted, start=None), stop=stop, progress=progress,
+                building=building, sizing=sizing,
+            ),
+            whole,
+        )  # fmt: skip
     refuse_unable(whole, known)
     if bound is not None:
         prover = spec_of(bound, BOUNDS)
@@ -234,7 +243,8 @@ def run(
     drifts, tours = whole.connecting.is_listed, is_tour(whole, known)
     if tours and start is not None:
         raise InputError("start: a campaign planned as a tour through time begins from none")
-    if drifts and not whole.has_timetable and not tours:
+    bare = tours or (known.orders_all and bound is None and may_go_without(whole))
+    if drifts and not whole.has_timetable and not bare:
         _announce(whole.instance, sizing)
     criteria: list[Stop] = [MaxRuntime(wanted.time_limit), *others]
     # Some methods look at all pairs by themselves: what they prove is proven of all.
@@ -242,7 +252,7 @@ def run(
     hasty = of_all and group == BOUNDS and whole.alone is not None
     chosen = (
         no_table(whole)
-        if tours
+        if bare
         else candidates(
             whole,
             wanted.time_limit,
@@ -267,6 +277,17 @@ def run(
         proving = proving.beginning_from(whole, destinations, repair)
     result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
+
+
+def _of_all_exceptions(bounded: Callable[[Problem], Result], problem: Problem) -> Result:
+    """The bound of a problem by that of any number of exceptions, whose plans may use too many."""
+    result = bounded(problem.without_limits_of_exceptions())
+    infeasible = result.status == "infeasible"
+    return replace(
+        result, sequence=None, plan=None, objective=-math.inf, routes=(),
+        status="infeasible" if infeasible else "unknown",
+        notes=(*result.notes, "the bound holds for any number of exceptions"),
+    )  # fmt: skip
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:

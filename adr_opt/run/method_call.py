@@ -19,7 +19,7 @@ from ..mission.result import Result, noted
 from ..mission.tours import tour_obstacle, tour_rule
 from ..plan.cargo import loads_of, what_counts
 from ..sources.generator import LARGEST_SEED
-from .method_spec import EXPENSE, LOADS, STATIONS, MethodSpec
+from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .start_plan import legal_beginning
 from .warm_up import PracticeStop, asking_problem, practice_problem
@@ -128,6 +128,8 @@ class Prepared:
     ) -> Result:
         """The result of a method that ran out of time, or that of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
+        if not _rules_of(problem) <= fallback.rules:
+            return result
         quick = _loaded(fallback)(
             given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
         )
@@ -355,6 +357,7 @@ _NEED = {
     LOADS: "and those of {!r} matter",
     STATIONS: "and {!r} has some",
     EXPENSE: "the cost of {!r}",
+    EXCEPTIONS: "and a chaser of {!r} has one",
 }
 """Reasons why a rule applies to an instance."""
 
@@ -367,6 +370,7 @@ def _rules_of(problem: Problem) -> frozenset[str]:
         LOADS: any(each is not None for each in loads),
         STATIONS: bool(problem.limits),
         EXPENSE: instance.objective.cost == "expense",
+        EXCEPTIONS: problem.limits_exceptions,
     }
     return frozenset(word for word, does in counts.items() if does)
 

@@ -10,6 +10,9 @@ from typing import Any
 LOADS, STATIONS, EXPENSE = "kits", "stations with limited supplies", "expense"
 """Rules of campaigns that not every method supports."""
 
+EXCEPTIONS = "max_exceptions"
+"""Rule of given connections that few methods support."""
+
 ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
 
 
@@ -46,7 +49,8 @@ class MethodSpec:
         :class:`adr_opt.mission.problem.Problem` then, with one start route for each chaser, and
         otherwise the :class:`adr_opt.mission.mission.Mission` of the only chaser, with its route.
     rules : frozenset of str
-        Of :data:`ALL_RULES` those that it plans with, where it plans for several chasers.
+        Of :data:`ALL_RULES` and :data:`EXCEPTIONS` those that it plans with, where it plans for
+        several chasers.
     starts : bool
         Whether it can begin from a known plan.
     uses_cores : bool
@@ -61,6 +65,9 @@ class MethodSpec:
         Whether it plans where arrivals are functions of time.
     on_demand : bool
         Whether it looks up what is chosen of few pairs, and needs no table of them all.
+    orders_all : bool
+        Whether it needs no timetable where all targets are put in order
+        (:attr:`adr_opt.mission.problem.Problem.asks_for_least_end`).
     table_options : tuple of str
         Options that, once set, make it need that table all the same.
     practice : Practice
@@ -77,6 +84,7 @@ class MethodSpec:
     tours: bool = False
     functions: bool = False
     on_demand: bool = False
+    orders_all: bool = False
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)
 

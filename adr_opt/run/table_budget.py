@@ -164,6 +164,13 @@ def may_work_on_demand(whole: Problem) -> bool:
     return size.entries >= LARGE_ENTRIES and size.events <= MOST_EVENTS
 
 
+def may_go_without(whole: Problem) -> bool:
+    """Whether all targets are put in order and the timetable would be large."""
+    if whole.has_timetable or not whole.asks_for_least_end:
+        return False
+    return estimate(whole.instance).entries >= LARGE_ENTRIES
+
+
 def candidates(
     whole: Problem,
     limit_s: float,

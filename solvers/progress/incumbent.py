@@ -81,7 +81,9 @@ class Incumbent:
                 cost = _cost_by_choice(mission, route)
             else:
                 schedule = mission.time(route)
-                cost = schedule.cost if schedule.made == len(route) else math.inf
+                if schedule.made < len(route):
+                    return math.inf
+                cost = schedule.cost
                 uses.append(problem.use(mission, route, schedule.delta_vs))
             if cost == math.inf:
                 return math.inf

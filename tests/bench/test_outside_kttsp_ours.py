@@ -8,10 +8,24 @@ import math
 import numpy as np
 import pytest
 from from_outside import DATA, external
-from outside.kttsp import arrivals, boxes, cells, costs, kepler, known, ours, proof, spans
+from outside.kttsp import (
+    arrivals,
+    boxes,
+    cells,
+    costs,
+    drawing,
+    kepler,
+    known,
+    ours,
+    proof,
+    sampling,
+    spans,
+    write_instance,
+)
 from outside.kttsp.reading import Problem, read_problem, read_tour
 from outside.kttsp.scoring import score
 
+import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 
@@ -213,6 +227,58 @@ def test_a_leg_ruled_out_by_momentum_is_dear(problem):
         least = spans.least_cost_m_s(problem.elements[i], problem.elements[j])
         cost = costs.delta_v_m_s(problem, i, j, rng.uniform(0, 50), rng.uniform(0.1, 5))
         assert cost >= least
+
+
+def test_a_leg_that_the_contest_accepts_is_none(problem):
+    """What its solver takes for a leg of 52 m/s costs five times as much by the cheapest arc."""
+    assert costs.delta_v_m_s(problem, 45, 28, 94.085641, 1.144852) > 250.0
+
+
+def test_sampled_rows_are_legs_in_time(problem):
+    """Rows cost what they say, within their limit; of a pair later ones arrive later."""
+    few = some(problem, (34, 23, 46, 18))
+    grid = sampling.Grid(3.0, (0.05, 0.1), (0.05, 0.1), (2.0, 1.0), (3, 3))
+    rows = sampling.sampled(few, grid)
+    assert set(rows.exception.tolist()) == {False, True}
+    for row in range(0, rows.departure.size, 7):
+        flight = (rows.arrival[row] - rows.departure[row]) / DAY_S
+        pair = int(rows.origin[row]), int(rows.destination[row])
+        cost = costs.delta_v_m_s(few, *pair, rows.departure[row] / DAY_S, flight)
+        assert cost == pytest.approx(rows.delta_v[row], abs=1e-6)
+        assert cost <= sampling.limit_m_s(few, int(rows.exception[row]))
+    pair = (rows.exception * 4 + rows.origin) * 4 + rows.destination
+    same = np.diff(pair) == 0
+    assert (np.diff(rows.departure)[same] > 0.0).all()
+    assert (np.diff(rows.arrival)[same] > 0.0).all()
+    near = sampling.sampled(few, grid, visits_d=np.ones(4), within_d=0.25)
+    assert 0 < near.departure.size < rows.departure.size
+    assert (np.abs(near.departure / DAY_S - 1.0) <= 0.25).all()
+
+
+def test_an_instance_is_written_planned_and_scored(problem, tmp_path, capsys):
+    """A field is sampled into an instance that solve plans; its tour breaks no rule."""
+    few = some(problem, (34, 23, 46, 18))
+    out, plan, tour, file = (
+        tmp_path / name for name in ("moon.json", "plan.json", "tour.json", "few.kttsp")
+    )
+    lines = [" ".join(map(repr, row)) for row in few.elements.tolist()]
+    file.write_text("\n".join(["p kttsp 0.0 0.001 200.0 100.0 600.0 2", *lines]), encoding="utf-8")
+    field = ["--field", str(file)]
+    grid = "--end 30 --step 0.05 0.05 --arrival 0.05 0.05 --flight 6 2 --nearest 4 4"
+    assert write_instance.main([str(out), *field, *grid.split()]) == 0
+    assert "4 targets" in capsys.readouterr().out
+    result = adr_opt.solve(adr_opt.load(out), time_limit=60.0)
+    assert result.plan is not None
+    assert result.plan.cost_status == "optimal"
+    result.plan.save(plan)
+    assert write_instance.main([*field, "--score", str(plan), "--tour", str(tour)]) == 0
+    said = capsys.readouterr().out
+    assert said.count("0 rules broken") == 2
+    assert score(few, read_tour(tour, 4)).duration_d <= result.plan.cost / DAY_S + 1e-6
+    assert drawing.drawn(60, 3).targets == 60
+    for wrong in ([str(out)], [str(tmp_path / "moon.txt"), *field], ["--draw", "1"]):
+        assert write_instance.main(wrong) == 2
+        assert capsys.readouterr().err.count("\n") == 1
 
 
 def by_all_orders(problem):

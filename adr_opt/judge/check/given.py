@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Generator
 
 import numpy as np
+import numpy.typing as npt
 
 from ...common.constants import SLACK_S
 from ...plan.leg_kinds import GIVEN
@@ -12,6 +13,9 @@ from ...plan.plan import Leg
 from ...problem.given import Given
 from ...problem.given_functions import Function
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 
 def check_given(
@@ -38,13 +42,7 @@ def check_given(
     function = None if functions is None else functions.of_pair(leg.origin, leg.destination)
     if function is not None:
         return (yield from _by_function(function, number, leg, free))
-    known = {name: at for at, name in enumerate(given.names)}
-    i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
-    rows = np.flatnonzero((given.origin == i) & (given.destination == j))
-    leaves = np.abs(given.departure[rows] - leg.departure_s) <= TIME_TOLERANCE_S
-    lands = np.abs(given.arrival[rows] - leg.arrival_s) <= TIME_TOLERANCE_S
-    costs = np.abs(given.cost[rows] - leg.delta_v_m_s) <= DELTA_V_TOLERANCE_M_S
-    same = rows[leaves & lands & costs]
+    rows, leaves, lands, same = _alike(given, leg)
     if not same.size:
         ends = f"from {leg.origin!r} to {leg.destination!r}"
         if not leaves.any():
@@ -124,3 +122,22 @@ def _arrival(function: Function, departure_s: float) -> float:
         function.arrival[after - 1 : after + 1],
     )
     return float(np.interp(departure_s, leaves, lands))
+def _alike(given: Given, leg: Leg) -> tuple[IntArray, BoolArray, BoolArray, IntArray]:
+    """Rows between the bodies of a leg; which leave and which land with it; those that are it."""
+    known = {name: at for at, name in enumerate(given.names)}
+    i, j = known.get(leg.origin, -1), known.get(leg.destination, -1)
+    # Rows are in order of origins, and those of an origin in order of destinations.
+    first, last = np.searchsorted(given.origin, [i, i + 1])
+    rows = first + np.flatnonzero(given.destination[first:last] == j)
+    leaves = np.abs(given.departure[rows] - leg.departure_s) <= TIME_TOLERANCE_S
+    lands = np.abs(given.arrival[rows] - leg.arrival_s) <= TIME_TOLERANCE_S
+    costs = np.abs(given.cost[rows] - leg.delta_v_m_s) <= DELTA_V_TOLERANCE_M_S
+    return rows, leaves, lands, rows[leaves & lands & costs]
+
+
+def is_exception(given: Given | None, leg: Leg) -> bool:
+    """Whether a leg is a given connection, and all rows that it may be are exceptions."""
+    if given is None or given.exception is None or leg.kind != GIVEN.name:
+        return False
+    same = _alike(given, leg)[3]
+    return bool(same.size and given.exception[same].all())

@@ -14,6 +14,7 @@ from ...kernels.orbits import ephemeris
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
+from .given import is_exception
 from .leg import Physics, check_transfer
 from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
@@ -54,6 +55,8 @@ class _Followed:
         Targets serviced since then.
     targets : int
         Targets serviced.
+    exceptions : int
+        Given connections used that are exceptions.
     """
 
     where: str
@@ -64,6 +67,7 @@ class _Followed:
     arrived: float | None = None
     since_refuelling: int = 0
     targets: int = 0
+    exceptions: int = 0
 
 
 def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
@@ -98,6 +102,13 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
                 None, "kits", f"{chaser.name!r} leaves {kits} kits, but may carry {chaser.kits}"
             )
         leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
+        most = chaser.max_exceptions
+        if most is not None and now.exceptions > most:
+            yield Violation(
+                None,
+                "exceptions",
+                f"{chaser.name!r} uses {now.exceptions} exceptions, but may use {most}",
+            )
         if leads_on:
             yield from _check_end(plan, now)
         whole = whole and leads_on
@@ -135,6 +146,7 @@ def _check_route(
         arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
         yield from _check_leg_time(instance, now, number, arrival)
         yield from _check_zones(instance, number, leg)
+        now.exceptions += is_exception(instance.given, leg)
         towed = physics.towed.get(leg.destination)
         end = yield from _check_service(
             instance, bodies, now, number, leg, arrival, physics.elements[j], towed

@@ -25,7 +25,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
-        "expense",
+        "expense", "max_exceptions",
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
@@ -34,8 +34,9 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 }  # fmt: skip
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
-walks may take any; so are the separation of missions and the longest leg, which only forbid plans.
-A frame and designators of objects change nothing."""
+walks may take any; so are the separation of missions and the longest leg, which only forbid plans,
+and the limit of exceptions, which `check` counts. A frame and designators of objects change
+nothing."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""

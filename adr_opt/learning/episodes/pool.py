@@ -145,6 +145,7 @@ def check_playable(mission: Mission) -> None:
         (any(each.is_limited for each in mission.instance.stations), "has limited stations"),
         (rules.returns, "must end at a station"),
         (mission.has_functions, "has arrivals that are functions of time"),
+        (mission.chaser.max_exceptions is not None, "limits exceptions"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
         if odd:

@@ -1,4 +1,4 @@
-"""When a target can be reached at the earliest, by when one is ready at another: tables of it."""
+"""When a target can be reached at the earliest, by when one is ready at another."""
 
 import math
 
@@ -121,54 +121,6 @@ def within(r_1, v_1, r_2, v_2, seconds, limit):
                 if math.sqrt(one) + math.sqrt(other) <= limit:
                     return True
     return False
-
-
-@kernel
-def earliest(elements_i, elements_j, step, least, longest, limit, first, last, arrival):  # noqa: PLR0913
-    """The earliest arrival within a limit, by when one is ready, on a grid of times.
-
-    Who is ready may wait, so that nobody arrives earlier who is ready later.
-
-    Parameters
-    ----------
-    elements_i, elements_j : (6,) float64
-    step : float
-        Between times of departure, and of arrival [s].
-    least, longest : float
-        Flights that are looked at [s].
-    limit : float
-        [m/s].
-    first, last : int
-        Departures are looked at from the first one to before the last one.
-    arrival : (departures,) float64
-        Is lowered where somebody arrives earlier [s]; infinite where nobody is known to arrive.
-    """
-    reach = math.ceil(longest / step)
-    r_1, v_1 = np.empty(3), np.empty(3)
-    total = int(last - first + reach + 1)
-    r_2, v_2 = np.empty((total, 3)), np.empty((total, 3))
-    for place in range(total):
-        kepler.state(elements_j, (first + place) * step, r_2[place], v_2[place])
-    r, v = np.empty(3), np.empty(3)
-    known = arrival[last] if last < arrival.size else math.inf
-    for k in range(last - 1, first - 1, -1):
-        known = min(known, arrival[k])
-        kepler.state(elements_i, k * step, r_1, v_1)
-        for m in range(k + math.ceil(least / step), k + reach + 1):
-            if m * step >= known:
-                break
-            if within(r_1, v_1, r_2[m - first], v_2[m - first], (m - k) * step, limit):
-                good, bad = m * step, max((m - 1) * step, k * step + least)
-                for _ in range(HALVINGS):
-                    middle = 0.5 * (good + bad)
-                    kepler.state(elements_j, middle, r, v)
-                    if within(r_1, v_1, r, v, middle - k * step, limit):
-                        good = middle
-                    else:
-                        bad = middle
-                known = min(known, good)
-                break
-        arrival[k] = known
 
 
 @kernel

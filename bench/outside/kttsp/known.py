@@ -25,7 +25,7 @@ PROVING_S = 3600.0
 """How long rounds of a proof begin."""
 
 PUBLISHED_D = 111.96
-"""Of the best solution file that is public; the first of the contest is said to have 100.397."""
+"""Of the best solution file that is public."""
 
 
 def _said(name: str, found: Score) -> list[str]:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
@@ -30,8 +31,8 @@ from solvers.tours.earliest_arrivals import wanted_by
 from ..reading import FloatArray
 from . import boxes, cells, costs, kepler, lambert, spans
 from .cells import first_arrivals
-from .ours import Leg, legs_of, limit_m_s, windows_of
 from .reading import Problem
+from .sampling import Leg, legs_of, limit_m_s
 from .spans import normal_of
 
 STEP_D = 0.01
@@ -160,6 +161,13 @@ def along(
         matter = np.append(wanted[row, first:] > -np.inf, False)
         windows[row] = [(first, first + int(np.argmin(matter)))]
     return windows
+
+
+def windows_of(marks: npt.NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """First places of runs of what is true, and those after their last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(np.int8)))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        yield int(first), int(last)
 
 
 def rounds_of(
