@@ -498,7 +498,7 @@ def _made(
         order = np.lexsort(columns[::-1])
     return Given(
         tuple(kept), i[order], j[order], departure[order], arrival[order], cost[order],
-        None if exception is None else exception[order],
+        exception=None if exception is None else exception[order],
     )  # fmt: skip
 
 

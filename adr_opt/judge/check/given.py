@@ -122,6 +122,8 @@ def _arrival(function: Function, departure_s: float) -> float:
         function.arrival[after - 1 : after + 1],
     )
     return float(np.interp(departure_s, leaves, lands))
+
+
 def _alike(given: Given, leg: Leg) -> tuple[IntArray, BoolArray, BoolArray, IntArray]:
     """Rows between the bodies of a leg; which leave and which land with it; those that are it."""
     known = {name: at for at, name in enumerate(given.names)}
