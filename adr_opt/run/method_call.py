@@ -22,7 +22,7 @@ from ..sources.generator import LARGEST_SEED
 from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .start_plan import legal_beginning
-from .warm_up import PracticeStop, asking_problem, practice_problem
+from .warm_up import USUAL, PracticeKind, PracticeStop
 
 Taken = TypeVar("Taken")
 
@@ -378,13 +378,10 @@ def _rules_of(problem: Problem) -> frozenset[str]:
 def warm_up(
     group: str,
     method: str,
+    kind: PracticeKind = USUAL,
     *,
-    starts: bool = False,
     jobs: int | None = None,
     options: Mapping[str, Any] | None = None,
-    drifts: bool = False,
-    several: bool = False,
-    asks: bool = False,
 ) -> Exception | None:
     """Let a method compile its kernels by a run on a small mission, with the requested options.
 
@@ -392,14 +389,8 @@ def warm_up(
     ----------
     group, method, jobs, options
         As in :func:`.front.run`.
-    starts : bool
-        Whether there will be a plan to begin from.
-    drifts : bool
-        Whether nodes will drift.
-    several : bool
-        Whether there will be several chasers, or rules that count for all of them.
-    asks : bool
-        Whether rows of the timetable will be worked out on demand.
+    kind : PracticeKind
+        Of the mission.
 
     Returns
     -------
@@ -411,7 +402,7 @@ def warm_up(
     InputError
         There is no such method or option.
     """
-    problem = asking_problem(several) if asks else practice_problem(drifts, several)
+    problem = kind.problem()
     prepared = prepare(group, method, jobs=jobs, options=options)
     given, habit = prepared.arguments["options"], prepared.spec.practice
     # Numbers say how much is done, for which a method may have habits; texts and switches say what.
@@ -421,7 +412,7 @@ def warm_up(
     }
     refuse_unable(problem, prepared.spec)
     begins: dict[str, Any] = {}
-    if starts and prepared.spec.starts:
+    if kind.starts and prepared.spec.starts:
         routes = ((1,), *[()] * (len(problem.missions) - 1))
         begins["start"] = routes if prepared.spec.several else routes[0]
     try:

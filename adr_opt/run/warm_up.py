@@ -4,18 +4,57 @@ from __future__ import annotations
 
 from functools import cache
 from itertools import cycle
+from typing import NamedTuple
 
 from ..common.constants import DAY_S
 from ..common.stop import MaxRuntime
 from ..legs.nearest_pairs import neighbours
 from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
+from ..problem.chasers import Expense
 from ..problem.instance import Instance
+from ..problem.settings import Objective
 from ..problem.transfer_sizes import transfers_for
 from ..sources.generator import generate
 
 LONGEST_S = 10.0
 """Limit for methods that ask for the time alone, without compiling [s]."""
+
+
+class PracticeKind(NamedTuple):
+    """Kind of a practice mission.
+
+    Attributes
+    ----------
+    starts : bool
+        Whether there is a plan to begin from.
+    drifts : bool
+        Whether nodes drift.
+    several : bool
+        Whether there are several chasers, or rules that count for all of them.
+    asks : bool
+        Whether rows of the timetable are worked out on demand.
+    tours : bool
+        Whether it is a tour through time.
+    """
+
+    starts: bool = False
+    drifts: bool = False
+    several: bool = False
+    asks: bool = False
+    tours: bool = False
+
+    def problem(self) -> Problem:
+        """The practice mission."""
+        if self.tours:
+            return tour_problem()
+        if self.asks:
+            return asking_problem(self.several)
+        return practice_problem(self.drifts, self.several)
+
+
+USUAL = PracticeKind()
+"""One chaser, without a start plan."""
 
 
 @cache
@@ -56,6 +95,33 @@ def practice_problem(drifts: bool = False, several: bool = False) -> Problem:
     field = mission.instance
     second = field.chaser.replace(name=f"{field.chaser.name}-2", max_targets=8)
     return Problem(field.replace(chasers=(field.chaser, second)))
+
+
+@cache
+def tour_problem() -> Problem:
+    """Launches one after another onto targets that must all be done, and no timetable."""
+    field = generate("removal", 0, targets=5)
+    rest_s, leg_s, service_s = 5.0 * DAY_S, 60.0 * DAY_S, 5.0 * DAY_S
+    mission = field.mission.replace(
+        duration_s=400.0 * DAY_S, service_revolutions=None, service_s=service_s,
+        launch_separation_s=None, mission_separation_s=rest_s,
+    )  # fmt: skip
+    priced = field.chasers[0].replace(
+        available_s=(0.0, None), kits=None, expense=Expense(fixed=1.0, per_kg_squared=1e-6)
+    )
+    problem = Problem(
+        field.replace(
+            targets=tuple(target.replace(required=True, removal="kit") for target in field.targets),
+            chasers=tuple(priced.replace(name=f"chaser-{number}") for number in range(3)),
+            mission=mission,
+            transfer=field.transfer.replace(
+                max_drift_s=leg_s - service_s, drift_step_s=5.0 * DAY_S, max_leg_s=leg_s
+            ),
+            objective=Objective(cost="expense"),
+        )
+    )
+    problem.do_without()
+    return problem
 
 
 def _drifting() -> Instance:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -13,6 +13,7 @@ from .output import emit, emit_json, say
 
 if TYPE_CHECKING:
     from ...run.method_spec import MethodSpec
+    from ...run.warm_up import PracticeKind
 
 ENVIRONMENT = "environment"
 """Name for the kernels of the environment and its policies."""
@@ -120,35 +121,32 @@ def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
         return list(pool.map(_compile_one, methods))
 
 
-class Kind(NamedTuple):
-    """Parameters of :func:`adr_opt.run.front.warm_up`."""
-
-    starts: bool = False
-    drifts: bool = False
-    several: bool = False
-    asks: bool = False
-
-    def is_for(self, spec: MethodSpec) -> bool:
-        """Whether a method takes a start, plans for several chasers, or works on demand."""
-        return (
-            spec.starts >= self.starts
-            and spec.several >= self.several
-            and spec.on_demand >= self.asks
-        )
+def _is_for(kind: PracticeKind, spec: MethodSpec) -> bool:
+    """Whether a method takes a start, plans for several chasers or tours, or works on demand."""
+    return (
+        spec.starts >= kind.starts
+        and spec.several >= kind.several
+        and spec.on_demand >= kind.asks
+        and spec.tours >= kind.tours
+    )
 
 
-KINDS = (
-    Kind(),
-    Kind(starts=True),
-    Kind(drifts=True),
-    Kind(drifts=True, starts=True),
-    Kind(asks=True),
-    Kind(several=True),
-    Kind(several=True, starts=True),
-    Kind(several=True, drifts=True),
-    Kind(several=True, asks=True),
-)
-"""Missions and calls that reach kernels of their own."""
+def _kinds() -> tuple[PracticeKind, ...]:
+    """Missions and calls that reach kernels of their own."""
+    from ...run.warm_up import PracticeKind
+
+    return (
+        PracticeKind(),
+        PracticeKind(starts=True),
+        PracticeKind(drifts=True),
+        PracticeKind(drifts=True, starts=True),
+        PracticeKind(asks=True),
+        PracticeKind(several=True),
+        PracticeKind(several=True, starts=True),
+        PracticeKind(several=True, drifts=True),
+        PracticeKind(several=True, asks=True),
+        PracticeKind(tours=True),
+    )
 
 
 def _compile_one(method: str) -> dict[str, Any]:
@@ -165,10 +163,11 @@ def _compile_one(method: str) -> dict[str, Any]:
         if method in names(group):
             try:
                 spec = front.spec_of(method, group)
-                for kind in KINDS:
-                    if kind.is_for(spec):
-                        failed = front.warm_up(group, method, **kind._asdict())
-                        problem = problem or (failed if kind == Kind() else None)
+                usual, *others = _kinds()
+                problem = problem or front.warm_up(group, method, usual)
+                for kind in others:
+                    if _is_for(kind, spec):
+                        front.warm_up(group, method, kind)
             except InputError as error:  # declared, and cannot be imported
                 problem = error
     return _row(method, problem)
