@@ -18,6 +18,7 @@ from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance, instance_of
+from ..problem.tour_rules import refuse_tour_rules
 from ..run.start_plan import why_illegal
 from .mending import Mending, Shortfall, mendings, missing
 
@@ -152,10 +153,12 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
     Raises
     ------
     InputError
-        A name is none of a chaser or a body, or two chasers go to one target.
+        A name is none of a chaser or a body, or two chasers go to one target. Or missions are kept
+        apart, or the time of legs is limited.
     """
     begun = now_s()
     instance = instance_of(instance)
+    refuse_tour_rules(instance, "price")
     named = _by_chaser(instance, orders)
     _check(instance, named)
     # Only the bodies of the orders: their connections are what they are among all.

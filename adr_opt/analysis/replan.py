@@ -18,6 +18,7 @@ from ..plan.plan import Plan
 from ..plan.routes import routes_of
 from ..problem.instance import Instance
 from ..problem.settings import KeepOutZone
+from ..problem.tour_rules import refuse_tour_rules
 from ..run.front import solve
 from ..run.method_call import prepare, spec_of
 from ..run.methods import PLANNERS
@@ -113,6 +114,7 @@ def replan(  # noqa: PLR0913
     began = now_s()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
+    refuse_tour_rules(instance, "replan")
     if any(chaser.max_exceptions is not None for chaser in instance.chasers):
         raise InputError(
             "exceptions that were used so far are not counted yet: replan cannot plan on where "

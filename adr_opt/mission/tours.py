@@ -1,23 +1,11 @@
-"""Campaigns that can be planned as one tour through time, and rules that ask for one.
+"""Campaigns that can be planned as one tour through time.
 
 Chasers that are launched onto any target are one order of all targets, cut where a mission ends.
-Where the time from one arrival to the next is limited, or missions are kept apart, to be earlier is
-not always better (docs/model.md section 5.5), and planners that rely on it do not apply.
 """
 
 from __future__ import annotations
 
-from ..problem.instance import Instance
 from .problem import Problem
-
-LONGEST_LEG, SEPARATION = "transfer.max_leg_s", "mission.mission_separation_s"
-
-
-def tour_rule(instance: Instance) -> str | None:
-    """Field of a rule that only tours through time are planned with; None if none is set."""
-    if instance.transfer.max_leg_s is not None:
-        return LONGEST_LEG
-    return None if instance.mission.mission_separation_s is None else SEPARATION
 
 
 def tour_obstacle(problem: Problem) -> str | None:

@@ -16,8 +16,9 @@ from ..mission.build_legs import APPROXIMATE
 from ..mission.certified import certify_routes
 from ..mission.problem import Problem
 from ..mission.result import Result, noted
-from ..mission.tours import tour_obstacle, tour_rule
+from ..mission.tours import tour_obstacle
 from ..plan.cargo import loads_of, what_counts
+from ..problem.tour_rules import tour_rule
 from ..sources.generator import LARGEST_SEED
 from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import adr_opt
+from adr_opt.analysis.priced import price
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.judge.check.verdict import check
@@ -269,6 +270,8 @@ def test_other_methods_and_other_instances_are_refused() -> None:
         adr_opt.solve(instance, "greedy-guarded", time_limit=5.0)
     with pytest.raises(InputError, match="begins from none"):
         adr_opt.solve(instance, start=[["t0"], [], []], time_limit=5.0)
+    with pytest.raises(InputError, match=r"price does not follow transfer\.max_leg_s"):
+        price(instance, [["t0"], [], []])
     first, *others = instance.targets
     free = instance.replace(targets=(first.replace(required=False), *others))
     assert tour_obstacle(Problem(free)) == "'t0' is not required"

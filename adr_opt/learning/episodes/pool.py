@@ -24,6 +24,7 @@ from ...kernels.tables import timetable as timetable_kernels
 from ...mission.mission import Mission
 from ...plan.cargo import what_counts
 from ...problem.instance import Instance
+from ...problem.tour_rules import tour_rule
 
 
 class FieldPool:
@@ -146,6 +147,7 @@ def check_playable(mission: Mission) -> None:
         (rules.returns, "must end at a station"),
         (mission.has_functions, "has arrivals that are functions of time"),
         (mission.chaser.max_exceptions is not None, "limits exceptions"),
+        (tour_rule(mission.instance) is not None, f"sets {tour_rule(mission.instance)}"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
         if odd:
