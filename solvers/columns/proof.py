@@ -259,9 +259,11 @@ class ColumnProof:
             [column.targets for column in columns], shares, len(self._problem.names)
         )
         new = self._cuts.add(violated, [column.route for column in mixed])
+        if not new:
+            return False
         self._master.cut(new)
         self._centred = CENTRED
-        return bool(new)
+        return True
 
     def _evidence(self, multipliers: Multipliers) -> Evidence:
         """Evidence of a bound just proven by labels."""
