@@ -17,9 +17,11 @@ import numpy.typing as npt
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.constants import DAY_S, SLACK_M_S
+from adr_opt.common.errors import InputError
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.legs.connections import Connections
+from adr_opt.legs.families.family import StatedLeg
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import Problem, Routes
 from adr_opt.mission.result import Result
@@ -212,6 +214,20 @@ class Campaign:
             found.append(mission.schedules.over(_looked_up(chosen)).of(order))
         return tuple(routes), found
 
+    def can_be_flown(self, routes: Routes, schedules: Sequence[Schedule]) -> bool:
+        """Whether tanks suffice for all legs, kits aboard, and burns are found for them."""
+        for route, schedule, mission in zip(routes, schedules, self.problem.missions, strict=True):
+            if schedule.made < len(route):
+                return False
+            for k, pair in enumerate(pairwise((mission.rules.start, *route))):
+                times = float(schedule.departures[k]), float(schedule.arrivals[k])
+                stated = StatedLeg(*times, int(schedule.revolutions[k]))
+                try:
+                    mission.connecting.flown(*pair, int(schedule.families[k]), stated)
+                except InputError:
+                    return False
+        return True
+
     def _connections(
         self, start: int, order: tuple[int, ...], times: MissionTimes
     ) -> dict[tuple[int, int], Connections]:
@@ -286,11 +302,12 @@ def plan_tours(
             told = True
         if share() >= 1.0 or stop(everything if told else -math.inf, everything):
             break
-    best = _best_timed(campaign, found.tours, stop, cores)
     counters = {"generations": float(found.generations)}
-    if best is None:
-        return PlannedTour(None, (), counters)
-    return PlannedTour(*campaign.schedules(best), counters)
+    for flown in _timed(campaign, found.tours, stop, cores):
+        routes, schedules = campaign.schedules(flown)
+        if campaign.can_be_flown(routes, schedules):
+            return PlannedTour(routes, schedules, counters)
+    return PlannedTour(None, (), counters)
 
 
 def certified_tour(
@@ -329,17 +346,17 @@ def certified_tour(
     )  # fmt: skip
 
 
-def _best_timed(
-    campaign: Campaign, tours: Sequence[Tour], stop: Stop, cores: int
-) -> FlownTour | None:
-    """The cheapest of tours at their best times; of the first one that has any if time is short."""
+def _timed(campaign: Campaign, tours: Sequence[Tour], stop: Stop, cores: int) -> list[FlownTour]:
+    """Tours at their best times, the cheapest first; the first that has any if time is short."""
+    found: list[FlownTour] = []
 
-    def timed(tour: Tour) -> FlownTour | None:
-        return None if best is not None and stop.remaining_s() <= 0.0 else campaign.timed(tour)
+    def timed(tour: Tour) -> None:
+        if found and stop.remaining_s() <= 0.0:
+            return
+        flown = campaign.timed(tour)
+        if flown is not None and math.isfinite(flown.cost):
+            found.append(flown)
 
-    best: FlownTour | None = None
     with ThreadPoolExecutor(cores) as threads:
-        for found in threads.map(timed, tours):
-            if found is not None and found.cost < (math.inf if best is None else best.cost):
-                best = found
-    return best
+        list(threads.map(timed, tours))
+    return sorted(found, key=lambda flown: (flown.cost, flown.orders))

@@ -347,3 +347,14 @@ def test_exact_states_the_bound_with_its_plan(planned: tuple[Instance, adr_opt.P
     assert not check(instance, result.plan)
     assert result.plan.cost_bound is not None
     assert 0.0 < result.plan.cost_bound <= min(plan.cost, result.plan.cost)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_heavy_kits_and_a_cost_in_delta_v_are_planned_or_not(seed: int) -> None:
+    """Where the cost is ΔV a plan is legal, kits aboard, or there is none, and nothing breaks."""
+    instance = launched(500 + seed, 4, objective={"cost": "delta-v"})
+    tank = instance.chasers[0].tank.replace(propellant_kg=60.0)
+    chasers = tuple(each.replace(tank=tank, kit_mass_kg=150.0) for each in instance.chasers)
+    heavy = instance.replace(chasers=chasers)
+    result = adr_opt.solve(heavy, iterations=2, time_limit=math.inf)
+    assert result.plan is None or not check(heavy, result.plan)
