@@ -212,7 +212,8 @@ def _shorts(pair, rule, lag, cost):
 def _least_lag(linear, begin, end, early):
     """Difference of nodes of least size for arrivals between two times, with its sign [rad].
 
-    Departures are up to a time before the first of them.
+    Departures are up to a time before the first of them. The second value is whether the sign is
+    that of all of them.
     """
     slope, by_departure = linear.lag_rate, linear.lag_by_departure
     low = linear.lag + min(slope * begin, slope * end)

@@ -21,9 +21,6 @@ from .crossing import NoPlace, crossed, first_tour
 Share = Callable[[], float]
 """Share of the time that is over; the search ends at 1."""
 
-Heard = Callable[[Tour], None]
-"""Hears of each better tour."""
-
 
 @dataclass(frozen=True)
 class Annealing:
