@@ -16,7 +16,6 @@ counts is swept once more in double precision at the best prices.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,8 +90,6 @@ class Bounding:
         0: the given prices are only valued.
     time_limit_s : float
         [s].
-    target : float
-        What steps aim at; below the best bound it is taken to be a tenth above it.
     share : float
         Of the way there that the first steps go.
     patience : int
@@ -107,7 +104,6 @@ class Bounding:
 
     rounds: int = 100
     time_limit_s: float = math.inf
-    target: float = 0.0
     share: float = 0.4
     patience: int = 5
     smoothing: float = 0.6
@@ -127,7 +123,9 @@ class Bound:
     fee : float
         For each launch, where the number of missions is given.
     carried_kg : float
-        By a mission of the last walks in the mean.
+        By a mission of the last walks in the mean; 0 where none was worth it.
+    hoped : float
+        The best value of the rounds, which used the likely cells alone.
     """
 
     value: float
@@ -135,6 +133,7 @@ class Bound:
     rounds: int
     fee: float = 0.0
     carried_kg: float = 0.0
+    hoped: float = -math.inf
 
 
 def neighbourhoods(cells: Costs, count: int) -> Integers:
@@ -280,7 +279,7 @@ def bound(
     memory_of: Memories,
     settings: Bounding,
     first: FirstPrices = ALL_TOURS,
-    tell: Callable[[int, float], None] | None = None,
+    likely: Costs | None = None,
 ) -> Bound:
     """The best bound found by rounds of prices.
 
@@ -297,8 +296,9 @@ def bound(
         See :func:`memories`.
     settings : Bounding
     first : FirstPrices
-    tell : callable, optional
-        Is called with the round and the best bound so far.
+    likely : array, optional
+        The same cells, less those that hardly any walk uses: prices are found on these, far faster,
+        and valued on all of them.
     """
     prices, missions, fee = first.prices, first.missions, first.fee
     count = cells.shape[1]
@@ -310,30 +310,31 @@ def bound(
     carried_kg, given = 0.0, missions or 0
     asked = cells, grid, expense, tangent, memory_of, settings.levels
     if settings.rounds > 0:
-        walks, random = _Walks(*asked, np.float32), np.random.default_rng(0)
+        of_rounds = cells if likely is None else likely, *asked[1:]
+        walks, random = _Walks(*of_rounds, np.float32), np.random.default_rng(0)
         share, stalled, direction = settings.share, 0, np.zeros(count + 1)
         since = now_s()
         while made < settings.rounds and now_s() - since < settings.time_limit_s:
             fee = FEE * now[-1]
             found = walks.value(now[:-1], fee) - fee * given
-            short, launched, carried_kg = walks.missing(now[:-1], fee, random)
+            short, launched, mean_kg = walks.missing(now[:-1], fee, random)
+            carried_kg = mean_kg if launched else carried_kg
             missing = np.append(short, FEE * (launched - given) if missions else 0.0)
             weight = settings.smoothing if made else 0.0
             direction = weight * direction + (1.0 - weight) * missing
             made += 1
             if found > best:
                 best, best_prices, stalled = found, now.copy(), 0
-                if tell is not None:
-                    tell(made, best)
             else:
                 stalled += 1
                 if stalled >= settings.patience:
                     share, stalled, now = 0.66 * share, 0, best_prices.copy()
                     direction = 0.3 * missing
-            aim = max(settings.target, best + 0.1 * abs(best)) - found
+            aim = best + 0.1 * abs(best) - found
             square = max(float(direction @ direction), 1e-9)
             now = now + min(share * max(aim, 1.0) / square, settings.most_step) * direction
         now = best_prices
+        del walks  # its walks take as much memory as half of those below
     exact = _Walks(*asked, np.float64)
     fee = FEE * float(now[-1])
     value = exact.value(now[:-1], fee) - fee * given
@@ -341,4 +342,4 @@ def bound(
     value -= SAFETY * (
         abs(value) + float(np.abs(now[:-1]).sum()) + 2.0 * abs(fee) * (given + count)
     )
-    return Bound(value, now[:-1], made, fee, carried_kg)
+    return Bound(value, now[:-1], made, fee, carried_kg, best)

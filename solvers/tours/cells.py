@@ -56,8 +56,8 @@ HOHMANN = 0.99
 SHORT_S = 1.5 * 86400.0
 """Longest short leg, phasing revolutions included [s]."""
 
-START_M_S, TRIES = 300.0, 5
-"""First C that is tried [m/s], and number of them."""
+START_M_S, TRIES, TRIES_BESIDE = 300.0, 5, 3
+"""First C that is tried [m/s], and numbers of tries from there and from that of a cell beside."""
 
 
 class CellTimes(NamedTuple):
@@ -233,7 +233,7 @@ def _least_lag(linear, begin, end, early):
 
 
 @kernel
-def least_cost(pair, rule, begin, end, longest):
+def least_cost(pair, rule, begin, end, longest, start, tries):
     """Lower bound on legs that arrive between two times after no more than a time of flight.
 
     Parameters
@@ -242,6 +242,9 @@ def least_cost(pair, rule, begin, end, longest):
     rule : TransferRule
     begin, end, longest : float
         [s].
+    start : float
+        First C that is tried [m/s].
+    tries : int
 
     Returns
     -------
@@ -253,14 +256,15 @@ def least_cost(pair, rule, begin, end, longest):
     lag, has_side = _least_lag(linear, begin, end, longest)
     early, _ = _least_lag(linear, begin - SHORT_S, end, longest)
     node = linear.speed * linear.sine * lag
-    cost, best = START_M_S, 0.0
-    for _ in range(TRIES):
+    cost, best = start, 0.0
+    for _ in range(tries):
         found = _drifts(pair, node, longest, shape, cost)
         if not has_side:
             found = min(found, _drifts(pair, -node, longest, shape, cost))
         found = min(found, _shorts(pair, rule, abs(early), cost))
         best = max(best, min(found, cost))
-        cost = 0.5 * (cost + found) if found < cost else 1.5 * found
+        # What is found falls with C, so the best one lies between.
+        cost = 0.5 * (cost + found)
     return best * (1.0 - SAFETY)
 
 
@@ -276,15 +280,17 @@ def fill_cells(pair, rule, times, table):
     table : (times, gaps) uint16
         By the cell of the earlier arrival and the cells between; rounded down.
     """
-    for t in range(table.shape[0]):
-        for g in range(table.shape[1]):
+    for g in range(table.shape[1]):
+        start, tries = START_M_S, TRIES
+        for t in range(table.shape[0]):
             arrives = t + times.least_gap + g
             table[t, g] = FORBIDDEN
             if arrives >= table.shape[0]:
                 continue
             longest = min(times.longest, (times.least_gap + g + 1) * times.step - times.stay)
             begin = times.first + arrives * times.step
-            found = least_cost(pair, rule, begin, begin + times.step, longest)
+            found = least_cost(pair, rule, begin, begin + times.step, longest, start, tries)
+            start, tries = max(found, 1.0), TRIES_BESIDE
             if found < times.most_m_s:
                 table[t, g] = np.uint16(found / UNIT_M_S)
 

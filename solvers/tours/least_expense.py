@@ -9,32 +9,43 @@ connections.
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from adr_opt.common.memory import available_bytes
 from adr_opt.mission.problem import Problem
 
-from .bound import Bounding, FirstPrices, Tangent, bound, memories, neighbourhoods
+from .bound import Bound, Bounding, FirstPrices, Tangent, bound, memories, neighbourhoods
 from .campaign import Campaign
 from .cells import CellTimes, cells_of
-from .costs import TimeGrid
+from .costs import FORBIDDEN, Costs, TimeGrid
 from .grid_costs import UNIT_M_S
 
 FloatArray = npt.NDArray[np.float64]
 
-REMEMBERED = 6
-"""Neighbours of each target that walks remember."""
+REMEMBERED, LEAST_REMEMBERED = 8, 4
+"""Neighbours of each target that walks remember, and where memory is short."""
+
+FOR_WALKS = 0.25
+"""Share of the available memory for the walks of one number of missions."""
+
+LIKELY, MOST_HOPED = 0.02, 0.003
+"""Share of the cells, the cheapest, on which prices are found, and the relative excess of a bound
+there over that on all cells beyond which the share is doubled."""
+
+COUNTED = 10_000_000
+"""Most cells that are looked at to know which ones are the cheapest."""
 
 LEGS, MOST_LEGS = 0.024, 1.25
 """ΔV over exhaust speed of legs: for each target, and of one mission at most, as a first guess:
 where the tangent of the expense touches it first."""
 
-STAGES = (3, 30.0), (6, 60.0), (12, 240.0)
+STAGES = (3, 10.0), (6, 30.0), (12, 60.0), (12, 120.0)
 """Masses between which costs are linear, and time [s]: in the first stages of a number of missions,
-and in all that follow. Prices are found with few masses, and bounds with many. After each stage the
-tangent touches where the last walks were."""
+the last for all that follow. After each stage the tangent touches where the last walks were."""
 
 ROUNDS = 40
 """Rounds of prices in a stage where no time is set."""
@@ -110,7 +121,10 @@ class LeastExpense:
             apart = math.floor((stay + apart_s) / step + 1e-9)
         self._cells = cells_of(problem, times, size, cores)
         self._grid = TimeGrid(least, apart, UNIT_M_S)
-        self._memory = memories(neighbourhoods(self._cells, REMEMBERED))
+        self._memory = memories(neighbourhoods(self._cells, self._remembered()))
+        self._share = LIKELY
+        self._likely = cheapest(self._cells, self._share)
+        self._cores = cores
         self._known = [self._begun(k + 1) for k in range(min(len(problem.missions), self._count))]
         self.rounds = 0
 
@@ -136,15 +150,32 @@ class LeastExpense:
         """Bounds on campaigns of one mission, of two, and so on."""
         return tuple(each.value for each in self._known)
 
+    def _remembered(self) -> int:
+        """Neighbours that walks can remember in the memory that there is."""
+        each = self._cells[..., 0, 0].size * STAGES[-1][0] * np.dtype(np.float64).itemsize
+        room = FOR_WALKS * available_bytes() / each
+        most = math.floor(math.log2(max(room, 1.0))) if math.isfinite(room) else REMEMBERED
+        return max(min(REMEMBERED, most), LEAST_REMEMBERED)
+
     def advance(self, most_s: float) -> None:
-        """Raise prices for the number of missions with the least bound.
+        """Raise prices for the numbers of missions with the least bounds, as many as cores.
 
         Parameters
         ----------
         most_s : float
             Longest time, infinite for a number of rounds [s].
         """
-        now = min(self._known, key=lambda each: each.value)
+        chosen = sorted(self._known, key=lambda each: each.value)[: self._cores]
+        with ThreadPoolExecutor(len(chosen)) as threads:
+            found = list(threads.map(lambda each: self._raised(each, most_s), chosen))
+        for each, raised in zip(chosen, found, strict=True):
+            self._keep(each, raised)
+        if any(each.hoped > each.value + MOST_HOPED * abs(each.value) for each in found):
+            self._share = min(2.0 * self._share, 1.0)
+            self._likely = cheapest(self._cells, self._share)
+
+    def _raised(self, now: _Campaigns, most_s: float) -> Bound:
+        """The bound of a stage for a number of missions."""
         tangent = Tangent.at(self._expense, now.carried_kg)
         levels, stage_s = STAGES[min(now.stages, len(STAGES) - 1)]
         settings = Bounding(10**9, min(stage_s, most_s), levels=levels)
@@ -153,15 +184,38 @@ class LeastExpense:
         # A launch of so much goes on to cost walks what it did, whatever the tangent.
         mass_kg = self._expense.dry_kg + now.carried_kg
         fee = 0.0 if now.launch is None else now.launch - tangent.fixed - tangent.per_kg * mass_kg
-        first = FirstPrices(now.prices, now.missions, fee)
-        found = bound(
-            self._cells, self._grid, self._expense, tangent, self._memory, settings, first
-        )
+        prices = now.prices
+        if prices is None:
+            prices = np.full(self._count, now.value / self._count)
+        first = FirstPrices(prices, now.missions, fee)
+        return bound(
+            self._cells, self._grid, self._expense, tangent, self._memory, settings, first,
+            self._likely,
+        )  # fmt: skip
+
+    def _keep(self, now: _Campaigns, found: Bound) -> None:
+        """Take over what a stage found; other numbers of missions begin with its prices."""
+        tangent = Tangent.at(self._expense, now.carried_kg)
         self.rounds += found.rounds
         now.stages, now.value = now.stages + 1, max(now.value, found.value)
-        now.carried_kg = 0.5 * (now.carried_kg + found.carried_kg)
+        if found.carried_kg > 0.0:
+            now.carried_kg = 0.5 * (now.carried_kg + found.carried_kg)
         mass_kg = self._expense.dry_kg + now.carried_kg
         now.launch = tangent.fixed + found.fee + tangent.per_kg * mass_kg
         for each in self._known:
             if each is now or each.prices is None:
                 each.prices = found.prices
+
+
+def cheapest(cells: Costs, share: float) -> Costs:
+    """Cells of which only a share is left, the cheapest; others are forbidden.
+
+    Parameters
+    ----------
+    cells : (times, targets, targets, gaps) uint16
+    share : float
+    """
+    some = cells.ravel()[:: max(cells.size // COUNTED, 1)]
+    counts = np.bincount(some, minlength=FORBIDDEN + 1)[:FORBIDDEN]
+    most = np.searchsorted(np.cumsum(counts), share * counts.sum())
+    return np.where(cells <= most, cells, FORBIDDEN)

@@ -310,7 +310,9 @@ def test_no_connection_of_a_cell_is_cheaper_than_its_bound(seed: int) -> None:
             width = float(random.uniform(0.2, 5.0)) * DAY_S
             longest = float(random.uniform(0.3, 10.0)) * DAY_S
             begin = float(random.uniform(0.0, 35.0)) * DAY_S
-            bound = cells.least_cost(pair, ends.rule, begin, begin + width, longest)
+            bound = cells.least_cost(
+                pair, ends.rule, begin, begin + width, longest, cells.START_M_S, cells.TRIES
+            )
             of_cell = (found.arrival >= begin) & (found.arrival <= begin + width)
             of_cell &= found.arrival - found.departure <= longest
             listed = found.delta_v[of_cell].min(initial=math.inf)
