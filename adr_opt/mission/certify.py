@@ -5,13 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from ..common.errors import InputError
-from ..plan.certificate import Certificate, ProvenCut, ProvenFloors, ProvenWalks, sha256_of
+from ..plan.certificate import (
+    Certificate,
+    ProvenCost,
+    ProvenCut,
+    ProvenFloors,
+    ProvenWalks,
+    sha256_of,
+)
 from ..plan.plan import MODEL, InstanceReference
 from ..plan.station_limits import StationLimits
 from ..problem.instance import Instance
-from .evidence import Cut, Evidence, Walks
+from .evidence import CostEvidence, Cut, Evidence, Walks
 from .prizes import Prizes
 from .result import Result
 
@@ -47,7 +55,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
     floors: ProvenFloors | None = None
     cuts: tuple[ProvenCut, ...] = ()
     if not prizes.meets(bound, most):
-        if evidence is None:
+        if evidence is None or not (evidence.walks or evidence.floors):
             raise InputError(
                 f"{result.method} gives no evidence for its bound, so there is no certificate"
             )
@@ -77,7 +85,17 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         walks=walks,
         floors=floors,
         cuts=cuts,
+        cost=None if evidence is None or evidence.cost is None else _priced(prizes, evidence.cost),
     )
+
+
+def _priced(prizes: Prizes, cost: CostEvidence) -> ProvenCost:
+    """The proven cost, with names of bodies."""
+    return ProvenCost(
+        prize=max(prizes.shown(cost.worth), 0.0), bound=max(float(cost.bound), 0.0),
+        per_prize=float(cost.per_worth),
+        neighbourhoods=_remembered(prizes.instance, cost.neighbourhoods),
+    )  # fmt: skip
 
 
 def _named(instance: Instance, cut: Cut) -> ProvenCut:
@@ -89,17 +107,23 @@ def _named(instance: Instance, cut: Cut) -> ProvenCut:
 
 def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
     """The proven walks, with names of bodies and chasers."""
-    names = instance.names
-    remembered = {
-        names[i]: tuple(names[j] for j in np.flatnonzero(row))
-        for i, row in enumerate(walks.neighbourhoods)
-        if row.any()
-    }
     chasers = tuple(instance.chasers[number].name for number in walks.chasers)
     return ProvenWalks(
-        chasers=chasers, most=float(walks.most), neighbourhoods=remembered,
-        worth_per_m_s=walks.per_m_s,
+        chasers=chasers, most=float(walks.most),
+        neighbourhoods=_remembered(instance, walks.neighbourhoods), worth_per_m_s=walks.per_m_s,
     )  # fmt: skip
+
+
+def _remembered(
+    instance: Instance, neighbourhoods: npt.NDArray[np.bool_]
+) -> dict[str, tuple[str, ...]]:
+    """Names of what walks remember, by name of the body."""
+    names = instance.names
+    return {
+        names[i]: tuple(names[j] for j in np.flatnonzero(row))
+        for i, row in enumerate(neighbourhoods)
+        if row.any()
+    }
 
 
 def _proven(prizes: Prizes, evidence: Evidence) -> float:

@@ -78,6 +78,31 @@ class Floors:
 
 
 @dataclass(frozen=True, eq=False)
+class CostEvidence:
+    """Evidence for a least ΔV of plans of a single chaser that are worth enough.
+
+    Of a walk that is worth as much as is asked for, what it is worth at the price less its ΔV does
+    not exceed what the least worth at that price, less the bound, is.
+
+    Attributes
+    ----------
+    bound : float
+        No plan that is worth as much costs less [m/s].
+    worth : float
+        What it is worth at least.
+    per_worth : float
+        Price of worth [m/s].
+    neighbourhoods : (bodies, bodies) bool
+        Whether a walk that comes to a body (row) still remembers another one (column).
+    """
+
+    bound: float
+    worth: float
+    per_worth: float
+    neighbourhoods: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
 class Evidence:
     """Evidence for a bound (docs/model.md section 8).
 
@@ -98,6 +123,8 @@ class Evidence:
         In which the proof has counted time, where it has gone through no walks one by one [s].
     cuts : tuple of Cut
         What walks pay for besides services.
+    cost : CostEvidence or None
+        For the least cost of plans at the best prize.
     """
 
     multipliers: npt.NDArray[np.float64]
@@ -106,3 +133,4 @@ class Evidence:
     floors: Floors | None = None
     time_step_s: float | None = None
     cuts: tuple[Cut, ...] = ()
+    cost: CostEvidence | None = None

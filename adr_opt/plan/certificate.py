@@ -68,6 +68,21 @@ class ProvenFloors(Record):
     worth_per_m_s: Worth
 
 
+class ProvenCost(Record):
+    """A least ΔV of the plans of a single chaser that collect ``prize`` or more.
+
+    Each service of a walk counts ``per_prize`` times what the target is worth, required ones with
+    ``required_worth``, and its legs take off their ΔV. No walk that is worth as much as such a plan
+    counts more than that worth times ``per_prize``, less ``bound``. Walks remember as said of
+    ``neighbourhoods`` in the ``walks``.
+    """
+
+    prize: NonNegative
+    bound: NonNegative
+    per_prize: Worth
+    neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
+
+
 class Certificate(Shown, Record):
     """Evidence for a bound.
 
@@ -80,7 +95,8 @@ class Certificate(Shown, Record):
     ``delta_v_slot_m_s`` is the slot of ΔV in which the method has looked ahead: what is true does
     not depend on it, how long it takes to see it does. Where ``time_step_s`` is given time was
     counted in such steps, so coarsely that no walk has to be gone through by itself. ``cuts`` are
-    what walks pay for besides; the routes of a plan pay each of them once at most. ``model`` is
+    what walks pay for besides; the routes of a plan pay each of them once at most. ``cost`` is on
+    the ΔV of plans that collect enough, null where nothing is proven of it. ``model`` is
     the version of docs/model.md that connections are of.
     ``plan_sha256`` is that of the plan file that was written beside it.
     """
@@ -99,12 +115,15 @@ class Certificate(Shown, Record):
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
     floors: ProvenFloors | None = None
     cuts: Annotated[tuple[ProvenCut, ...], Field(strict=False)] = ()
+    cost: ProvenCost | None = None
 
     @model_serializer(mode="wrap")
     def _without_defaults(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         written = without_former_model(write(self))
         if not self.cuts:
             written.pop("cuts", None)
+        if self.cost is None:
+            written.pop("cost", None)
         return written
 
     def to_json(self) -> str:

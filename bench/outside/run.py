@@ -79,6 +79,7 @@ def report(
     cells: Path | None = None,
     write: Path | None = None,
     doing: Doing = silent,
+    count: int | None = None,
 ) -> Iterator[str]:
     """What is known of a benchmark, in Markdown, line by line."""
     takes_time = name in ("kttsp", "tdtsptw")
@@ -86,11 +87,13 @@ def report(
         raise InputError(
             f"--time-limit {time_limit_s:g}: only kttsp and tdtsptw take one, of 0 or more"
         )
+    if count is not None and not (name == "tdtsptw" and count > 0):
+        raise InputError(f"--draw {count}: only instances of tdtsptw are drawn, one or more")
     if name == "kttsp":
         return of_kttsp.report(folder, solution, time_limit_s, cells, write, doing)
     if name == "tdtsptw" and write is None and solution is None:
         limit_s = of_tdtsptw.TIME_LIMIT_S if time_limit_s is None else time_limit_s
-        return of_tdtsptw.report(folder, limit_s, cells, doing)
+        return of_tdtsptw.report(folder, limit_s, cells, doing, count)
     if cells is not None:
         raise InputError(f"--cells {cells}: only kttsp and tdtsptw keep any")
     if write is not None:
@@ -118,6 +121,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--cells", type=Path, metavar="FILE", help="of the proof of kttsp, or results of tdtsptw"
     )
+    parser.add_argument(
+        "--draw", type=int, metavar="N",
+        help="of tdtsptw: N of the largest with a known end and N without, instead of all",
+    )  # fmt: skip
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
         "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"
@@ -150,7 +157,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 return of_gtoc9_report(folder, parsed, doing)
             return report(
                 parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells,
-                parsed.write, doing,
+                parsed.write, doing, parsed.draw,
             )  # fmt: skip
 
         tell(lines, heading(), parsed.out)

@@ -42,13 +42,13 @@ def evidence_of(
     none -= math.fsum(cut.multiplier for cut in cuts)
     words = [None] * len(chasers) if neighbourhoods is None else neighbourhoods
     walks = tuple(
-        Walks(them, value if value > -math.inf else none, _as_bits(each, multipliers.size))
+        Walks(them, value if value > -math.inf else none, as_bits(each, multipliers.size))
         for them, value, each in zip(chasers, most, words, strict=True)
     )
     return Evidence(np.array(multipliers), walks, slot_m_s, cuts=tuple(cuts))
 
 
-def _as_bits(words: np.ndarray | None, bodies: int) -> np.ndarray:
+def as_bits(words: np.ndarray | None, bodies: int) -> np.ndarray:
     """Whether walks remember a body (column) at another one (row)."""
     if words is None:
         return np.zeros((bodies, bodies), dtype=np.bool_)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.progress import Progress
 from adr_opt.common.tolerance import rounded_up
 from adr_opt.mission.certified import certify_routes
-from adr_opt.mission.evidence import Evidence
+from adr_opt.mission.evidence import CostEvidence, Evidence
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes, problem_of
 from adr_opt.mission.result import Result
@@ -39,6 +42,7 @@ class GapTracker:
         self._best = Incumbent(self._problem)
         self.bound = math.inf
         self.evidence: Evidence | None = None
+        self.cost_evidence: CostEvidence | None = None
         self.lower(self._problem.total_worth)
 
     @property
@@ -128,10 +132,19 @@ class GapTracker:
             runtime_s=now_s() - self._began,
             upper_bound=self.bound if upper_bound is None else upper_bound,
             cost_bound=cost_bound,
-            evidence=self.evidence,
+            evidence=self._stated_evidence(),
             counters=counters,
             notes=notes,
         )
+
+    def _stated_evidence(self) -> Evidence | None:
+        """The evidence with that of the cost."""
+        if self.cost_evidence is None:
+            return self.evidence
+        # Where all prizes are collected they are no question, and their bound has no evidence.
+        bodies = len(self._problem.planning_prizes)
+        evidence = self.evidence or Evidence(np.zeros(bodies), (), 20.0)
+        return replace(evidence, cost=self.cost_evidence)
 
     @property
     def proven(self) -> bool:

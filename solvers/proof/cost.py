@@ -30,11 +30,13 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.stop import TimeIsOver
+from adr_opt.mission.evidence import CostEvidence
 from adr_opt.mission.mission import Mission
 
 from ..labels.extension import CompletionValues
 from ..labels.label_search import LabelSearch
 from ..networks.arrays import Network
+from ..networks.evidence import as_bits
 from ..progress.cost_rounds import RELATIVE, CostRounds, asked, is_least
 from ..walks.sweeps import NEVER
 from ..walks.tariffs import Tariff
@@ -57,6 +59,9 @@ FIRST_LABELS, GROWTH = 4_000_000, 2
 
 NEAR = 0.15
 """Gap, as a share of the known cost, within which all of it is searched at first."""
+
+STATED_LESS = 2e-7
+"""Share by which the evidence states less than the bound, so that no rounding counts."""
 
 LEAST_SHARE = 1.0 / 8.0
 """Least share of the gap searched before more labels are allowed."""
@@ -190,7 +195,7 @@ class CostProof(CostRounds):
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
-        self._worth = asked(mission, least_worth)
+        self._asked_worth, self._worth = least_worth, asked(mission, least_worth)
         # Walks pay for what the tank lacked before the start, and plans do not.
         self._spent = mission.connecting.spent_m_s(mission.rules.start)
         self._proving, self._finding = LabelSearch(self._walks), LabelSearch(self._walks)
@@ -204,7 +209,20 @@ class CostProof(CostRounds):
         self._tried = False  # whether the whole gap was ever too much
         self._ready = False
         self.bound = 0.0
+        self.evidence: CostEvidence | None = None
         self.done = self.proven
+
+    def _raise(self, bound: float, price: float, neighbourhood: npt.NDArray[np.int64]) -> None:
+        """Take over a better bound with its evidence."""
+        if bound <= self.bound:
+            return
+        self.bound = bound
+        if self._walks.loads is not None:
+            return  # what kits and tows cost is in no certificate
+        self.evidence = CostEvidence(
+            (1.0 - STATED_LESS) * bound, self._asked_worth, price,
+            as_bits(neighbourhood, self._walks.prize.size),
+        )  # fmt: skip
 
     @property
     def proven(self) -> bool:
@@ -226,10 +244,12 @@ class CostProof(CostRounds):
         reach.evaluate(np.zeros(reach.prize.size), keep=True)
         low, high = 0.0, walks.greatest_price
         price, best = 0.05 * high, 0.0
+        nothing = np.zeros_like(self._proving.neighbourhood)
         for _ in range(EVALUATIONS):
             bound, worth = walks.cost_at(price, self._worth)
             if bound - self._spent > self.bound:
-                self.bound, best = bound - self._spent, price
+                best = price
+                self._raise(bound - self._spent, price, nothing)
             if worth < self._worth:
                 low = price
             else:
@@ -267,7 +287,8 @@ class CostProof(CostRounds):
             self._share = 1.0
         known, most = self._free(), self._below(self._share)
         finding: Future[None] | None = None
-        self._finding.compared = self._proving.neighbourhood.copy()
+        remembered = self._proving.neighbourhood.copy()
+        self._finding.compared = remembered.copy()
         if self._pool is None:
             self._find()
             most = self._below(self._share)
@@ -293,7 +314,7 @@ class CostProof(CostRounds):
         if plan is not None:
             self._offer(plan)
         # Every plan left out costs more than what was asked for.
-        self.bound = min(max(self.bound, min(most, known - value)), self._cost())
+        self._raise(min(most, known - value, self._cost()), self._price, remembered)
         if value == -math.inf:
             self._share = min(1.0, 2.0 * self._share)
         elif grown == 0 and self._cost() >= before:

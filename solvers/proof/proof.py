@@ -339,7 +339,9 @@ def prove_cost(
         jobs=options.cores, delta_v_slot_m_s=options.delta_v_slot_m_s,
         most_labels=options.most_labels,
     )  # fmt: skip
-    return settled(proof, over)
+    bound, counters = settled(proof, over)
+    certificate.cost_evidence = proof.evidence
+    return bound, counters
 
 
 def bounded(

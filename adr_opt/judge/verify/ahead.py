@@ -75,6 +75,8 @@ class StepLegs(NamedTuple):
     origin, destination : (legs,) int64
     cost : (legs,) int64
         [slots].
+    toll : (legs,) int32
+        What is paid for that, packed.
     lands_in : (legs,) int64
         Step.
     first : (steps + 1,) int64
@@ -84,6 +86,7 @@ class StepLegs(NamedTuple):
     origin: npt.NDArray[np.int64]
     destination: npt.NDArray[np.int64]
     cost: npt.NDArray[np.int64]
+    toll: npt.NDArray[np.int32]
     lands_in: npt.NDArray[np.int64]
     first: npt.NDArray[np.int64]
 
@@ -238,7 +241,7 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
     best, second : (kits + 1, steps + 1, bodies, slots) int32
         Written, as :class:`Ahead` has them.
     """
-    origin, destination, cost, lands_in, first = legs
+    origin, destination, cost, toll, lands_in, first = legs
     is_station, may_end, cargo = terms.is_station, terms.may_end, terms.cargo
     layers, steps, bodies, slots = best.shape[0], best.shape[1] - 1, best.shape[2], best.shape[3]
     mask = np.int32((1 << bits) - 1)
@@ -269,7 +272,7 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
                 top = tops[kits] if is_station[j] else -1
                 put(
                     best[kits, step, i], second[kits, step, i], landed, landed_second,
-                    Onward(cost[leg], top, code[j], came_from), packing,
+                    Onward(cost[leg], top, code[j] - toll[leg], came_from), packing,
                 )  # fmt: skip
 
 
@@ -277,6 +280,7 @@ def look_ahead(
     legs: Legs,
     gain: Sequence[Fraction],
     slot_m_s: float,
+    per_m_s: float = 0.0,
 ) -> Ahead:
     """Compute upper bounds on what can still be collected, for given gains.
 
@@ -287,6 +291,8 @@ def look_ahead(
         What the service of each body is worth less its multiplier.
     slot_m_s : float
         [m/s].
+    per_m_s : float
+        What a walk pays for ΔV [worth per m/s].
     """
     bodies, cargo = len(gain), legs.terms.cargo
     layers, tank = cargo.full.size, float(cargo.full[0])
@@ -324,6 +330,9 @@ def look_ahead(
     shape = layers, last.size + 1, bodies, slots
     best, second = np.empty(shape, dtype=np.int32), np.empty(shape, dtype=np.int32)
     pair = legs.pair[order]
-    counted = StepLegs(pair // bodies, pair % bodies, cost[order], lands_in[order], first)
+    # As much as costs in whole slots alone, and no more than anything is worth.
+    paid = np.floor(cost[order] * (slot_m_s * per_m_s * (1.0 - SLOT_SLACK) / unit))
+    toll = np.minimum(paid, math.ceil(largest / size)).astype(np.int32) << bits
+    counted = StepLegs(pair // bodies, pair % bodies, cost[order], toll, lands_in[order], first)
     _sweep(counted, code, legs.terms, tops, image, bits, best, second)
     return Ahead(last, best, second, bits, slot_m_s, unit)

@@ -56,6 +56,13 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
                 "given"
             )
     _check_cuts(instance, certificate)
+    if certificate.cost is not None:
+        remembered = certificate.cost.neighbourhoods
+        strange = set(remembered).union(*remembered.values()) - bodies
+        if strange:
+            raise InputError(
+                f"field cost.neighbourhoods: {min(strange)!r} is not a body of the instance"
+            )
     stated = sorted(name for walks in certificate.walks for name in walks.chasers)
     if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
         raise InputError("field walks: must name every chaser of the instance once")
@@ -109,12 +116,18 @@ def how_often(instance: Instance) -> dict[str, int]:
     return often
 
 
-def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
-    """Gain of each body for walks: its worth minus its multiplier."""
+def worths_of(instance: Instance, certificate: Certificate) -> list[Fraction]:
+    """Worth of the service of each body."""
     worths = [Fraction(0)] * instance.first_target
     for target in instance.targets:
         extra = certificate.required_worth if target.required else 0.0
         worths.append(Fraction(target.prize) + Fraction(extra))
+    return worths
+
+
+def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
+    """Gain of each body for walks: its worth minus its multiplier."""
+    worths = worths_of(instance, certificate)
     multipliers = (Fraction(certificate.multipliers.get(name, 0.0)) for name in instance.names)
     return [worth - less for worth, less in zip(worths, multipliers, strict=True)]
 

@@ -8,6 +8,8 @@ the other can, if it has as many kits, or more of kits that weigh nothing. Where
 (:mod:`.cuts`) it also has to have collected enough to pay for those that it alone has serviced an
 odd number of rows of. And one is not made whose value and the most that is still to be had
 (:mod:`.ahead`) together stay below what is asked for. If labels run out, no walk collects as much.
+
+Where walks pay for ΔV, they also have to be worth a least amount, which tells labels apart, too.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_S
 from ...kernels.core.compile import inlined, kernel
-from .ahead import still
+from .ahead import Ahead, still
 from .cargo import after_service, is_unused
 from .cuts import Tolls, sum_of, toll_for
 
@@ -31,6 +33,9 @@ WORD = 63
 
 BLOCK = 64
 """Number of labels compared at once, so that loops are vectorised."""
+
+PAID_LESS = 64
+"""Amount that payments are lessened by, for the rounding of products [fine units]."""
 
 NONE, FOUND, FULL = 0, 1, 2
 
@@ -45,6 +50,8 @@ class WalkLabels(NamedTuple):
         Ready since [s], and what is left of the tank, with the slack of the model [m/s].
     value : (labels,) int64
         Collected [fine units].
+    worth : (labels,) int64
+        What is serviced is worth, where that matters; else 0 [fine units of worth].
     memory : (labels, words) int64
         Bit j % 63 of word j // 63: may not go to target j.
     odd : (labels, cut words) int64
@@ -62,6 +69,7 @@ class WalkLabels(NamedTuple):
     time: npt.NDArray[np.float64]
     left: npt.NDArray[np.float64]
     value: npt.NDArray[np.int64]
+    worth: npt.NDArray[np.int64]
     memory: npt.NDArray[np.int64]
     odd: npt.NDArray[np.int64]
     following: npt.NDArray[np.int64]
@@ -77,7 +85,7 @@ class KeptLabels(NamedTuple):
     ----------
     size : (places,) int64
     left : (places, room) float64
-    value : (places, room) int64
+    value, worth : (places, room) int64
     visits, came_from : (places, room) int32
     memory : (places, words, room) int64
     odd : (places, cut words, room) int64
@@ -86,10 +94,39 @@ class KeptLabels(NamedTuple):
     size: npt.NDArray[np.int64]
     left: npt.NDArray[np.float64]
     value: npt.NDArray[np.int64]
+    worth: npt.NDArray[np.int64]
     visits: npt.NDArray[np.int32]
     came_from: npt.NDArray[np.int32]
     memory: npt.NDArray[np.int64]
     odd: npt.NDArray[np.int64]
+
+
+class Price(NamedTuple):
+    """What walks pay for ΔV, and the least that they are to be worth.
+
+    Attributes
+    ----------
+    pays : bool
+        Whether they do; the rest does not matter otherwise.
+    per_m_s, per_s : float
+        [fine units per m/s, and per s that pass until a walk ends].
+    since : float
+        When that time begins [s].
+    worth : (bodies,) int64
+        Of each service, rounded up [fine units of worth].
+    least : int
+        [fine units of worth].
+    reach : Ahead
+        Most worth that is still to be had.
+    """
+
+    pays: bool
+    per_m_s: float
+    per_s: float
+    since: float
+    worth: npt.NDArray[np.int64]
+    least: int
+    reach: Ahead
 
 
 class Question(NamedTuple):
@@ -107,6 +144,7 @@ class Question(NamedTuple):
         Whether services are to be counted.
     tolls : Tolls
         Of cuts [fine units].
+    price : Price
     """
 
     gain: npt.NDArray[np.int64]
@@ -114,6 +152,7 @@ class Question(NamedTuple):
     neighbourhoods: npt.NDArray[np.int64]
     counts: bool
     tolls: Tolls
+    price: Price
 
 
 @inlined
@@ -135,13 +174,14 @@ class Compared(NamedTuple):
     Attributes
     ----------
     left : float
-    value, visits : int
+    value, worth, visits : int
     memory : (words,) int64
     odd : (cut words,) int64
     """
 
     left: float
     value: int
+    worth: int
     visits: int
     memory: npt.NDArray[np.int64]
     odd: npt.NDArray[np.int64]
@@ -192,11 +232,12 @@ def _is_dominated_at(kept, tolls, place, label):
                     for w in range(words):
                         more |= memories[w, k] & ~memory[w]
                     found |= more == 0
-        if found and label.odd.size == 0:
+        if found and label.odd.size == 0 and label.worth == 0:
             return True
-        if found:  # one of them, unless it is for the tolls
+        if found:  # one of them, unless it is for the tolls, or worth less
             for k in range(begin, end):
-                better = lefts[k] >= left and values[k] >= value and counts[k] <= visits
+                better = kept.worth[place, k] >= label.worth
+                better &= lefts[k] >= left and values[k] >= value and counts[k] <= visits
                 for w in range(words):
                     better = better and memories[w, k] & ~memory[w] == 0
                 if better and values[k] - _owing(tolls, kept.odd, place, k, label) >= value:
@@ -209,6 +250,7 @@ def _move(kept, place, k, to):
     """Move a kept label to another index of its place."""
     kept.left[place, to] = kept.left[place, k]
     kept.value[place, to] = kept.value[place, k]
+    kept.worth[place, to] = kept.worth[place, k]
     kept.visits[place, to] = kept.visits[place, k]
     kept.came_from[place, to] = kept.came_from[place, k]
     for w in range(kept.memory.shape[1]):
@@ -227,6 +269,7 @@ def _forget_poorer(kept, tolls, place, label):
     for k in range(kept.size[place]):
         poorer = kept.left[place, k] <= label.left and kept.value[place, k] <= label.value
         poorer = poorer and kept.visits[place, k] >= label.visits
+        poorer = poorer and kept.worth[place, k] <= label.worth
         for w in range(label.memory.size):
             poorer = poorer and label.memory[w] & ~kept.memory[place, w, k] == 0
         if poorer and label.odd.size:
@@ -240,14 +283,27 @@ def _forget_poorer(kept, tolls, place, label):
     kept.size[place] = size
 
 
+@inlined
+def _is_worth(price, step, body, kits, left, came_from, worth):
+    """Whether a walk may still be worth as much as is asked for."""
+    if not price.pays:
+        return True
+    more = still(price.reach, step, body, kits, left, came_from)
+    return worth + (more << FINE) >= price.least
+
+
 @kernel
 def _forget_late(ahead, question, kept, place, step):
     """Drop kept labels at a place that are too late to dominate anything."""
     layers, size = ahead.best.shape[0], 0
     body, kits = place // layers, place % layers
     for k in range(kept.size[place]):
-        most = still(ahead, step, body, kits, kept.left[place, k], kept.came_from[place, k])
-        if kept.value[place, k] + (most << FINE) >= question.need:
+        left, came_from = kept.left[place, k], kept.came_from[place, k]
+        most = still(ahead, step, body, kits, left, came_from)
+        useful = kept.value[place, k] + (most << FINE) >= question.need
+        if useful and _is_worth(
+            question.price, step, body, kits, left, came_from, kept.worth[place, k]
+        ):
             _move(kept, place, k, size)
             size += 1
     kept.size[place] = size
@@ -261,6 +317,23 @@ def _rest(cargo, to_station, j, kits, left):
     if to_station:
         return cargo.full[kits]
     return after_service(cargo, j, kits, left)
+
+
+@inlined
+def _less(product):
+    """A payment, a little less for the rounding of products [fine units]."""
+    return max(np.int64(product) - PAID_LESS, np.int64(0))
+
+
+@inlined
+def _is_asked_for(question, label, time):
+    """Whether a walk that ends with a label counts as much, and is worth as much, as is asked."""
+    price, value = question.price, label.value
+    if price.pays:
+        value -= _less(max(time - price.since, 0.0) * price.per_s)
+        if label.worth < price.least:
+            return False
+    return value >= question.need
 
 
 @kernel
@@ -279,6 +352,7 @@ def _extend(legs, ahead, question, labels, kept, count, label):
     """
     memory, odd = np.empty_like(labels.memory[label]), np.empty_like(labels.odd[label])
     bodies, words, tolls = question.gain.size, memory.size, question.tolls
+    price = question.price
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
     kits, cargo, head = labels.kits[label], legs.terms.cargo, labels.head
     came_from = np.int32(-1) if legs.terms.is_station[i] else i
@@ -295,8 +369,8 @@ def _extend(legs, ahead, question, labels, kept, count, label):
         ):
             continue
         aboard = kits - cargo.takes[j]
-        value = labels.value[label] + question.gain[j]
-        value -= toll_for(tolls, labels.odd[label], j)
+        gained = labels.value[label] + question.gain[j] - toll_for(tolls, labels.odd[label], j)
+        worth = labels.worth[label] + (price.worth[j] if price.pays else 0)
         for w in range(odd.size):
             odd[w] = labels.odd[label, w] & tolls.memory[j, w] ^ tolls.rows[j, w]
         visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
@@ -315,16 +389,25 @@ def _extend(legs, ahead, question, labels, kept, count, label):
             if most_left < 0.0:
                 break
             most = still(ahead, step, j, aboard, most_left, came_from)
+            value = gained
+            if price.pays:
+                value -= _less(legs.cheapest[leg] * price.per_m_s)
             if value + (most << FINE) < question.need:
                 break
-            best = cost
+            if not _is_worth(price, step, j, aboard, most_left, came_from, worth):
+                break
+            best, value = cost, gained
+            if price.pays:
+                value -= _less(cost * price.per_m_s)
             rest = _rest(cargo, to_station, j, kits, left - cost)
             if rest < 0.0:
                 continue
             most = still(ahead, step, j, aboard, rest, came_from)
             if value + (most << FINE) < question.need:
                 continue
-            reached = Compared(rest, value, visits, memory, odd)
+            if not _is_worth(price, step, j, aboard, rest, came_from, worth):
+                continue
+            reached = Compared(rest, value, worth, visits, memory, odd)
             if _is_dominated(cargo, tolls, kept, j, aboard, reached):
                 continue
             if count == labels.body.size:
@@ -332,7 +415,7 @@ def _extend(legs, ahead, question, labels, kept, count, label):
             labels.body[count], labels.kits[count], labels.visits[count] = j, aboard, visits
             labels.came_from[count] = came_from
             labels.time[count], labels.left[count] = legs.end[leg], rest
-            labels.value[count] = value
+            labels.value[count], labels.worth[count] = value, worth
             for w in range(words):
                 labels.memory[count, w] = memory[w]
             for w in range(odd.size):
@@ -384,12 +467,12 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
             label = ready[cursor[2]]
             body, kits = labels.body[label], labels.kits[label]
             own = Compared(
-                labels.left[label], labels.value[label], labels.visits[label],
-                labels.memory[label], labels.odd[label],
+                labels.left[label], labels.value[label], labels.worth[label],
+                labels.visits[label], labels.memory[label], labels.odd[label],
             )  # fmt: skip
             if not _is_dominated(cargo, tolls, kept, body, kits, own):
                 ends = legs.terms.may_end[body] and not is_unused(cargo, kits)
-                if ends and own.value >= question.need:
+                if ends and _is_asked_for(question, own, labels.time[label]):
                     return FOUND
                 place = body * cargo.full.size + kits
                 _forget_poorer(kept, tolls, place, own)
@@ -401,7 +484,7 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
                 if count < 0:
                     return FULL
                 kept.left[place, at], kept.value[place, at] = own.left, own.value
-                kept.visits[place, at] = own.visits
+                kept.visits[place, at], kept.worth[place, at] = own.visits, own.worth
                 kept.came_from[place, at] = labels.came_from[label]
                 for w in range(own.memory.size):
                     kept.memory[place, w, at] = own.memory[w]

@@ -19,6 +19,7 @@ from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..check.verdict import check
 from .claim import bound_of, check_names, difference_of, gains
+from .cost import judged_cost
 from .cuts import cuts_of
 from .legs import legs_of
 from .rules import kept_apart, refuse_unknown
@@ -56,6 +57,9 @@ class Verdict:
     difference : float
         Objectives that differ by no more are the same: less than the step that prizes have in
         common.
+    cost_bound : float or None
+        What no plan costs less than that collects as much as the certificate says, as far as it was
+        verified [m/s]; None if nothing was.
     """
 
     reasons: tuple[str, ...]
@@ -66,6 +70,7 @@ class Verdict:
     departures: int
     legs: int = 0
     difference: float = 0.0
+    cost_bound: float | None = None
 
     @property
     def gap(self) -> float | None:
@@ -119,7 +124,7 @@ def verify(
         return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
     connecting = ConnectionFinder(instance)
     sampled = Sampled(0, 0, ())
-    if certificate.walks:
+    if certificate.walks or certificate.cost is not None:
         sampled = sample_connections(instance, connecting, connections, seed)
     reasons += sampled.faults
     labels, legs, refuted = 0, 0, False
@@ -133,10 +138,12 @@ def verify(
     difference = difference_of(instance, certificate)
     if not refuted:
         reasons += _compare(plan, certificate, bound, difference)
+    priced = judged_cost(instance, plan, certificate, connecting)
+    reasons += priced.reasons
     objective = None if plan is None else plan.objective
     return Verdict(
-        tuple(reasons), bound, objective, labels, sampled.connections, sampled.departures, legs,
-        difference,
+        tuple(reasons), bound, objective, labels + priced.labels, sampled.connections,
+        sampled.departures, legs, difference, priced.bound,
     )  # fmt: skip
 
 

@@ -17,16 +17,33 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
-from .ahead import look_ahead
+from .ahead import Ahead, look_ahead
 from .cargo import after_service
 from .cuts import NumberedCut, tolls_of
-from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Question, WalkLabels, search
+from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Price, Question, WalkLabels, search
 from .legs import Legs
 
 Array = npt.NDArray[Any]
 
 FIRST_LABELS, FIRST_KEPT = 1 << 18, 1 << 9
 """Initial capacities: for labels, and for labels kept at each body."""
+
+
+class LeastWorth(NamedTuple):
+    """What walks that pay for ΔV are to be worth.
+
+    Attributes
+    ----------
+    worths : sequence of Fraction
+        Of the service of each body.
+    least : Fraction
+    per_s : float
+        What they pay for a second until they end [m/s].
+    """
+
+    worths: Sequence[Fraction]
+    least: Fraction
+    per_s: float
 
 
 class WalkAnswer(NamedTuple):
@@ -51,6 +68,7 @@ def walks_reach(
     most: Fraction,
     slot_m_s: float,
     cuts: tuple[NumberedCut, ...] = (),
+    paying: LeastWorth | None = None,
 ) -> WalkAnswer:
     """Check whether a walk collects ``most``.
 
@@ -67,8 +85,10 @@ def walks_reach(
         nothing else [m/s].
     cuts : tuple of NumberedCut
         What walks pay for at their second services.
+    paying : LeastWorth, optional
+        Walks pay for ΔV, and count only if they are worth as much; gains are in m/s then.
     """
-    ahead = look_ahead(legs, gains, slot_m_s)
+    ahead = look_ahead(legs, gains, slot_m_s, 0.0 if paying is None else 1.0)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
     unit = Fraction(ahead.unit) / (1 << FINE)
     worth = [max(math.ceil(gain / unit), -(2**58)) for gain in gains]
@@ -79,7 +99,8 @@ def walks_reach(
         remembered[i, j // WORD] |= 1 << (j % WORD)
     counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
     tolls = tolls_of(cuts, len(gains), unit)
-    question = Question(np.array(worth), need, remembered, counts, tolls)
+    price = _price(legs, ahead, unit, slot_m_s, paying)
+    question = Question(np.array(worth), need, remembered, counts, tolls, price)
     words = of_bodies, tolls.rows.shape[1]
     labels = _labels_room(FIRST_LABELS, words, ahead.last.size)
     kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
@@ -102,6 +123,20 @@ def walks_reach(
             for new, old in arrays:
                 new[..., : old.shape[-1]] = old
             kept = wider
+
+
+def _price(
+    legs: Legs, ahead: Ahead, unit: Fraction, slot_m_s: float, paying: LeastWorth | None
+) -> Price:
+    """What walks pay for ΔV; nothing if they do not."""
+    if paying is None:
+        return Price(False, 0.0, 0.0, 0.0, np.zeros(0, dtype=np.int64), 0, ahead)
+    reach = look_ahead(legs, paying.worths, slot_m_s)
+    size = Fraction(reach.unit) / (1 << FINE)
+    worth = [math.ceil(each / size) for each in paying.worths]
+    per_m_s, least = float(1 / unit), math.floor(paying.least / size)
+    since = legs.terms.begin
+    return Price(True, per_m_s, per_m_s * paying.per_s, since, np.array(worth), least, reach)
 
 
 def _begin(
@@ -129,6 +164,8 @@ def _begin(
             labels.time[at], labels.left[at] = legs.terms.ready[body], left
             labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
             labels.value[at] = question.gain[body] if is_launch else 0
+            pays = question.price.pays and is_launch
+            labels.worth[at] = question.price.worth[body] if pays else 0
             labels.memory[at], labels.odd[at] = 0, question.tolls.rows[body] if is_launch else 0
             step = int(np.searchsorted(last, legs.terms.ready[body] - SLACK_S))
             labels.following[at], labels.head[step] = labels.head[step], at
@@ -140,11 +177,11 @@ def _labels_room(size: int, words: tuple[int, int], steps: int) -> WalkLabels:
     """Storage for labels, by the step they are ready in; with words of memory and of cuts."""
     body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
     time, left = np.empty(size), np.empty(size)
-    value, following = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    value, worth, following = (np.empty(size, dtype=np.int64) for _ in range(3))
     memory, odd = (np.empty((size, each), dtype=np.int64) for each in words)
     head = np.full(steps + 1, -1)
     return WalkLabels(
-        body, kits, visits, came_from, time, left, value, memory, odd, following, head
+        body, kits, visits, came_from, time, left, value, worth, memory, odd, following, head
     )
 
 
@@ -153,6 +190,7 @@ def _kept_room(places: int, words: tuple[int, int], size: int) -> KeptLabels:
     visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
     return KeptLabels(
         np.zeros(places, dtype=np.int64), np.empty((places, size)),
-        np.empty((places, size), dtype=np.int64), visits, came_from,
+        np.empty((places, size), dtype=np.int64), np.empty((places, size), dtype=np.int64),
+        visits, came_from,
         *(np.empty((places, each, size), dtype=np.int64) for each in words),
     )  # fmt: skip

@@ -18,7 +18,7 @@ MOST_CONNECTIONS = 1_000_000
 
 TOLD = (
     "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
-    "reasons",
+    "cost_bound", "reasons",
 )  # fmt: skip
 """Fields of a verdict printed by --json under the same names."""
 
@@ -82,8 +82,10 @@ def command(
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
             emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")
-        if plan.cost_bound is not None:
-            emit("  the bound on cost is in no certificate, and was not verified")
+        if verdict.cost_bound is not None:
+            emit(f"  no plan that collects as much costs less than {verdict.cost_bound:.6g} m/s")
+        elif plan.cost_bound is not None:
+            emit("  the bound on cost is not in the certificate, and was not verified")
     return 0 if verdict.verified else 1
 
 

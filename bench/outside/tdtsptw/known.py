@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,7 @@ def report(
     time_limit_s: float = TIME_LIMIT_S,
     kept: Path | None = None,
     doing: Doing = silent,
+    count: int | None = None,
 ) -> Iterator[str]:
     """The table, in Markdown, row by row.
 
@@ -44,8 +46,13 @@ def report(
         limit that were not proven are.
     doing : callable
         Hears of each instance before it is planned.
+    count : int, optional
+        Of the largest instances as many with a known end and as many without are drawn; all
+        instances without.
     """
     files, best = instance_files(folder), read_best(folder / BEST)
+    if count is not None:
+        files = drawn(files, best, count)
     for path in files:  # what is broken is said before the first of them is planned
         read_roads(path)
     rows: dict[str, Any] = read_object(kept) if kept is not None and kept.exists() else {}
@@ -61,7 +68,21 @@ def report(
             if kept is not None:
                 write_text(kept, json.dumps(rows, indent=0) + "\n")
         yield _line(path.stem, best.get(path.stem, math.nan), row)
-    yield f"\n{_sums(rows, best)}\n"
+    names = {path.stem for path in files}
+    rows = {name: row for name, row in rows.items() if name in names}
+    yield f"\n{_sums(rows, {name: best.get(name, math.nan) for name in names})}\n"
+
+
+def drawn(files: list[Path], best: dict[str, float], count: int) -> list[Path]:
+    """Some of the largest instances, always the same: half of them with a known end."""
+    most = max(int(path.stem.split("_")[0]) for path in files)
+    largest = [path for path in files if int(path.stem.split("_")[0]) == most]
+    is_open = [math.isnan(best.get(path.stem, math.nan)) for path in largest]
+    found = []
+    for wanted in (False, True):
+        those = [path for path, one in zip(largest, is_open, strict=True) if one == wanted]
+        found += random.Random(0).sample(those, min(count, len(those)))
+    return sorted(found)
 
 
 def _row(path: Path, time_limit_s: float) -> dict[str, Any]:
