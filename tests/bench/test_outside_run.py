@@ -78,6 +78,8 @@ def test_wrong_calls_are_refused(script, capsys, tmp_path, monkeypatch):
         (["optw", "--data", str(tmp_path), "--solution", "it"], "only solutions of kttsp"),
         (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "and tdtsptw take one"),
         (["kttsp", "--data", str(tmp_path), "--time-limit", "-1"], "of 0 or more"),
+        (["kttsp", "--data", str(tmp_path), "--draw", "3"], "only instances of tdtsptw are drawn"),
+        (["tdtsptw", "--data", str(tmp_path), "--draw", "0"], "one or more"),
     )
     for arguments, sentence in calls:
         assert script.main(arguments) == 2

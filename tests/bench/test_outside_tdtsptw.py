@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from from_outside import DATA, external
 from outside.tdtsptw import reading
+from outside.tdtsptw.known import drawn
 from outside.tdtsptw.ours import breakpoints, instance_of, plan
 from outside.tdtsptw.scoring import arrival, score
 
@@ -26,6 +27,16 @@ def test_all_instances_are_read():
     assert {size: sizes.count(size) for size in sizes} == {15: 25, 20: 25, 30: 25, 40: 55}
     assert {path.stem for path in files} == set(best)
     assert sum(math.isnan(end) for end in best.values()) == 30
+
+
+def test_as_many_known_as_open_ones_are_drawn():
+    """Drawn instances are among the largest, half of them open, and the same every time."""
+    files, best = reading.instance_files(FOLDER), reading.read_best(FOLDER / reading.BEST)
+    found = drawn(files, best, 5)
+    assert found == drawn(files, best, 5)
+    assert len({path.stem for path in found}) == 10
+    assert {path.stem.split("_")[0] for path in found} == {"40"}
+    assert sum(math.isnan(best[path.stem]) for path in found) == 5
 
 
 def test_functions_are_what_is_driven():

@@ -1,4 +1,4 @@
-"""The 130 instances: known least ends, our tours and our bounds."""
+"""The instances, all 130 or some that are drawn: known least ends, our tours and our bounds."""
 
 from __future__ import annotations
 
