@@ -54,7 +54,7 @@ ANNEALINGS = 8
 """Number of annealings in the first round where planes drift."""
 
 FIRST_ANNEALINGS = 2
-"""Number of annealings before any beam."""
+"""Number of annealings before any wide beam."""
 
 PROVING_ROUNDS = 4
 """After the second round, if planes drift and a proof has no bound yet, it continues in one round
@@ -130,11 +130,12 @@ class RouteSearches:
         if self._asks and prover is not None and not is_over():
             prover.advance()  # only beginning takes no time, and beams may take all of it
             prover.deliver()
-        if not self._asks:
-            self.anneal(FIRST_ANNEALINGS)  # which finds more in less time than beams do
         for width in pilots(self._mission):
             if not is_over():
                 self.usual(self.usual_width(width))
+        # It finds more in less time than wider beams do, but its table takes longer than a pilot.
+        if not self._asks:
+            self.anneal(FIRST_ANNEALINGS)
         # Beside a proof a beam is slower, so where time is short it comes before; on one core the
         # proof would come before it, and take what there is.
         short = cores == 1 or self.needed_s(self._usual) > UNHURRIED * stop.remaining_s()

@@ -22,7 +22,7 @@ from .bound import Bound, Bounding, FirstPrices, Tangent, bound, memories, neigh
 from .campaign import Campaign
 from .cells import CellTimes, cells_of
 from .costs import FORBIDDEN, Costs, TimeGrid
-from .grid_costs import UNIT_M_S
+from .grid_costs import MOST_BYTES, UNIT_M_S, layout_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -89,7 +89,7 @@ class LeastExpense:
     problem : Problem
         With the expense by mass as its cost, and a longest leg.
     step_s : float, optional
-        Of the cells; by default that of the coarse grid of tours [s].
+        Of the cells, no longer than a stay; by default :func:`cell_length_s` [s].
     cores : int
 
     Attributes
@@ -105,14 +105,15 @@ class LeastExpense:
             raise ValueError("bounds are of an expense by mass, and of legs of limited time")
         self._expense = campaign.expense
         self._count = len(problem.instance.targets)
-        step = steps.step if step_s is None else step_s
-        rules = problem.missions[0].rules
-        stay = float(rules.service[problem.instance.first_target :].min())
+        step = cell_length_s(problem) if step_s is None else step_s
+        stay = _shortest_stay_s(problem)
+        if step is None or stay < step:
+            raise ValueError("cells are no longer than a stay: walks do one target in each")
         tank = problem.missions[0].chaser.tank
         apart_s = problem.instance.mission.mission_separation_s
         since, until = problem.instance.available_s[0]
         last = min(problem.instance.mission.duration_s, math.inf if until is None else until)
-        least = max(math.floor(stay / step + 1e-9), 1)
+        least = math.floor(stay / step + 1e-9)
         most = math.ceil(limit / step - 1e-9)
         size = math.floor((last - stay - since) / step + 1e-9) + 1, most - least + 1
         times = CellTimes(since, step, stay, steps.longest, least, tank.full_m_s(0.0) + 1.0)
@@ -205,6 +206,28 @@ class LeastExpense:
         for each in self._known:
             if each is now or each.prices is None:
                 each.prices = found.prices
+
+
+def cell_length_s(problem: Problem) -> float | None:
+    """Length of cells: that of the coarse grid of tours, or a stay if that is shorter.
+
+    None where cells that short would be too many.
+    """
+    stay, limit = _shortest_stay_s(problem), problem.instance.transfer.max_leg_s
+    step = layout_of(problem).steps.step
+    if stay >= step:
+        return step
+    if limit is None or stay <= 0.0:
+        return None
+    gaps, times = limit / stay + 1.0, problem.instance.mission.duration_s / stay + 1.0
+    size = 2.0 * len(problem.instance.targets) ** 2 * gaps * times
+    return stay if size <= MOST_BYTES else None
+
+
+def _shortest_stay_s(problem: Problem) -> float:
+    """The shortest service [s]."""
+    service = problem.missions[0].rules.service
+    return float(service[problem.instance.first_target :].min())
 
 
 def cheapest(cells: Costs, share: float) -> Costs:

@@ -12,7 +12,7 @@ from adr_opt.mission.result import Result
 
 from ..progress.halting import ShareOfTime
 from .campaign import Campaign, certified_tour, plan_tours
-from .least_expense import LeastExpense
+from .least_expense import LeastExpense, cell_length_s
 
 FOR_PLAN = 0.15
 """Share of the time for the plan where its cost is to be bounded."""
@@ -28,11 +28,12 @@ def auto(problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: 
 def exact(problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores: int) -> Result:
     """A campaign, and a bound on the cost of all, where that is an expense by mass.
 
-    Without a limit of legs nothing is proven of the cost.
+    Without a limit of legs, or with very short services, nothing is proven of the cost.
     """
     began_s = now_s()
     within: Stop = stop
     can_bound = Campaign(problem).weighs and problem.instance.transfer.max_leg_s is not None
+    can_bound = can_bound and cell_length_s(problem) is not None
     if can_bound and math.isfinite(stop.remaining_s()):
         within = ShareOfTime(stop, FOR_PLAN)
     planned = plan_tours(problem, seed=seed, stop=within, progress=progress, cores=cores)

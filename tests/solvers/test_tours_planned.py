@@ -21,7 +21,7 @@ from adr_opt.mission.problem import Problem
 from adr_opt.mission.tours import tour_obstacle
 from adr_opt.problem.instance import Instance, instance_of
 from solvers.tours import cells
-from solvers.tours.least_expense import LeastExpense
+from solvers.tours.least_expense import LeastExpense, cell_length_s
 
 STEP_S = 2.5 * DAY_S
 STAY, MOST, APART = 2, 6, 4
@@ -339,6 +339,24 @@ def test_no_campaign_costs_less_than_the_bound(seed: int) -> None:
         assert found.value <= least
     fixed = instance.chasers[0].priced.fixed
     assert found.value > fixed
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_are_no_longer_than_a_stay(seed: int) -> None:
+    """However short services are, the bound lies below a plan, since cells are as short."""
+    instance = launched(450 + seed, 3, mission__service_s=0.15 * STEP_S)
+    problem = Problem(instance)
+    length = cell_length_s(problem)
+    assert length is not None
+    assert length <= 0.15 * STEP_S
+    with pytest.raises(ValueError, match="no longer than a stay"):
+        LeastExpense(problem, STEP_S)
+    found = LeastExpense(problem)
+    found.advance(math.inf)
+    plan = adr_opt.solve(instance, iterations=3, time_limit=math.inf).plan
+    assert plan is not None
+    assert found.value <= plan.cost
+    assert cell_length_s(Problem(launched(450 + seed, 3, mission__service_s=1.0))) is None
 
 
 def test_exact_states_the_bound_with_its_plan(planned: tuple[Instance, adr_opt.Plan]) -> None:
