@@ -19,7 +19,7 @@ from ..plan.certificate import (
 from ..plan.plan import MODEL, InstanceReference
 from ..plan.station_limits import StationLimits
 from ..problem.instance import Instance
-from .evidence import CostEvidence, Cut, Evidence, Walks
+from .evidence import USUAL_SLOT_M_S, CostEvidence, Cut, Evidence, Walks
 from .prizes import Prizes
 from .result import Result
 
@@ -79,7 +79,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
         upper_bound=max(float(bound), 0.0) if bound > -math.inf else None,
         required_worth=float(prizes.bonus) if prizes.required else 0.0,
         prize_step=prizes.prize_step or None,
-        delta_v_slot_m_s=20.0 if evidence is None else float(evidence.delta_v_slot_m_s),
+        delta_v_slot_m_s=USUAL_SLOT_M_S if evidence is None else float(evidence.delta_v_slot_m_s),
         time_step_s=evidence.time_step_s if walks and evidence is not None else None,
         multipliers=multipliers,
         walks=walks,

@@ -8,6 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+USUAL_SLOT_M_S = 20.0
+"""Slot of ΔV for looking ahead where a proof has none of its own [m/s]."""
+
 WORD = 63
 """Number of targets per integer of a neighbourhood."""
 
@@ -81,8 +84,8 @@ class Floors:
 class CostEvidence:
     """Evidence for a least ΔV of plans of a single chaser that are worth enough.
 
-    Of a walk that is worth as much as is asked for, what it is worth at the price less its ΔV does
-    not exceed what the least worth at that price, less the bound, is.
+    With worth at a price and ΔV taken off, no walk that is worth enough counts more than the least
+    worth at that price less the bound.
 
     Attributes
     ----------

@@ -73,8 +73,8 @@ class ProvenCost(Record):
 
     Each service of a walk counts ``per_prize`` times what the target is worth, required ones with
     ``required_worth``, and its legs take off their ΔV. No walk that is worth as much as such a plan
-    counts more than that worth times ``per_prize``, less ``bound``. Walks remember as said of
-    ``neighbourhoods`` in the ``walks``.
+    counts more than that worth times ``per_prize``, less ``bound``. ``neighbourhoods`` are what
+    walks remember, as in :class:`ProvenWalks`.
     """
 
     prize: NonNegative

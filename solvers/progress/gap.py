@@ -13,7 +13,7 @@ from adr_opt.common.clock import now_s
 from adr_opt.common.progress import Progress
 from adr_opt.common.tolerance import rounded_up
 from adr_opt.mission.certified import certify_routes
-from adr_opt.mission.evidence import CostEvidence, Evidence
+from adr_opt.mission.evidence import USUAL_SLOT_M_S, CostEvidence, Evidence
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes, problem_of
 from adr_opt.mission.result import Result
@@ -143,7 +143,7 @@ class GapTracker:
             return self.evidence
         # Where all prizes are collected they are no question, and their bound has no evidence.
         bodies = len(self._problem.planning_prizes)
-        evidence = self.evidence or Evidence(np.zeros(bodies), (), 20.0)
+        evidence = self.evidence or Evidence(np.zeros(bodies), (), USUAL_SLOT_M_S)
         return replace(evidence, cost=self.cost_evidence)
 
     @property

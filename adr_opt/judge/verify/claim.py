@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+
+import numpy as np
+import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...plan.certificate import Certificate
 from ...problem.instance import Instance
 from .floors import worth_of_floors
+
+Mask = npt.NDArray[np.bool_]
 
 WHOLE = Fraction(1, 10**12)
 """Relative tolerance for prizes as multiples of the step."""
@@ -57,8 +63,8 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
             )
     _check_cuts(instance, certificate)
     if certificate.cost is not None:
-        remembered = certificate.cost.neighbourhoods
-        strange = set(remembered).union(*remembered.values()) - bodies
+        named = certificate.cost.neighbourhoods
+        strange = set(named).union(*named.values()) - bodies
         if strange:
             raise InputError(
                 f"field cost.neighbourhoods: {min(strange)!r} is not a body of the instance"
@@ -130,6 +136,15 @@ def gains(instance: Instance, certificate: Certificate) -> list[Fraction]:
     worths = worths_of(instance, certificate)
     multipliers = (Fraction(certificate.multipliers.get(name, 0.0)) for name in instance.names)
     return [worth - less for worth, less in zip(worths, multipliers, strict=True)]
+
+
+def remembered(instance: Instance, neighbourhoods: Mapping[str, Sequence[str]]) -> Mask:
+    """Whether a walk that comes to a body (row) still remembers another one (column)."""
+    number = {name: body for body, name in enumerate(instance.names)}
+    found = np.zeros((len(number), len(number)), dtype=np.bool_)
+    for at, names in neighbourhoods.items():
+        found[number[at], [number[name] for name in names]] = True
+    return found
 
 
 def trivial_bound(instance: Instance) -> float:

@@ -1,9 +1,9 @@
 """Check of a least ΔV: that no walk worth enough takes less.
 
 Walks are those of :mod:`.walks`, and pay for their ΔV and, where that has a price, for the time
-until they end. A plan that is worth W or more and costs
-less than C counts more than λ W − C at a price λ of worth, and it is a walk. So if no walk that is
-worth as much counts as much, there is no such plan.
+until they end. A plan that is worth W or more and costs less than C counts more than λ W − C at a
+price λ of worth, and it is a walk. So if no walk that is worth as much counts as much, there is no
+such plan.
 """
 
 from __future__ import annotations
@@ -11,13 +11,11 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import NamedTuple
 
-import numpy as np
-
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenCost
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .claim import worths_of
+from .claim import remembered, worths_of
 from .legs import legs_of
 from .walks import LeastWorth, walks_reach
 
@@ -100,14 +98,12 @@ def _walks_cost_less(
     required = sum(target.required for target in instance.targets)
     least = Fraction(cost.prize) + required * Fraction(certificate.required_worth)
     least -= SLACK * abs(least)
-    number = {name: body for body, name in enumerate(instance.names)}
-    neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
-    for at, names in cost.neighbourhoods.items():
-        neighbourhoods[number[at], [number[name] for name in names]] = True
     # Walks pay on their first leg for what the tank lacks at the start, and plans do not.
-    most = Fraction(cost.bound) + Fraction(connecting.spent_m_s(number[chaser.start_name]))
+    most = Fraction(cost.bound) + Fraction(
+        connecting.spent_m_s(instance.names.index(chaser.start_name))
+    )
     answer = walks_reach(
-        legs, [price * each for each in worths], neighbourhoods,
+        legs, [price * each for each in worths], remembered(instance, cost.neighbourhoods),
         price * least - most, certificate.delta_v_slot_m_s,
         paying=LeastWorth(worths, least, instance.time_m_s_per_s),
     )  # fmt: skip
@@ -120,9 +116,10 @@ def _compared(plan: Plan | None, cost: ProvenCost) -> list[str]:
         return []
     if plan.objective < cost.prize * (1.0 - RELATIVE):
         return [f"the cost part is on plans that collect {cost.prize:.15g}, and this one does not"]
-    follows = f"it only follows that none costs less than {cost.bound:.15g} m/s"
+    follows = f"none costs less than {cost.bound:.15g} m/s"
     if plan.cost < cost.bound * (1.0 - RELATIVE):
-        return [f"the plan costs {plan.cost:.15g} m/s, but {follows[17:]}: one of them is wrong"]
+        return [f"the plan costs {plan.cost:.15g} m/s, but {follows}: one of them is wrong"]
     if plan.cost_bound > cost.bound * (1.0 + RELATIVE):
-        return [f"the plan states the bound {plan.cost_bound:.15g} m/s on its cost; {follows}"]
+        stated = f"the plan states the bound {plan.cost_bound:.15g} m/s on its cost"
+        return [f"{stated}; it only follows that {follows}"]
     return []

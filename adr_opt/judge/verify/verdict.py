@@ -10,15 +10,13 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-import numpy as np
-
 from ...common.errors import InputError
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..check.verdict import check
-from .claim import bound_of, check_names, difference_of, gains
+from .claim import bound_of, check_names, difference_of, gains, remembered
 from .cost import judged_cost
 from .cuts import cuts_of
 from .legs import legs_of
@@ -169,10 +167,7 @@ def _asked(
     instance: Instance, connecting: ConnectionFinder, certificate: Certificate, walks: ProvenWalks
 ) -> tuple[int, int, str | None]:
     """Number of labels and legs needed, and the error if a walk collects more than claimed."""
-    number = {name: body for body, name in enumerate(instance.names)}
-    neighbourhoods = np.zeros((len(number), len(number)), dtype=np.bool_)
-    for at, names in walks.neighbourhoods.items():
-        neighbourhoods[number[at], [number[name] for name in names]] = True
+    neighbourhoods = remembered(instance, walks.neighbourhoods)
     made, gone, seen = 0, 0, []
     for chaser in kept_apart(instance):
         alike = chaser.model_copy(update={"name": ""})
