@@ -204,7 +204,7 @@ class _Relaxed:
         self._instance: Instance = instance.replace(chasers=chasers)
         limits = limits_of(self._instance, number)
         self._rules = mission.rules._replace(closes=limits.closes, duration=limits.duration)
-        connecting = ConnectionFinder(self._instance, mission.connecting.corrections)
+        connecting = ConnectionFinder(self._instance, mission.connecting.corrections, number)
         cost, price = self._instance.objective.cost, mission.instance.time_m_s_per_s
         self._schedules = Scheduler(connecting, lambda: self._rules, cost, mission.chaser, price)
 

@@ -17,6 +17,7 @@ from ..kernels.legs.given_functions import legs_of
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.leg_kinds import leg_kinds
+from ..problem.drives import drive_of
 from ..problem.given_functions import Function
 from ..problem.instance import Instance
 from .connection_cache import ConnectionCache, Pair
@@ -49,9 +50,15 @@ class ConnectionFinder:
     instance : Instance
     corrections : Corrections, optional
         What connections cost beyond the model. Then they are listed also where events are regular.
+    chaser : int
+        Number of the one that the connections are for; those of one drive share them.
+    relaxed : bool
+        Whether connections of low thrust are lower bounds, whatever the mass of the chaser.
 
     Attributes
     ----------
+    drive : Drive or None
+        Of the chaser, if its thrust is low.
     ends : AllEnds
     families : tuple of LegFamily
         Those that legs may be of.
@@ -64,15 +71,23 @@ class ConnectionFinder:
         How many connections the pairs have that a table was made of, where they are listed.
     """
 
-    def __init__(self, instance: Instance, corrections: Corrections = NO_CORRECTIONS) -> None:
-        self.instance = instance
+    def __init__(
+        self,
+        instance: Instance,
+        corrections: Corrections = NO_CORRECTIONS,
+        chaser: int = 0,
+        *,
+        relaxed: bool = False,
+    ) -> None:
+        self.instance, self.chaser, self.relaxed = instance, chaser, relaxed
+        self.drive = drive = drive_of(instance.chasers[chaser], instance.targets)
         self.corrections = corrections
         self._names = instance.names
-        self.ends = ends = AllEnds(instance)
+        self.ends = ends = AllEnds(instance, drive, relaxed=relaxed)
         self.inputs = ends.leaving, ends.arriving, ends.eccentricity_m_s, ends.rule
         self.given = instance.given
         self.times = ends.times
-        self.families = registry.families_of(instance)
+        self.families = registry.families_of(instance, drive)
         self._is_listed = are_listed(instance)
         self._has_registered = bool(registry.registered_of(instance))
         told = self.times is not None or self.given is not None
@@ -170,7 +185,7 @@ class ConnectionFinder:
 
     def corrected(self, corrections: Corrections) -> ConnectionFinder:
         """A finder with other corrections; cached connections of the model are shared."""
-        made = ConnectionFinder(self.instance, corrections)
+        made = ConnectionFinder(self.instance, corrections, self.chaser, relaxed=self.relaxed)
         made.kept = self.kept
         return made
 
@@ -186,7 +201,7 @@ class ConnectionFinder:
         those that arrive in time. Tanks may differ unless connections :attr:`depends_on_tank`.
         Prizes may, and targets may be left out: no pair knows of other bodies.
         """
-        made = ConnectionFinder(instance, self.corrections)
+        made = self._for(instance)
         if self.is_listed:
             made._longer, made._numbers = self, self.numbers_of(instance)
         return made
@@ -220,8 +235,18 @@ class ConnectionFinder:
                 "with the longest mission"
             )
         if self.depends_on_tank and instance.largest_tank_m_s != self.instance.largest_tank_m_s:
-            return ConnectionFinder(instance, self.corrections)
+            return self._for(instance)
         return self.shortened(instance)
+
+    def of_chaser(self, chaser: int) -> ConnectionFinder:
+        """The finder for a chaser, given by its number: this one if its drive is the same."""
+        if drive_of(self.instance.chasers[chaser], self.instance.targets) == self.drive:
+            return self
+        return ConnectionFinder(self.instance, self.corrections, chaser, relaxed=self.relaxed)
+
+    def _for(self, instance: Instance) -> ConnectionFinder:
+        """A finder for another instance with the same chasers."""
+        return ConnectionFinder(instance, self.corrections, self.chaser, relaxed=self.relaxed)
 
     def modelled(self, i: int, j: int, family: int, delta_v_m_s: float) -> float:
         """Cost of a connection without corrections and earlier expenditure [m/s]."""

@@ -128,7 +128,7 @@ class Timetable(Shown):
             return enough(filled / max(1, wanted))
 
         if connecting is None or connecting.instance is not instance:
-            connecting = ConnectionFinder(instance, corrections)
+            connecting = ConnectionFinder(instance, corrections, chaser or 0)
         if asked is not None:
             assert connecting.may_be_on_demand
             built = 0

@@ -334,7 +334,7 @@ class Mission(Shown, Prizes):
     @cached_property
     def connecting(self) -> ConnectionFinder:
         """Finder of the connections of pairs."""
-        return ConnectionFinder(self.instance)
+        return ConnectionFinder(self.instance, chaser=self._number)
 
     @cached_property
     def schedules(self) -> Scheduler:

@@ -22,6 +22,7 @@ from ..legs.timetable import Timetable
 from ..plan.cargo import loads_of
 from ..plan.station_limits import StationLimits, Use
 from ..problem.chasers import InOrbit
+from ..problem.drives import drive_of
 from ..problem.instance import AnyInstance, Instance, instance_of
 from .mission import Mission
 from .prizes import Prizes
@@ -123,6 +124,18 @@ class Problem(Shown, Prizes):
         for name in ("planning_prizes", "is_required", "prize_step"):  # a mission may offer others
             made.__dict__[name] = getattr(mission, name)
         return made
+
+    @property
+    def depends_on_mass(self) -> bool:
+        """Whether transfers cost what they do for the heaviest chaser alone."""
+        finders = [mission.connecting for mission in self.missions]
+        return any(each.drive is not None and not each.relaxed for each in finders)
+
+    @cached_property
+    def relaxed(self) -> Problem:
+        """The same problem with lower bounds on what legs of low thrust cost, whatever the mass."""
+        connecting = ConnectionFinder(self.instance, self.connecting.corrections, relaxed=True)
+        return self._of(self.instance, connecting, self.margin)
 
     @property
     def connecting(self) -> ConnectionFinder:
@@ -333,15 +346,23 @@ def _missions(
     connecting: ConnectionFinder,
     timetables: Sequence[Timetable],
 ) -> list[Mission]:
-    """The missions of all chasers; chasers with equal time windows share their choices."""
+    """The missions of all chasers.
+
+    Those of one drive share their connections, and with equal time windows their choices, too.
+    """
     there: dict[Any, Mission] = {}
+    finders = {connecting.drive: connecting}
     missions = []
     for number, since in enumerate(instance.available_s):
-        twin = there.get(since)
+        drive = drive_of(instance.chasers[number], instance.targets)
+        finder = finders.get(drive)
+        if finder is None:
+            finder = finders[drive] = connecting.of_chaser(number)
+        twin = there.get((since, drive))
         mission = Mission(
-            instance, threads=threads, margin=margin, chaser=number, connecting=connecting,
+            instance, threads=threads, margin=margin, chaser=number, connecting=finder,
             twin=twin, timetable=timetables[number] if timetables and twin is None else None,
         )  # fmt: skip
-        there.setdefault(since, mission)
+        there.setdefault((since, drive), mission)
         missions.append(mission)
     return missions

@@ -55,7 +55,11 @@ DRIFT = LegKind("drift", "drift", "drifting", on_time_grid=True)
 LAUNCH = LegKind("launch", "launch", "launched", has_burns=False, from_nowhere=True)
 GIVEN = LegKind("given", "given leg", "given", has_burns=False)
 
-_known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN)}
+LOW_THRUST = LegKind(
+    "low-thrust", "low-thrust leg", "low-thrust", has_burns=False, on_time_grid=True
+)
+
+_known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN, LOW_THRUST)}
 
 _installed = [entry_points]
 """Pending lookup of installed families, done once: emptied before they are loaded, as

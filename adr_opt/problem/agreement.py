@@ -71,6 +71,28 @@ def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> N
             )
 
 
+def check_thrust(
+    chasers: Sequence[Chaser], transfer: TransferSettings, *, zones: bool, drifts: bool
+) -> None:
+    """Low thrust needs drifting nodes, the model's connections, and one fleet of a kind."""
+    for number, chaser in enumerate(chasers):
+        if chaser.thrust_n is None:
+            continue
+        stated = f"field chasers[{number}].thrust_n = {chaser.thrust_n!r}"
+        if transfer.given is not None:
+            raise ValueError(f"{stated}: connections are given, whatever the thrust; leave it out")
+        if not drifts or not transfer.max_drift_s > 0.0:
+            raise ValueError(
+                f"{stated}: transfers of low thrust take days to months, in which nodes drift; "
+                'write dynamics "j2", and give transfer.max_drift_s'
+            )
+        if zones:
+            raise ValueError(
+                f"{stated}: spirals cannot be planned around keep-out zones; leave "
+                "keep_out_zones out"
+            )
+
+
 def check_expense(chasers: Sequence[Chaser], objective: Objective) -> None:
     """Minimising the expense requires a chaser that states one."""
     if objective.cost == "expense" and all(chaser.expense is None for chaser in chasers):

@@ -22,6 +22,7 @@ from ..common.records import (
     LARGEST_DELTA_V_M_S,
     LARGEST_EXPENSE,
     LARGEST_MASS_KG,
+    LARGEST_THRUST_N,
     Name,
     Record,
     Window,
@@ -247,7 +248,9 @@ class Chaser(Record):
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
     ``expense`` counts where the objective says so; the field is in no file that does not state it.
     Nor is ``max_exceptions``, the maximum number of given connections marked as exceptions that it
-    uses; None for no limit.
+    uses; None for no limit. With ``thrust_n`` all its transfers are of low thrust (docs/model.md
+    section 11), which is on for the share ``duty_cycle`` of the time at most; they stand in files
+    where they are stated, too.
     """
 
     name: Name
@@ -260,10 +263,27 @@ class Chaser(Record):
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
     max_exceptions: Annotated[int, Field(ge=0)] | None = None
+    thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
+    duty_cycle: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "expense", "max_exceptions")
+        return without(write(self), "expense", "max_exceptions", "thrust_n", "duty_cycle")
+
+    @model_validator(mode="after")
+    def _can_thrust(self) -> Self:
+        if self.thrust_n is None:
+            if self.duty_cycle is not None:
+                raise ValueError(
+                    f"duty_cycle = {self.duty_cycle!r}: of no thrust; give thrust_n, too, or leave "
+                    "it out"
+                )
+        elif not isinstance(self.tank, TankByMass):
+            raise ValueError(
+                f"thrust_n = {self.thrust_n!r}: the tank is given in ΔV, without masses; give its "
+                "dry_mass_kg, propellant_kg and isp_s"
+            )
+        return self
 
     @model_validator(mode="after")
     def _can_be_weighed(self) -> Self:

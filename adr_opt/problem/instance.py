@@ -143,6 +143,16 @@ class Instance(Shown, InstanceFile):
         return self.dynamics == "j2" and self.transfer.given is None
 
     @property
+    def has_low_thrust(self) -> bool:
+        """Whether some chaser has low thrust."""
+        return any(chaser.thrust_n is not None for chaser in self.chasers)
+
+    @property
+    def has_trajectories(self) -> bool:
+        """Whether plans state how legs are flown: unless connections are given or thrust is low."""
+        return self.transfer.given is None and not self.has_low_thrust
+
+    @property
     def has_orbits(self) -> bool:
         """Whether all bodies have an orbit."""
         return all(orbit is not None for orbit in self.known_orbits)

@@ -29,6 +29,7 @@ from .agreement import (
     check_removals,
     check_separation,
     check_stations,
+    check_thrust,
 )
 from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
@@ -93,6 +94,10 @@ class InstanceFile(Record):
         )
         check_expense(self.chasers, self.objective)
         check_exceptions(self.chasers, self.transfer)
+        check_thrust(
+            self.chasers, self.transfer, zones=bool(self.keep_out_zones),
+            drifts=self.dynamics == "j2",
+        )  # fmt: skip
         check_separation(self.chasers, self.mission)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)

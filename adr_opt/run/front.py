@@ -14,11 +14,12 @@ from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.connection_finder import estimate
 from ..legs.families.registry import registered_of
 from ..legs.timetable_size import TABLE_BYTES, Size, too_large
-from ..mission.problem import AnyProblem, Problem, problem_of
+from ..mission.problem import AnyProblem, Problem, Routes, problem_of
 from ..mission.result import Result, noted, proven_of
 from ..plan.plane_drift import drift_warning
 from ..problem.instance import Instance
 from ..problem.least_time import too_short
+from . import by_masses
 from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
 from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
@@ -207,12 +208,50 @@ def run(
     InputError
         As of :func:`solve`.
     """
+    whole = problem_of(instance)
+
+    def once(group: str, problem: Problem, method: str, wanted: RunOptions) -> Result:
+        return _run(
+            group, problem, method, wanted, stop=stop, progress=progress, building=building,
+            sizing=sizing,
+        )  # fmt: skip
+
+    if not whole.depends_on_mass:
+        return once(group, whole, method, wanted)
+    if group == BOUNDS:
+        return by_masses.bounded(once(group, whole.relaxed, method, wanted))
+    prover = wanted.bound or (by_masses.PROVER if spec_of(method, group).shows_evidence else None)
+
+    def plan(limit_s: float) -> Result:
+        return once(group, whole, method, replace(wanted, time_limit=limit_s, bound=None))
+
+    def prove(limit_s: float, routes: Routes) -> Result:
+        start: Any = routes[0] if len(routes) == 1 else routes
+        asked = replace(
+            wanted, time_limit=limit_s, bound=None, repair=False, options={}, start=start or None
+        )
+        return once(BOUNDS, whole.relaxed, str(prover), asked)
+
+    return by_masses.planned(whole, wanted.time_limit, plan, prove if prover else None)
+
+
+def _run(
+    group: str,
+    whole: Problem,
+    method: str,
+    wanted: RunOptions,
+    *,
+    stop: Stop | None,
+    progress: Progress,
+    building: Callable[[float], None],
+    sizing: Callable[[Size], None],
+) -> Result:
+    """Run a planner or a bound on a problem as it stands."""
     start, repair, jobs, bound = wanted.start, wanted.repair, wanted.jobs, wanted.bound
     MaxRuntime(wanted.time_limit)  # a wrong one is refused before anything is compiled
     memory_gib, iterations = wanted.memory_gib, wanted.iterations
     if memory_gib is not None and not memory_gib > 0.0:
         raise InputError(f"memory_gib = {memory_gib!r}: must be a number above 0")
-    whole = problem_of(instance)
     if wanted.margin:
         whole = whole.with_margin(wanted.margin)
     # Each side counts its own iterations, or the work of one would depend on the other's speed.

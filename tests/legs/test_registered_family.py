@@ -215,7 +215,7 @@ def test_plans_of_a_kind_that_nobody_registered_are_refused(tmp_path: Path) -> N
         adr_opt.solve(instance, "exact", time_limit=60.0).plan.save(tmp_path / "plan.json")
     finally:
         registry.unregister(family)
-    with pytest.raises(adr_opt.InputError, match="'short', 'drift', 'launch' or 'given'"):
+    with pytest.raises(adr_opt.InputError, match="'launch', 'given' or 'low-thrust'"):
         adr_opt.load_plan(tmp_path / "plan.json")
 
 

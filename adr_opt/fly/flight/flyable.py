@@ -23,7 +23,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
     missing, or one too many.
     """
-    refuse_given(instance)
+    refuse_without_burns(instance)
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
@@ -40,8 +40,13 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
             )
 
 
-def refuse_given(instance: Instance) -> None:
-    """Raise :class:`InputError` for an instance whose connections are given."""
+def refuse_without_burns(instance: Instance) -> None:
+    """Raise :class:`InputError` for an instance whose plans have no burns."""
+    if instance.has_low_thrust:
+        raise InputError(
+            f"{instance.name!r} has chasers with low thrust, whose legs are planned in closed form "
+            "and not flown yet"
+        )
     if instance.transfer.given is not None:
         raise InputError(
             f"the connections of {instance.name!r} are given, with nothing but times and costs: "

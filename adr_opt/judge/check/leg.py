@@ -14,14 +14,17 @@ from ...kernels.legs import burns as burn_kernels
 from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left
-from ...plan.leg_kinds import DRIFT, GIVEN, LAUNCH, SHORT
+from ...plan.leg_kinds import DRIFT, GIVEN, LAUNCH, LOW_THRUST, SHORT
 from ...plan.plan import Leg
+from ...problem.chasers import Chaser
+from ...problem.drives import drive_of
 from ...problem.given import Given
 from ...problem.instance import Instance
 from .drift import check_drift
 from .eccentric import StatedSequence, matching_cost
 from .figures import check_burns, check_costs
 from .given import check_given
+from .low_thrust import check_low_thrust
 from .registered import check_registered
 from .tow import Towed, towed_bodies
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
@@ -62,13 +65,20 @@ class Physics(NamedTuple):
 
 
 def check_transfer(
-    instance: Instance, physics: Physics, number: int, leg: Leg, i: int, j: int, free: float
+    instance: Instance,
+    physics: Physics,
+    chaser: Chaser,
+    number: int,
+    leg: Leg,
+    ends: tuple[int, int],
+    free: float,
 ) -> Generator[Violation, None, tuple[float, float]]:
     """Check that a leg departs at a crossing of the line of nodes with a flyable sequence.
 
     Returns when the chaser arrives and the ΔV, to go on from: recomputed, but as stated where the
     plan is wrong about them, so that one mistake is reported once.
     """
+    i, j = ends
     if leg.kind == LAUNCH.name or i in instance.launches:
         return (yield from _check_launch(number, leg, i in instance.launches, free))
     if physics.given is not None:
@@ -76,11 +86,19 @@ def check_transfer(
     if leg.kind == GIVEN.name:
         yield Violation(number, "given", "is given, but the instance has connections of the model")
         return leg.arrival_s, leg.delta_v_m_s
+    between = physics.left[i], physics.elements[j]
+    drive = drive_of(chaser, instance.targets)
+    if leg.kind == LOW_THRUST.name:
+        return (
+            yield from check_low_thrust(instance, between, physics.rule, drive, number, leg, free)
+        )
+    if drive is not None and leg.kind in (SHORT.name, DRIFT.name):
+        yield Violation(number, "kind", f"is {leg.kind!r}, but the thrust of its chaser is low")
+        return leg.arrival_s, leg.delta_v_m_s
     if leg.kind == DRIFT.name:
-        ends = physics.left[i], physics.elements[j]
-        return (yield from check_drift(instance, ends, physics.rule, number, leg, free))
+        return (yield from check_drift(instance, between, physics.rule, number, leg, free))
     if leg.kind != SHORT.name:
-        return (yield from check_registered(instance, number, leg, (i, j), free))
+        return (yield from check_registered(instance, number, leg, ends, free))
     origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
     pair = co_elliptic.prepare(origin, destination, 0.0, rule, ephemeris.EPOCH_S)
     if instance.dynamics == "j2":

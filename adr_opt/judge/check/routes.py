@@ -143,7 +143,9 @@ def _check_route(
                 f"ready_s = {leg.ready_s!r}, but the chaser is free at {now.free!r}",
             )
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
-        arrival, delta_v = yield from check_transfer(instance, physics, number, leg, i, j, now.free)
+        arrival, delta_v = yield from check_transfer(
+            instance, physics, now.chaser, number, leg, (i, j), now.free
+        )
         yield from _check_leg_time(instance, now, number, arrival)
         yield from _check_zones(instance, number, leg)
         now.exceptions += is_exception(instance.given, leg)

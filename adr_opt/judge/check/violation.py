@@ -12,6 +12,9 @@ DELTA_V_TOLERANCE_M_S = 1e-4
 DRIFT_TOLERANCE_M_S = 1e-3
 """Tolerance on the ΔV of drift legs, whose optimum is found by iteration."""
 
+LOW_THRUST_TOLERANCE_M_S = 1e-2
+"""Tolerance on the ΔV of low-thrust legs, whose times of thrust are found by iteration, too."""
+
 OBJECTIVE_TOLERANCE = 1e-6
 """Relative tolerance on objective and bound, at most a quarter of the difference between objectives
 or costs; absolute for the gap."""

@@ -25,7 +25,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
-        "expense", "max_exceptions",
+        "expense", "max_exceptions", "thrust_n", "duty_cycle",
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",

@@ -88,12 +88,14 @@ def sample_connections(
         found = replace(found, delta_v=found.delta_v - connecting.spent_m_s(i))
         share = -(-(number - flown) // (len(drawn) - turn))
         size = min(share, found.departure.size)
-        for c in rng.choice(found.departure.size, size, replace=False):
-            wrong += _faults(connecting, physics, found, i, j, int(c))
-        flown += size
+        # Lower bounds on what legs cost are none that are flown.
+        if connecting.drive is None or not connecting.relaxed:
+            for c in rng.choice(found.departure.size, size, replace=False):
+                wrong += _faults(connecting, physics, found, i, j, int(c))
+            flown += size
         for _ in range(max(1, round(DEPARTURES_SHARE * share))):
             time = float(rng.uniform(0.0, instance.mission.duration_s))
-            ways = list(ways_after(instance, physics, i, j, time))
+            ways = list(ways_after(instance, physics, connecting.drive, i, j, time))
             for family in registered_of(instance):
                 ways += family.ways(connecting.ends.of(i, j), time)
             departures += bool(ways)
@@ -147,7 +149,9 @@ def _faults(
         phasing_revolutions=max(laps, 0),
         burns=burns,
     )
-    for violation in check_transfer(instance, physics, 1, leg, i, j, departure):
+    for violation in check_transfer(
+        instance, physics, instance.chasers[connecting.chaser], 1, leg, (i, j), departure
+    ):
         if violation.rule not in NO_RULES:
             yield f"{said}: {violation.rule}: {violation.message}"
 

@@ -11,10 +11,12 @@ import numpy as np
 from ...kernels.legs import co_elliptic, precession, zones
 from ...kernels.orbits import ephemeris
 from ...legs.families.family import Way
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from ..check.drift import drift_cost
 from ..check.eccentric import StatedSequence, matching_cost
 from ..check.leg import Physics
+from ..check.low_thrust import cost_between
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
 """Maximum number of fixed-point steps where planes drift, and their tolerance [s]."""
@@ -55,8 +57,12 @@ class _Found(NamedTuple):
     moved: float
 
 
-def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:
+def ways_after(
+    instance: Instance, physics: Physics, drive: Drive | None, i: int, j: int, time: float
+) -> Iterator[Way]:
     """Ways that must be present at the next event after a time; all later rows if given.
+
+    Of low thrust some of them, of chasers with the least and with the largest mass by turns.
 
     Where events are kept apart, which of them are left is no matter of physics: then there are none
     of those, and only those that drift.
@@ -66,6 +72,9 @@ def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float
         yield from (Way(*row) for row in np.transpose(rows).tolist() if row[0] >= time)
         return
     settings = instance.transfer
+    if drive is not None:
+        yield from _low_thrust(instance, physics, drive, i, j, time)
+        return
     if settings.departure_spacing_s == 0.0:
         yield from _short(instance, physics, i, j, time)
     if instance.dynamics == "j2" and settings.max_drift_s > 0.0 and not instance.keep_out_zones:
@@ -77,6 +86,25 @@ def ways_after(instance: Instance, physics: Physics, i: int, j: int, time: float
                 break
             cost, _ = drift_cost(physics.left[i], physics.elements[j], physics.rule, leaves, lands)
             yield Way(leaves, lands, cost)
+
+
+def _low_thrust(
+    instance: Instance, physics: Physics, drive: Drive, i: int, j: int, time: float
+) -> Iterator[Way]:
+    """Low-thrust legs of 1, 2, 4 … steps of the grid from the next time of it on."""
+    settings = instance.transfer
+    step, number, heavy = settings.drift_step_s, 1, False
+    leaves = math.ceil(time / step) * step
+    while number * step <= settings.max_drift_s:
+        lands = leaves + number * step
+        if lands > instance.mission.duration_s:
+            break
+        ends = physics.left[i], physics.elements[j]
+        mass = drive.heaviest_kg if heavy else drive.lightest_kg
+        cost = cost_between(instance, ends, physics.rule, drive, leaves, lands, mass)
+        if math.isfinite(cost):
+            yield Way(leaves, lands, cost)
+        number, heavy = 2 * number, not heavy
 
 
 def _short(instance: Instance, physics: Physics, i: int, j: int, time: float) -> Iterator[Way]:

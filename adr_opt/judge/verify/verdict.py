@@ -120,7 +120,7 @@ def verify(
     reasons += [] if plan is None else _judge(instance, plan, certificate)
     if reasons:  # no proof makes a wrong plan right
         return Verdict(tuple(reasons), math.inf, None, 0, 0, 0)
-    connecting = ConnectionFinder(instance)
+    connecting = ConnectionFinder(instance, relaxed=True)
     sampled = Sampled(0, 0, ())
     if certificate.walks or certificate.cost is not None:
         sampled = sample_connections(instance, connecting, connections, seed)
@@ -175,18 +175,19 @@ def _asked(
             continue
         if instance.given is None:  # given connections lead from a start by its name
             seen.append(alike)
+        own = connecting.of_chaser([each.name for each in instance.chasers].index(chaser.name))
         worths, most = gains(instance, certificate), Fraction(walks.most)
         slot_m_s = certificate.delta_v_slot_m_s
         if certificate.time_step_s is not None:
             price = None if walks.worth_per_m_s is None else Fraction(walks.worth_per_m_s)
-            terms = terms_of(instance, chaser, connecting)
+            terms = terms_of(instance, chaser, own)
             found, count = most_in_steps(
-                terms, connecting, worths, certificate.time_step_s, slot_m_s, price
+                terms, own, worths, certificate.time_step_s, slot_m_s, price
             )
             reached = found is not None and found >= most
             gone += count
         else:
-            legs = legs_of(instance, chaser, connecting)
+            legs = legs_of(instance, chaser, own)
             cuts = cuts_of(instance, certificate.cuts)
             reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s, cuts)
             made += count

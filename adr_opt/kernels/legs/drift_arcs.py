@@ -37,6 +37,20 @@ class Coast(NamedTuple):
     per_end: float
 
 
+class NodeSeries(NamedTuple):
+    """What is left to gain on the target's node, by the inclination that the first burn changes.
+
+    A polynomial of that change [rad], up to the fifth power, over −V̄ sin ī [rad].
+    """
+
+    p0: float
+    p1: float
+    p2: float
+    p3: float
+    p4: float
+    p5: float
+
+
 @inlined
 def rates_on(pair, axis):
     """Mean motion with a semi-major axis [rad/s], 1.5 J2 (R/a)², and 1 / a [1/m]."""

@@ -49,6 +49,25 @@ class Free(NamedTuple):
     room: float
 
 
+class Rest(NamedTuple):
+    """What is left of the node on arrival: by the drift orbit, and beside it.
+
+    Attributes
+    ----------
+    known : float
+        If it does not move on the drift orbit [rad].
+    by_climb, by_tilt : float
+        How much more for each m/s of b_y and b_z [rad s/m].
+    drifting : float
+        Time on the drift orbit, with the shares of the arcs beside it [s].
+    """
+
+    known: float
+    by_climb: float
+    by_tilt: float
+    drifting: float
+
+
 @inlined
 def first_guess(pair, task):
     """First-order optimum with a free phase: b_y and b_z [m/s]."""
@@ -61,7 +80,7 @@ def first_guess(pair, task):
 
 @inlined
 def free_phase(pair, task, climb, tilt):
-    """Approximate optimum with a free phase of the target: b_y and b_z [m/s].
+    """Approximate optimum of a drift leg with a free phase of the target.
 
     Parameters
     ----------
@@ -74,18 +93,39 @@ def free_phase(pair, task, climb, tilt):
     -------
     Free
     """
-    linear = pair.linear
-    worth, per_speed = linear.speed * linear.sine, 1.0 / linear.speed
-    round_off = task.shape * task.shape + SMOOTH_M_S * SMOOTH_M_S
-    cosine, sine = pair.cosine_i, pair.sine_i
     half = pair.half
     drifting = task.span - pair.approach - half * (1.0 + pair.fraction)
     # The arcs beside the drift orbit are halfway to it.
     known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
     known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
+    return least_turns(pair, task.span, task.shape, Rest(known, 0.0, 0.0, drifting), climb, tilt)
+
+
+@inlined
+def least_turns(pair, span, shape, rest_of_node, climb, tilt):
+    """Optimum b_y and b_z for a given time on the drift orbit.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    span, shape : float
+        T [s] and E [m/s].
+    rest_of_node : Rest
+    climb, tilt : float
+        To begin with [m/s].
+
+    Returns
+    -------
+    Free
+    """
+    linear = pair.linear
+    known, by_climb, by_tilt, drifting = rest_of_node
+    worth, per_speed = linear.speed * linear.sine, 1.0 / linear.speed
+    round_off = shape * shape + SMOOTH_M_S * SMOOTH_M_S
+    cosine, sine = pair.cosine_i, pair.sine_i
     climb = min(max(climb, pair.least_climb), pair.most_climb)
     before, step_y, step_z = math.inf, 0.0, 0.0
-    near = NEAR_M_S * min(1.0, NEAR_SPAN_S / task.span)
+    near = NEAR_M_S * min(1.0, NEAR_SPAN_S / span)
     close = min(near, CLOSE_M_S)
     least = follow = room = 0.0
     climb_was, tilt_was, is_first = climb, tilt, False
@@ -100,7 +140,7 @@ def free_phase(pair, task, climb, tilt):
         even = 1.0 - square * (0.5 - square * (1.0 / 24.0))
         odd = more * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0)))
         c, s = cosine * even - sine * odd, sine * even + cosine * odd
-        node = worth * (known - pull * c)
+        node = worth * (known + by_climb * climb + by_tilt * tilt - pull * c)
         rest, left = pair.climb - climb, linear.tilt - tilt
         first = math.sqrt(climb * climb + tilt * tilt + round_off)
         second = math.sqrt(rest * rest + left * left + round_off)
@@ -126,7 +166,8 @@ def free_phase(pair, task, climb, tilt):
         # Rates of nodes are as the seventh power of the speed.
         per_drift_speed = 1.0 / speed
         by_radius = 7.0 * per_drift_speed
-        node_y, node_z = worth * pull * c * by_radius, worth * pull * s * per_speed
+        node_y = worth * (pull * c * by_radius + by_climb)
+        node_z = worth * (pull * s * per_speed + by_tilt)
         inverse_1, inverse_2 = 1.0 / first, 1.0 / second
         turn_y = climb * inverse_1 - rest * inverse_2
         turn_z = tilt * inverse_1 - left * inverse_2

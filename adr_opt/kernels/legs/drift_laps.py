@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...common.constants import TURN_RAD
 from ..core.compile import inlined
-from .drift_arcs import coast, moved
+from .drift_arcs import NodeSeries, coast, moved
 from .drift_pair import climb_to, radius_of
 
 MOST_STEPS = 40
@@ -73,29 +73,49 @@ def tooth(pair, task, radius, arcs, laps):
 
 
 @inlined
-def _tilt_at(pair, task, arcs, climb, tilt):
-    """The best z for a given drift orbit, near a given z, and the resulting split.
+def node_series(pair, task, arcs):
+    """What is left of the node of a drift leg with given arcs.
 
-    Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
-    steps. Between points where the slope is known to change its sign the interval is halved instead
-    where a step leaves it, or is not half of the step before: about a tip, where the slope jumps,
-    steps may go to and fro for ever.
+    With cosines of i_i + δ on the drift orbit, halfway to it before, and halfway on after it.
     """
-    linear = pair.linear
-    per_speed = 1.0 / linear.speed
-    worth = linear.speed * linear.sine
-    rest, shape = pair.climb - climb, task.shape
-    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
-    # The node left, as a polynomial of what the inclination changes: cosines of i_i + δ on the
-    # drift orbit, halfway to it before, and halfway from it to i_j after it.
-    c, s = pair.cosine_i, pair.sine_i
+    linear, c, s = pair.linear, pair.cosine_i, pair.sine_i
     p0 = (arcs.node_drift + arcs.node_out) * c + arcs.node_back * pair.cosine
     p0 += arcs.node_end * pair.cosine_j + pair.node_rate_j * pair.approach
     p0 -= task.lag + pair.node_rate_i * task.span
     p1 = -arcs.node_drift * s - 0.5 * (arcs.node_out * s + arcs.node_back * linear.sine)
     p2 = -0.5 * arcs.node_drift * c - 0.125 * (arcs.node_out * c + arcs.node_back * pair.cosine)
     p3 = arcs.node_drift * s / 6.0 + (arcs.node_out * s + arcs.node_back * linear.sine) / 48.0
-    p4, p5 = arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0
+    return NodeSeries(
+        p0, p1, p2, p3, arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0
+    )  # fmt: skip
+
+
+@inlined
+def tilt_at(pair, shape, series, climb, tilt, close):
+    """The best z for a given drift orbit, near a given z, and the resulting split.
+
+    Minimises (X² + (N₁ + N₂)²) / 2, which is convex but for the curvature of a cosine: Newton
+    steps. Between points where the slope is known to change its sign the interval is halved instead
+    where a step leaves it, or is not half of the step before: about a tip, where the slope jumps,
+    steps may go to and fro for ever.
+
+    Parameters
+    ----------
+    pair : DriftPair
+    shape : float
+        E [m/s].
+    series : NodeSeries
+    climb, tilt : float
+        [m/s].
+    close : float
+        A step that saves less is not taken [m/s].
+    """
+    linear = pair.linear
+    per_speed = 1.0 / linear.speed
+    worth = linear.speed * linear.sine
+    rest = pair.climb - climb
+    flat_1, flat_2 = climb * climb + shape * shape, rest * rest + shape * shape
+    p0, p1, p2, p3, p4, p5 = series
     low, high, before = -math.inf, math.inf, math.inf
     node = first = second = 0.0
     for _ in range(MOST_STEPS):
@@ -126,7 +146,7 @@ def _tilt_at(pair, task, arcs, climb, tilt):
         if to_and_fro or not low < tilt + step < high:
             step = 0.5 * (low + high) - tilt
         # Only a step that saves more than the tolerance is taken.
-        if not gradient * gradient > 2.0 * CLOSE_M_S * abs(hessian) * (abs(node) + turn):
+        if not gradient * gradient > 2.0 * close * abs(hessian) * (abs(node) + turn):
             break
         before = abs(step)
         tilt += step
@@ -164,7 +184,8 @@ def split(pair, task, free):
         climb = climb_to(pair, found)
         away = climb - free.climb
         tilt = free.tilt + free.follow * away if FAR * abs(away) < free.room else free.tilt
-        way = _tilt_at(pair, task, there, climb, tilt)
+        series = node_series(pair, task, there)
+        way = tilt_at(pair, task.shape, series, climb, tilt, CLOSE_M_S)
         if way.delta_v < best.delta_v:
             best = way
         if abs(laps - nearer) < NEARER and FAR * (1.0 - NEARER) / NEARER * abs(away) < free.room:

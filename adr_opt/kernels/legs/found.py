@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-SHORT, DRIFT, LAUNCH, GIVEN = range(4)
+SHORT, DRIFT, LAUNCH, GIVEN, LOW_THRUST = range(5)
 """Numbers of the built-in families of legs; registered families follow."""
 
 

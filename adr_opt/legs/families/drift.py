@@ -6,6 +6,7 @@ from ...kernels.legs import burns as burn_kernels
 from ...kernels.legs import drifting_connections
 from ...kernels.legs.found import ConnectionArrays
 from ...plan.leg_kinds import DRIFT
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from . import drift_burns
 from .family import FlownLeg, LegFamily, Manoeuvres, PairEnds, StatedLeg
@@ -18,6 +19,9 @@ class DriftLegs(LegFamily):
 
     def applies(self, instance: Instance) -> bool:
         return instance.given is None and instance.transfer.max_drift_s > 0.0
+
+    def serves(self, drive: Drive | None) -> bool:
+        return drive is None
 
     def connections(
         self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.legs.times import Times
 from ...plan.tows import leaving_eccentricity_delta_v, leaving_orbits
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .family import PairEnds
 
@@ -23,10 +24,16 @@ class AllEnds:
     times : Times or None
     latest_s : float
         [s].
+    drive : Drive or None
+        Of the chasers that the legs are for.
+    relaxed : bool
+        As in :class:`PairEnds`.
     """
 
-    def __init__(self, instance: Instance) -> None:
-        self.instance = instance
+    def __init__(
+        self, instance: Instance, drive: Drive | None = None, *, relaxed: bool = False
+    ) -> None:
+        self.instance, self.drive, self.relaxed = instance, drive, relaxed
         self.leaving, self.arriving = leaving_orbits(instance), instance.orbits()
         self.eccentricity_m_s = leaving_eccentricity_delta_v(instance, self.leaving)
         self.rule = instance.transfer_rule()
@@ -45,6 +52,8 @@ class AllEnds:
             self.rule,
             self.times,
             self.latest_s,
+            self.drive,
+            self.relaxed,
         )
 
 

@@ -14,6 +14,7 @@ from ...kernels.legs.found import ConnectionArrays
 from ...kernels.legs.times import Times
 from ...plan.leg_kinds import LegKind, leg_kinds
 from ...plan.phases import Phase
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 
 FloatArray = npt.NDArray[np.float64]
@@ -37,6 +38,10 @@ class PairEnds(NamedTuple):
         When transfers may leave; None where departure events are regular.
     latest_s : float
         No connection arrives later [s].
+    drive : Drive or None
+        Of a chaser with low thrust; None for impulses.
+    relaxed : bool
+        Whether connections of low thrust are to be lower bounds for all masses of the chaser.
     """
 
     instance: Instance
@@ -48,6 +53,8 @@ class PairEnds(NamedTuple):
     rule: TransferRule
     times: Times | None
     latest_s: float
+    drive: Drive | None = None
+    relaxed: bool = False
 
 
 class Manoeuvres(NamedTuple):
@@ -142,6 +149,10 @@ class LegFamily(ABC):
     @abstractmethod
     def applies(self, instance: Instance) -> bool:
         """Whether an instance may have such legs."""
+
+    def serves(self, drive: Drive | None) -> bool:
+        """Whether chasers with a drive, or with impulses, may fly such legs."""
+        return True
 
     def claims(self, ends: PairEnds) -> bool:
         """Whether a pair is reached only by legs of this family."""

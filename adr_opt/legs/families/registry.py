@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ...plan.leg_kinds import SHORT, add_leg_kind, drop_leg_kind, leg_kinds
 from ...plan.phases import add_phase, drop_phase, refuse_known_phase
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .family import LegFamily, RegisteredFamily
 
@@ -63,9 +64,11 @@ def registered_of(instance: Instance) -> tuple[RegisteredFamily, ...]:
     return tuple(family for family in _registered if family.applies(instance))
 
 
-def families_of(instance: Instance) -> tuple[LegFamily, ...]:
-    """Families whose legs an instance may have, in the order in which they find connections."""
-    return tuple(family for family in families() if family.applies(instance))
+def families_of(instance: Instance, drive: Drive | None = None) -> tuple[LegFamily, ...]:
+    """Families of the legs of chasers with a drive, in the order in which they find connections."""
+    return tuple(
+        family for family in families() if family.applies(instance) and family.serves(drive)
+    )
 
 
 def has_only_short(instance: Instance) -> bool:

@@ -7,6 +7,7 @@ from ...kernels.legs import connections as regular
 from ...kernels.legs import drifting_connections
 from ...kernels.legs.found import ConnectionArrays
 from ...plan.leg_kinds import SHORT
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .family import FlownLeg, LegFamily, Manoeuvres, PairEnds, StatedLeg
 
@@ -18,6 +19,9 @@ class ShortLegs(LegFamily):
 
     def applies(self, instance: Instance) -> bool:
         return instance.given is None
+
+    def serves(self, drive: Drive | None) -> bool:
+        return drive is None
 
     def connections(
         self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float

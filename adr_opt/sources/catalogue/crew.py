@@ -55,6 +55,8 @@ class Crew:
         Of the circles that they are towed to.
     service_s : float, optional
         How long each service takes; None for one revolution of the target [s].
+    thrust_n, duty_cycle : float, optional
+        Low thrust of each chaser, and the share of the time in which it is on at most.
     """
 
     tank: AnyTank = field(default_factory=lambda: Tank(delta_v_m_s=3000.0))
@@ -67,6 +69,8 @@ class Crew:
     towed_kg: float | None = None
     disposal_altitude_m: float | None = None
     service_s: float | None = None
+    thrust_n: float | None = None
+    duty_cycle: float | None = None
 
     def __post_init__(self) -> None:
         if self.launches < 0:
@@ -83,6 +87,8 @@ class Crew:
             raise InputError("a tow needs a mass and a disposal altitude; give both or none")
         if self.towed_kg is not None and not isinstance(self.tank, TankByMass):
             raise InputError("a tow needs masses, but the tank is given in ΔV")
+        if self.thrust_n is not None and not isinstance(self.tank, TankByMass):
+            raise InputError("low thrust needs masses, but the tank is given in ΔV")
 
     @property
     def objective(self) -> Objective:
@@ -117,7 +123,8 @@ class Crew:
         """
         one = Chaser(
             name=free_name(bodies), start=home, tank=self.tank, kits=self.kits,
-            kit_mass_kg=self.kit_mass_kg, expense=self.expense,
+            kit_mass_kg=self.kit_mass_kg, expense=self.expense, thrust_n=self.thrust_n,
+            duty_cycle=self.duty_cycle,
         )  # fmt: skip
         if self.launches == 0:
             return (one,)

@@ -129,6 +129,8 @@ def command(
     transfer = _transfer(
         dynamics, drift_step_days, max_drift_days, departure_spacing_days, resolution
     )
+    if crew.thrust_n is not None and (dynamics != "j2" or max_drift_days == 0.0):
+        raise InputError("--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days")
     epoch = None if epoch_text is None else parse_epoch(epoch_text)
     mission = catalogue.MissionOutline(
         epoch=epoch, duration_s=DAY_S * duration_days, dynamics=dynamics, transfer=transfer,

@@ -35,6 +35,8 @@ crew_options = take.together(
         "FIXED[,PER_KG[,PER_KG2]]",
         "Cost of each chaser used; the least total decides between equal plans.",
     ),
+    take.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
+    take.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
     take.number(
         "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
@@ -74,6 +76,8 @@ class CrewOptions(NamedTuple):
     launch_every: float | None
     launch_separation: float | None
     expense: str | None
+    thrust: float | None
+    duty_cycle: float | None
     service_days: float | None
     deadlines: tuple[str, ...]
     required: tuple[str, ...]
@@ -108,6 +112,7 @@ class CrewOptions(NamedTuple):
                 raise InputError(f"{option}: nothing is launched; say how often with --launches")
         fitting = self.fitting
         fitting.check()
+        self._check_thrust()
         usual_s = APART_S if self.launch_separation is None else 0.0
         separation = self.launch_separation
         tank = fitting.tank() or Tank(delta_v_m_s=DELTA_V_M_S)
@@ -122,7 +127,30 @@ class CrewOptions(NamedTuple):
             towed_kg=fitting.tow,
             disposal_altitude_m=fitting.disposal_altitude_m,
             service_s=None if self.service_days is None else DAY_S * self.service_days,
+            thrust_n=self.thrust,
+            duty_cycle=self.duty_cycle,
         )
+
+    def _check_thrust(self) -> None:
+        from ...common.records import LARGEST_THRUST_N
+
+        if self.thrust is None:
+            if self.duty_cycle is not None:
+                raise InputError("--duty-cycle: of no thrust; give --thrust, or leave it out")
+            return
+        if not 0.0 < self.thrust <= LARGEST_THRUST_N:
+            raise InputError(
+                f"--thrust = {self.thrust:g}: must be more than 0 and at most {LARGEST_THRUST_N:g}"
+            )
+        if self.duty_cycle is not None and not 0.0 < self.duty_cycle <= 1.0:
+            raise InputError(
+                f"--duty-cycle = {self.duty_cycle:g}: must be more than 0 and at most 1"
+            )
+        if self.fitting.dry_mass is None:
+            raise InputError(
+                "--thrust: the tank is given in ΔV, without masses; give --dry-mass, "
+                "--propellant and --isp"
+            )
 
     def _expense(self, tank: AnyTank) -> Expense | None:
         from pydantic import ValidationError

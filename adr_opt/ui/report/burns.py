@@ -144,8 +144,8 @@ def of_page(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> di
 
 
 def section(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> str:
-    """The section with the tables of burns; empty for given connections."""
-    if instance.transfer.given is not None:
+    """The section with the tables of burns; empty where there are none."""
+    if not instance.has_trajectories:
         return ""
     mine = [burn for burn in burns if burn.of == PLANNED]
     others = [burn for burn in burns if burn.of == REFINED]

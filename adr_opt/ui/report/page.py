@@ -171,7 +171,7 @@ def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
 
 
 def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
-    if instance.transfer.given is not None:
+    if not instance.has_trajectories:
         return (), None
     try:
         return tracks(instance, plan), None
@@ -242,14 +242,14 @@ def _data(
     instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """Data for the script of the page."""
-    drawn, is_given = known.drawn, instance.transfer.given is not None
+    drawn, is_flown = known.drawn, instance.has_trajectories
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),
         "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
-    if not is_given:
+    if is_flown:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
         charts["orbits"] = figures.orbits(instance, plan, drawn)
     if instance.has_orbits:
@@ -262,8 +262,8 @@ def _data(
     return {
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
-        "motion": None if is_given else motion(instance, plan, drawn),
-        "coast": None if is_given else json.loads(asset("coast/coastline.json")),
+        "motion": motion(instance, plan, drawn) if is_flown else None,
+        "coast": json.loads(asset("coast/coastline.json")) if is_flown else None,
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],

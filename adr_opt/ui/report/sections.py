@@ -17,7 +17,6 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.instance import Instance
-from ...problem.settings import TransferSettings
 from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
@@ -181,7 +180,7 @@ def crew(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
 
 def budget_note(instance: Instance) -> str:
     """Explanation of the steps in the chart of budgets."""
-    step = "burn" if instance.transfer.given is None else "arrival"
+    step = "burn" if instance.has_trajectories else "arrival"
     refills = ", back to the full budget at every refuelling (▲)" if instance.stations else ""
     return f"A step down at every {step}{refills}."
 
@@ -314,7 +313,7 @@ def origin(instance: Instance, plan: Plan) -> str:
             f"{in_days(limits.duration_s)}, {_tanks(instance)} m/s from one refuelling to the "
             "next, " + counted(len(instance.keep_out_zones), "keep-out zone"),
         ),
-        ("transfers", _transfers(settings)),
+        ("transfers", _transfers(instance)),
         *([("motion", MOTION[instance.dynamics])] if settings.given is None else []),
         (
             "plan",
@@ -346,8 +345,9 @@ def _tanks(instance: Instance) -> str:
     return " or ".join(number(size, 1) for size in sizes)
 
 
-def _transfers(settings: TransferSettings) -> str:
+def _transfers(instance: Instance) -> str:
     """Description of the transfers planned with."""
+    settings = instance.transfer
     if settings.given is not None:
         files = (
             ("connections", settings.given.file, settings.given.sha256),
@@ -357,6 +357,13 @@ def _transfers(settings: TransferSettings) -> str:
             f"{what} given in {escape(file)}, SHA-256 <code>{(digest or '')[:16]}…</code>"
             for what, file, digest in files
             if file is not None
+        )
+    if instance.has_low_thrust and all(each.thrust_n is not None for each in instance.chasers):
+        return (
+            "low thrust, drift and thrust again, with drift orbits between "
+            f"{number(settings.min_altitude_m / 1000.0)} and "
+            f"{number(settings.max_altitude_m / 1000.0)} km, of up to "
+            f"{in_days(settings.max_drift_s)}, on a grid of {in_days(settings.drift_step_s)}"
         )
     said = (
         "co-elliptic sequences that wait for the line of nodes, phasing circles between "

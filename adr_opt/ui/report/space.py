@@ -16,7 +16,7 @@ def path_of(instance: Instance) -> str:
 
 def flight(instance: Instance, plan: Plan) -> str:
     """Sections with the path of the chaser."""
-    if instance.transfer.given is not None:
+    if not instance.has_trajectories:
         return ""
     flies = "the chasers fly" if several(instance) else "the chaser flies"
     bodies = f"{'station, ' if instance.stations else ''}visited and unvisited targets"

@@ -1,0 +1,480 @@
+"""Check of low-thrust legs: their cost by the closed form, stated and solved once more.
+
+The form of :mod:`adr_opt.kernels.legs.low_thrust`. Rates are integrated over the ramps, the optimum
+is searched for by golden section, and the times of thrust are repeated until they stay.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_S
+from ...kernels.core.compile import kernel
+from ...kernels.legs.co_elliptic import TransferRule
+from ...kernels.orbits import ephemeris
+from ...plan.plan import Leg
+from ...problem.drives import Drive, since_j2000_s
+from ...problem.instance import Instance
+from .drift_ends import GOLDEN, Ends, ends_of
+from .violation import LOW_THRUST_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+
+FloatArray = npt.NDArray[np.float64]
+
+WINDOWS_DEG = (30.0, 60.0, 90.0)
+
+LONGER_S = 150.0 * DAY_S
+"""Legs that are longer may turn the node by a whole turn more or less [s]."""
+
+PER_ECCENTRICITY = 0.6485
+"""ΔV of a change of the eccentricity vector, over speed and change."""
+
+ROUNDS, FURTHER = 400, 3
+"""Maximum number of rounds in which times of thrust settle, and number of laps beyond the two about
+the optimum of free phase that are tried."""
+
+DEARER = 0.02
+"""Share by which a leg may be dearer than the cheapest of all laps that are tried here."""
+
+ROUNDED_M_S = 0.02
+"""Rounding of the tips of both arcs' parts in the optimum of free phase: where many splits cost the
+same, it is in their middle [m/s]."""
+
+SPEEDS, TILTS = 40, 24
+"""Number of intervals of speeds and of inclinations that are searched for the optimum."""
+
+NODES, WEIGHTS = (
+    tuple(float(value) for value in values) for values in np.polynomial.legendre.leggauss(6)
+)
+
+
+class Steered(NamedTuple):
+    """A leg with its places of thrust.
+
+    Attributes
+    ----------
+    turn : float
+        κ.
+    shares : (float, float)
+        Of a revolution in which thrust is on.
+    extra : float
+        ΔV of each arc for the eccentricity vectors [m/s].
+    acceleration, exhaust : float
+        [m/s²], [m/s].
+    rounded : float
+        Rounding of tips [m/s].
+    """
+
+    turn: float
+    shares: tuple[float, float]
+    extra: float
+    acceleration: float
+    exhaust: float
+    rounded: float
+
+
+def sun_at(since_j2000: float) -> FloatArray:
+    """Unit vector to the Sun, in the frame of the equator."""
+    days = since_j2000 / DAY_S
+    anomaly = math.radians(357.528 + 0.9856003 * days)
+    longitude = 280.460 + 0.9856474 * days
+    longitude += 1.915 * math.sin(anomaly) + 0.020 * math.sin(2.0 * anomaly)
+    along, tilt = math.radians(longitude), math.radians(23.439)
+    return np.array(
+        [
+            math.cos(along),
+            math.cos(tilt) * math.sin(along),
+            math.sin(tilt) * math.sin(along),
+        ]
+    )
+
+
+def shadow_of(
+    radius: float, inclination: float, node: float, since_j2000: float
+) -> tuple[float, float]:
+    """Argument of latitude of the shadow's middle, and half its width [rad]."""
+    sun = sun_at(since_j2000)
+    toward = np.array([math.cos(node), math.sin(node), 0.0])
+    beyond = np.array(
+        [
+            -math.sin(node) * math.cos(inclination),
+            math.cos(node) * math.cos(inclination),
+            math.sin(inclination),
+        ]
+    )
+    x, y = float(sun @ toward), float(sun @ beyond)
+    # In shadow where the Sun is behind and the distance to its axis is below the Earth's radius.
+    least = math.sqrt(max(1.0 - (EARTH_RADIUS_M / radius) ** 2, 0.0)) / math.hypot(x, y)
+    return math.atan2(-y, -x), math.acos(least) if least < 1.0 else 0.0
+
+
+def steering_of(window: float, place: float, middle: float, half: float) -> tuple[float, float]:
+    """κ and share of windows about a place and its opposite, without the shadow.
+
+    The circle is cut where a window or the shadow begins or ends, and summed up piece by piece.
+    """
+    cuts = {0.0, 2.0 * math.pi}
+    for centre, width in ((place, window), (place + math.pi, window), (middle, half)):
+        for edge in (centre - width, centre + width):
+            cuts.add(edge % (2.0 * math.pi))
+    share = mean = 0.0
+    edges = sorted(cuts)
+    for low, high in pairwise(edges):
+        inside = 0.5 * (low + high)
+        away = abs(math.remainder(inside - place, math.pi))
+        dark = abs(math.remainder(inside - middle, 2.0 * math.pi)) < half
+        if away < window and not dark:
+            share += high - low
+            mean += abs(math.sin(high - place) - math.sin(low - place))
+    return share / mean, share / (2.0 * math.pi)
+
+
+def places_of(
+    ends: Ends, rates: tuple[float, float], limits: tuple[float, float]
+) -> tuple[FloatArray, float]:
+    """Arguments of latitude at which both arcs turn the plane, to first order [rad].
+
+    And the first arc's part of that.
+
+    Parameters
+    ----------
+    rates : (float, float)
+        Of the nodes of the chaser and of the target [rad/s].
+    limits : (float, float)
+        Of the drift orbit, as radii [m].
+    """
+    mean_radius = 0.5 * (ends.radius_i + ends.radius_j)
+    inclination = 0.5 * (ends.inclination_i + ends.inclination_j)
+    mean = 0.5 * (rates[0] + rates[1])
+    by_size = 7.0 * mean * ends.sine * ends.span
+    if abs(ends.cosine) > 1e-3:
+        by_tilt = mean * math.tan(inclination) * ends.sine * ends.span
+    else:
+        per_cosine = -1.5 * ends.oblateness * math.sqrt(MU_M3_S2 / mean_radius**7)
+        by_tilt = per_cosine * ends.sine**2 * ends.span
+    per_radius = 0.5 * ends.speed / mean_radius
+    wanted = np.array(
+        [
+            ends.speed * ends.sine * (ends.node - rates[0] * ends.span),
+            per_radius * (ends.radius_j - ends.radius_i),
+            ends.speed * (ends.inclination_j - ends.inclination_i),
+        ]
+    )
+    carried = np.array([[1.0, -by_size, -by_tilt], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    first = np.linalg.solve(np.eye(3) + carried.T @ carried, carried.T @ wanted)
+    low, high = (per_radius * (limit - ends.radius_i) for limit in limits)
+    if not low <= first[1] <= high:
+        held = min(max(float(first[1]), low), high)
+        others = np.array([0, 2])
+        less = wanted - held * carried[:, 1]
+        part = carried[:, others]
+        solved = np.linalg.solve(np.eye(2) + part.T @ part, part.T @ less)
+        first = np.array([solved[0], held, solved[1]])
+    second = wanted - carried @ first
+    places = np.array([math.atan2(first[0], first[2]), math.atan2(second[0], second[2])])
+    turned = [math.hypot(change[0], change[2]) for change in (first, second)]
+    return places, turned[0] / sum(turned) if sum(turned) > 0.0 else 0.5
+
+
+@kernel
+def ramp(ends: Ends, one: float, other: float, i_one: float, i_other: float) -> tuple[float, float]:
+    """Mean rates of node and longitude on a ramp between two speeds and inclinations [rad/s]."""
+    node = longitude = 0.0
+    for at in range(len(NODES)):
+        share = 0.5 * (1.0 + NODES[at])
+        speed, inclination = one + share * (other - one), i_one + share * (i_other - i_one)
+        radius = MU_M3_S2 / (speed * speed)
+        motion = speed / radius
+        pull = 1.5 * ends.oblateness / (radius * radius)
+        node -= 0.5 * WEIGHTS[at] * pull * motion * math.cos(inclination)
+        longitude += 0.5 * WEIGHTS[at] * motion * (1.0 + pull * (3.0 * ends.cosine**2 - 1.0))
+    return node, longitude
+
+
+@kernel
+def laps_at(ends: Ends, times: tuple[float, float], speed: float) -> float:
+    """Laps gained beyond those that meet the target: whole where it is met."""
+    start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
+    coasting = ends.span - ends.approach - times[0] - times[1]
+    gained = times[0] * ramp(ends, start, speed, 0.0, 0.0)[1]
+    gained += coasting * ramp(ends, speed, speed, 0.0, 0.0)[1]
+    gained += times[1] * ramp(ends, speed, end, 0.0, 0.0)[1]
+    return float((gained - ends.ahead) / (2.0 * math.pi))
+
+
+@kernel
+def parts(
+    ends: Ends, steered: Steered, times: tuple[float, float], speed: float, tilt: float
+) -> tuple[float, float, float]:
+    """What is least, and ΔV of both arcs with eccentricities [m/s].
+
+    Parameters
+    ----------
+    speed, tilt : float
+        Circular speed on the drift orbit, and change of inclination by the first arc [m/s].
+    """
+    start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
+    turned = ends.inclination_i + tilt / ends.speed
+    coasting = ends.span - ends.approach - times[0] - times[1]
+    node = ends.node - ends.target_rate * ends.approach
+    node -= times[0] * ramp(ends, start, speed, ends.inclination_i, turned)[0]
+    node -= coasting * ramp(ends, speed, speed, turned, turned)[0]
+    node -= times[1] * ramp(ends, speed, end, turned, ends.inclination_j)[0]
+    along = ends.speed * ends.sine * node
+    climb, rest = start - speed, speed - end
+    left = ends.speed * (ends.inclination_j - ends.inclination_i) - tilt
+    round_off = steered.rounded * steered.rounded
+    one = math.sqrt(climb**2 + (steered.turn * tilt) ** 2 + round_off)
+    other = math.sqrt(rest**2 + (steered.turn * left) ** 2 + round_off)
+    both = one + other
+    form = math.hypot(steered.turn * along, both)
+    first = form * (one / both if both > 0.0 else 0.5)
+    return form, first + steered.extra, form - first + steered.extra
+
+
+@kernel
+def least_tilt(
+    ends: Ends, steered: Steered, times: tuple[float, float], speed: float, about: float, far: float
+) -> float:
+    """The best change of inclination by the first arc, from some about one to golden section."""
+    step, best, least = 2.0 * far / TILTS, 0, math.inf
+    for number in range(TILTS + 1):
+        found = parts(ends, steered, times, speed, about - far + number * step)[0]
+        if found < least:
+            best, least = number, found
+    low, high = about - far + (best - 1) * step, about - far + (best + 1) * step
+    one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_one = parts(ends, steered, times, speed, one)[0]
+    at_other = parts(ends, steered, times, speed, other)[0]
+    while high - low > 1e-4:
+        if at_one < at_other:
+            high, other, at_other = other, one, at_one
+            one = high - GOLDEN * (high - low)
+            at_one = parts(ends, steered, times, speed, one)[0]
+        else:
+            low, one, at_one = one, other, at_other
+            other = low + GOLDEN * (high - low)
+            at_other = parts(ends, steered, times, speed, other)[0]
+    return 0.5 * (low + high)
+
+
+@kernel
+def settled(times: tuple[float, float], steered: Steered, first: float, second: float):  # type: ignore[no-untyped-def]
+    """Times of thrust for the ΔV of both arcs, and how far they are from those before [s]."""
+    flow = steered.exhaust / steered.acceleration
+    lighter = math.exp(-first / steered.exhaust)
+    one = flow * (1.0 - lighter) / steered.shares[0]
+    other = flow * lighter * (1.0 - math.exp(-second / steered.exhaust)) / steered.shares[1]
+    return (one, other), abs(one + other - times[0] - times[1])
+
+
+@kernel
+def best_speed(
+    ends: Ends, steered: Steered, times: tuple[float, float], low: float, high: float, about: float,
+    far: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Speed and change of inclination of the cheapest drift orbit with a free phase [m/s]."""
+    step, best, least = (high - low) / SPEEDS, 0, math.inf
+    for number in range(SPEEDS + 1):
+        speed = low + number * step
+        tilt = least_tilt(ends, steered, times, speed, about, far)
+        found = parts(ends, steered, times, speed, tilt)[0]
+        if found < least:
+            best, least = number, found
+    low, high = max(low, low + (best - 1) * step), min(high, low + (best + 1) * step)
+    while high - low > 1e-3:
+        one, other = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        at_one = least_tilt(ends, steered, times, one, about, far)
+        at_other = least_tilt(ends, steered, times, other, about, far)
+        if (
+            parts(ends, steered, times, one, at_one)[0]
+            < parts(ends, steered, times, other, at_other)[0]
+        ):
+            high = other
+        else:
+            low = one
+    speed = 0.5 * (low + high)
+    return speed, least_tilt(ends, steered, times, speed, about, far)
+
+
+@kernel
+def cost_of(ends: Ends, steered: Steered, sharp: Steered, slowest: float, fastest: float) -> float:
+    """ΔV of the leg with given places of thrust; infinite if there is no time for it [m/s].
+
+    Parameters
+    ----------
+    steered, sharp : Steered
+        With rounded tips and without.
+    slowest, fastest : float
+        Circular speeds at the altitude limits [m/s].
+    """
+    room, end = ends.span - ends.approach, math.sqrt(MU_M3_S2 / ends.radius_j)
+    close = 1e-6 * ends.span
+    times, speed, tilt = (0.0, 0.0), end, 0.0
+    far, low, high = 0.5 * ends.speed, slowest, fastest
+    for _ in range(ROUNDS):
+        speed, tilt = best_speed(ends, steered, times, low, high, tilt, far)
+        _, first, second = parts(ends, steered, times, speed, tilt)
+        times, change = settled(times, steered, first, second)
+        if times[0] + times[1] > room:
+            return math.inf
+        if change < 10.0 * close:
+            break
+        # From here on it is near.
+        far = 100.0
+        low, high = max(slowest, speed - 60.0), min(fastest, speed + 60.0)
+    least = math.inf
+    about = math.floor(laps_at(ends, times, speed))
+    for laps in range(about - FURTHER, about + FURTHER + 2):
+        these, there = times, tilt
+        for _ in range(ROUNDS):
+            below, above = slowest, fastest
+            if not laps_at(ends, these, below) <= laps <= laps_at(ends, these, above):
+                break
+            while above - below > 1e-8:
+                middle = 0.5 * (below + above)
+                if laps_at(ends, these, middle) > laps:
+                    above = middle
+                else:
+                    below = middle
+            there = least_tilt(ends, sharp, these, below, there, 100.0)
+            _, first, second = parts(ends, sharp, these, below, there)
+            these, change = settled(these, sharp, first, second)
+            if these[0] + these[1] > room:
+                break
+            if change < close:
+                least = min(least, first + second)
+                break
+    return least
+
+
+def low_thrust_cost(
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    since_j2000: float,
+    thrust: tuple[float, float],
+    departure: float,
+    arrival: float,
+) -> float:
+    """ΔV of a low-thrust leg between two times, by the best of its windows [m/s].
+
+    Parameters
+    ----------
+    ends : (columns + 1,) float64, (columns,) float64
+        The origin as it is left, with the rate of its node after that, and the destination.
+    since_j2000 : float
+        The epoch [s].
+    thrust : (float, float)
+        Acceleration at departure [m/s²] and exhaust speed [m/s].
+    """
+    nearer = ends_of(*ends, rule, departure, arrival)
+    rates = (
+        float(ephemeris.coasting_node_rate_at(ends[0], departure)),
+        float(ephemeris.node_rate_at(ends[1], arrival)),
+    )
+    nodes = (
+        float(ephemeris.node_at(ends[0], departure)), float(ephemeris.node_at(ends[1], arrival)),
+    )  # fmt: skip
+    slowest, fastest = (
+        math.sqrt(MU_M3_S2 / radius) for radius in (rule.max_radius, rule.min_radius)
+    )
+    extra = PER_ECCENTRICITY * 2.0 * nearer.shape
+    sixteenth, least = (arrival - departure) / 16.0, math.inf
+    shadows = (
+        shadow_of(
+            nearer.radius_i, nearer.inclination_i, nodes[0] + rates[0] * sixteenth,
+            since_j2000 + departure + sixteenth,
+        ),
+        shadow_of(
+            nearer.radius_j, nearer.inclination_j, nodes[1] - rates[1] * sixteenth,
+            since_j2000 + arrival - sixteenth,
+        ),
+    )  # fmt: skip
+    turns = (0.0, -1.0, 1.0) if arrival - departure > LONGER_S else (0.0,)
+    for turn in turns:
+        more = 2.0 * math.pi * turn
+        leg = nearer._replace(
+            node=nearer.node + more, ahead=nearer.ahead + nearer.cosine * more, shape=0.0
+        )
+        places, part = places_of(leg, rates, (rule.min_radius, rule.max_radius))
+        for window in WINDOWS_DEG:
+            ways = [
+                steering_of(math.radians(window), float(place), *shadow)
+                for place, shadow in zip(places, shadows, strict=True)
+            ]
+            turning = part * ways[0][0] + (1.0 - part) * ways[1][0]
+            steered = Steered(turning, (ways[0][1], ways[1][1]), extra, *thrust, ROUNDED_M_S)
+            sharp = steered._replace(rounded=0.0)
+            found = float(cost_of(leg, steered, sharp, slowest, fastest))
+            if found == math.inf:  # there may be an optimum on either side, and no leg with one
+                there = math.sqrt(MU_M3_S2 / leg.radius_i)
+                found = min(
+                    float(cost_of(leg, steered, sharp, slowest, there)),
+                    float(cost_of(leg, steered, sharp, there, fastest)),
+                )
+            least = min(least, found)
+    return least
+
+
+def check_low_thrust(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    drive: Drive | None,
+    number: int,
+    leg: Leg,
+    free: float,
+) -> Generator[Violation, None, tuple[float, float]]:
+    """Check that a low-thrust leg has the cost of the closed form, for the heaviest chaser.
+
+    Parameters
+    ----------
+    ends : (columns + 1,) float64, (columns,) float64
+        The origin as it is left, with the rate of its node after that, and the destination.
+    drive : Drive or None
+        Of the chaser.
+    """
+    as_stated = leg.arrival_s, leg.delta_v_m_s
+    if drive is None:
+        yield Violation(number, "kind", "is of low thrust, but its chaser has none")
+        return as_stated
+    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
+    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
+        yield Violation(number, "drift", f"takes {span!r} s, but may take at most {longest!r} s")
+        return as_stated
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return as_stated
+    delta_v = cost_between(instance, ends, rule, drive, leg.departure_s, leg.arrival_s)
+    if not delta_v - LOW_THRUST_TOLERANCE_M_S <= leg.delta_v_m_s <= dearest(delta_v):
+        yield Violation(
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
+        )
+    return as_stated
+
+
+def dearest(delta_v: float) -> float:
+    """Largest ΔV to state for a leg of a ΔV, as another lap may be a little cheaper [m/s]."""
+    return delta_v + DEARER * delta_v + LOW_THRUST_TOLERANCE_M_S
+
+
+def cost_between(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    drive: Drive,
+    departure: float,
+    arrival: float,
+    mass_kg: float | None = None,
+) -> float:
+    """ΔV of a low-thrust leg between two times, of the heaviest chaser or one of a mass [m/s]."""
+    mass_kg = drive.heaviest_kg if mass_kg is None else mass_kg
+    return low_thrust_cost(
+        ends, rule, since_j2000_s(instance.epoch), (drive.thrust_n / mass_kg, drive.exhaust_m_s),
+        departure, arrival,
+    )  # fmt: skip

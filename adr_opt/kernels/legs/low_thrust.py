@@ -1,0 +1,343 @@
+"""Low-thrust legs in closed form: exact rates, whole laps, and converged times of thrust.
+
+The form of :mod:`.drift` in which changes of the plane count κ times. With (y, z) what the first
+arc changes of size and inclination, and X what is then left of the node,
+
+    ΔV = min over (y, z) of hypot( κ X(y, z),  hypot(y, κ z) + hypot(v_y − y, κ (v_z − z)) ),
+
+and the node is split between both arcs in proportion to the two inner norms. The arcs take times
+
+    t_k = (m_k v_e / F) (1 − exp(−ΔV_k / v_e)) / share,
+
+which X depends on: half of them is drifted on the orbits at either end. The times are those of the
+least root, which is come to from no time at all: the longer the arcs, the less is drifted, and the
+more is left to do. What eccentricity asks for, 0.6485 V |Δe| / 2 at either end, is added to each
+arc; that is never below the truth (docs/model.md section 11).
+
+After Kéchichian, J. Guidance, Control, and Dynamics 20(5), 1997, 988–994, and Edelbaum; the split
+in two arcs derived anew.
+"""
+
+import math
+from typing import NamedTuple
+
+from ...common.constants import TURN_RAD
+from ..core.compile import inlined, kernel
+from . import drift_linear, drift_pair
+from .drift_free import Rest, first_guess, least_turns
+from .drift_laps import tilt_at
+from .drift_pair import Task
+from .low_thrust_arcs import (
+    ArcTimes,
+    arc_times,
+    beside_ramps,
+    longitude_gained,
+    node_series,
+    weighted,
+)
+from .low_thrust_windows import WINDOWS_RAD, places, steering
+
+MOST_ROUNDS = 60
+"""Maximum number of rounds in which times of thrust converge."""
+
+CLOSE, CLOSE_M_S = 1e-7, 1e-6
+"""Largest last change of the times, as a share of the leg, and of the speed on the drift orbit
+[m/s]."""
+
+SAVED_M_S = 1e-9
+"""Least saving for which a step of the inclination is taken [m/s]; times amplify its errors."""
+
+SHAPE = 0.6485 * 2.0
+"""ΔV of each arc for the eccentricity vectors, over E of docs/model.md section 3: the least for a
+given change of them is 0.6485 V |Δe|, half of which is done at either end."""
+
+LONG_S = 150.0 * 86400.0
+"""Legs that are longer are also tried with a turn of the node more and less [s]."""
+
+SLACK_M_S = 0.3
+"""Largest excess of the estimate with impulses over the ΔV with thrust [m/s]."""
+
+OFF, OFF_M_S = 2e-3, 0.01
+"""How far a split may be above the cheapest one, as a share, and [m/s]: a split is the best for
+given times of thrust, and another one with less of them may be cheaper."""
+
+TIP_M_S = 1e-9
+"""Lower limit of the norms of both arcs as a divisor [m/s]."""
+
+
+class LowThrustSplit(NamedTuple):
+    """Split of a low-thrust leg.
+
+    Attributes
+    ----------
+    delta_v, first : float
+        ΔV of both arcs, and of the first one; infinite where there is no such leg [m/s].
+    climb, tilt, along : float
+        Changes of size, and κ times those of inclination and node, by the first arc [m/s].
+    times : ArcTimes
+    """
+
+    delta_v: float
+    first: float
+    climb: float
+    tilt: float
+    along: float
+    times: ArcTimes
+
+
+NEVER = LowThrustSplit(math.inf, math.inf, 0.0, 0.0, 0.0, ArcTimes(math.inf, math.inf))
+"""Split of a leg that there is not."""
+
+
+@inlined
+def _ahead(here, before, found, was):
+    """The root of τ = g(τ), from two values of g on its near side [s].
+
+    Parameters
+    ----------
+    here, before : float
+        τ [s].
+    found, was : float
+        g(τ) [s].
+    """
+    if here > before and was > before:
+        slope = (found - was) / (here - before)
+        if 0.0 < slope < 0.9:
+            return here + (found - here) / (1.0 - slope)
+    return found
+
+
+@inlined
+def first_share(pair, climb, tilt):
+    """The first arc's part of the ΔV, for y and κ z [m/s]."""
+    rest, left = pair.climb - climb, pair.linear.tilt - tilt
+    one, other = math.sqrt(climb * climb + tilt * tilt), math.sqrt(rest * rest + left * left)
+    return one / (one + other) if one + other > TIP_M_S else 0.5
+
+
+@inlined
+def free_split(pair, task, thrust, steering, extra):
+    """Optimum with a free phase of the target, and converged times of thrust.
+
+    Parameters
+    ----------
+    pair : DriftPair
+        As :func:`.low_thrust_arcs.weighted` makes it.
+    task : Task
+        Without E.
+    thrust : Thrust
+    steering : Steering
+    extra : float
+        ΔV of each arc for the eccentricity vectors [m/s].
+
+    Returns
+    -------
+    split : LowThrustSplit
+    follow : float
+        How much b_z changes with b_y.
+    """
+    climb, tilt = first_guess(pair, task)
+    room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
+    here = before = was = 0.0
+    times = ArcTimes(0.0, 0.0)
+    for _ in range(MOST_ROUNDS):
+        known = task.lag + pair.node_rate_i * (task.span - 0.5 * times.first)
+        known -= pair.node_rate_j * (0.5 * times.second + pair.approach)
+        more, by_climb, by_tilt = beside_ramps(pair, times, climb, tilt)
+        known += by_climb * climb + by_tilt * tilt - more
+        left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * here)
+        free = least_turns(pair, task.span, 0.0, left_over, climb, tilt)
+        climb, tilt = free.climb, free.tilt
+        share = first_share(pair, climb, tilt)
+        first = share * free.least + extra
+        second = free.least - share * free.least + extra
+        found = arc_times(thrust, shares, first, second)
+        needed = found.first + found.second
+        if needed > room:
+            break
+        if abs(needed - here) < CLOSE * task.span:
+            return LowThrustSplit(first + second, first, climb, tilt, 0.0, found), free.follow
+        next_one = min(_ahead(here, before, needed, was), room)
+        before, was = here, needed
+        here = next_one
+        scale = here / needed
+        times = ArcTimes(found.first * scale, found.second * scale)
+    return NEVER, 0.0
+
+
+@inlined
+def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
+    """The leg that meets the target after a number of laps, near the optimum of free phase.
+
+    Parameters
+    ----------
+    pair, task, thrust, steering, extra
+        As :func:`free_split` takes them.
+    free : LowThrustSplit
+    follow : float
+    laps : float
+        A whole number: turns that the chaser gains beyond ``task.ahead``.
+
+    Returns
+    -------
+    LowThrustSplit
+    """
+    room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
+    wanted = task.ahead + TURN_RAD * laps
+    speed, climb, tilt = pair.speed_i - free.climb, free.climb, free.tilt
+    times = free.times
+    here = before = times.first + times.second
+    was = 0.0
+    for _ in range(MOST_ROUNDS):
+        for _ in range(MOST_ROUNDS):
+            gained, slope = longitude_gained(pair, room - here, times, speed)
+            step = (wanted - gained) / slope
+            step = min(max(step, -0.1 * speed), 0.1 * speed)
+            speed += step
+            if abs(step) < CLOSE_M_S:
+                break
+        tilt += follow * (pair.speed_i - speed - climb)
+        climb, follow = pair.speed_i - speed, 0.0
+        if not (pair.least_climb <= climb <= pair.most_climb):
+            break
+        series = node_series(pair, task, room - here, times, speed)
+        way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
+        tilt = way.tilt
+        share = first_share(pair, climb, tilt)
+        first = share * way.delta_v + extra
+        second = way.delta_v - share * way.delta_v + extra
+        found = arc_times(thrust, shares, first, second)
+        needed = found.first + found.second
+        if needed > room:
+            break
+        if abs(needed - here) < CLOSE * task.span:
+            return LowThrustSplit(first + second, first, climb, tilt, way.along, found)
+        next_one = min(_ahead(here, before, needed, was), room)
+        before, was = here, needed
+        here = next_one
+        scale = here / needed
+        times = ArcTimes(found.first * scale, found.second * scale)
+    return NEVER
+
+
+@inlined
+def split(pair, task, thrust, steering, extra):
+    """The cheaper of the two teeth around the optimum of free phase.
+
+    Parameters
+    ----------
+    pair, task, thrust, steering, extra
+        As :func:`free_split` takes them.
+
+    Returns
+    -------
+    LowThrustSplit
+    """
+    free, follow = free_split(pair, task, thrust, steering, extra)
+    if free.delta_v == math.inf:
+        return NEVER
+    coasting = task.span - pair.approach - free.times.first - free.times.second
+    gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
+    laps = (gained - task.ahead) / TURN_RAD
+    nearer = float(math.floor(laps + 0.5))
+    best = tooth_split(pair, task, thrust, steering, extra, free, follow, nearer)
+    other = nearer + 1.0 if laps > nearer else nearer - 1.0
+    way = tooth_split(pair, task, thrust, steering, extra, free, follow, other)
+    return way if way.delta_v < best.delta_v else best
+
+
+@inlined
+def task_turned(pair, task, turns):
+    """The same task with the node turned some more whole turns."""
+    more = turns * TURN_RAD
+    return Task(task.span, task.lag + more, task.ahead + pair.cosine * more, 0.0)
+
+
+class LowThrustLeg(NamedTuple):
+    """A low-thrust leg.
+
+    Attributes
+    ----------
+    split : LowThrustSplit
+    window : float
+        η [rad].
+    turns : float
+        Whole turns of the node beyond the nearer way.
+    """
+
+    split: LowThrustSplit
+    window: float
+    turns: float
+
+
+@inlined
+def with_impulses(drift, task, turn):
+    """ΔV with a free phase and no time for thrust, changes of the plane counting κ times [m/s].
+
+    Never above that of :func:`free_split` but for rounding of :mod:`.drift_free`.
+    """
+    pair = weighted(drift, turn)
+    climb, tilt = first_guess(pair, task)
+    known = task.lag + pair.node_rate_i * task.span - pair.node_rate_j * pair.approach
+    left_over = Rest(known, 0.0, 0.0, task.span - pair.approach)
+    return least_turns(pair, task.span, 0.0, left_over, climb, tilt).least
+
+
+@inlined
+def _lower(split):
+    """A split whose ΔV is a lower bound, also where a split beside it would be cheaper."""
+    less = split.delta_v - OFF * split.delta_v - OFF_M_S
+    return LowThrustSplit(less, split.first, split.climb, split.tilt, split.along, split.times)
+
+
+@kernel
+def leg_below(pair, thrust, departure, arrival, below, relaxed):
+    """The low-thrust leg between two times: the cheapest of all windows and ways of the node.
+
+    Parameters
+    ----------
+    pair : LowThrustPair
+    thrust : Thrust
+    departure, arrival : float
+        [s].
+    below : float
+        No leg that costs as much is wanted [m/s].
+    relaxed : bool
+        Whether a lower bound of all heavier chasers' legs is wanted: the phase is free.
+
+    Returns
+    -------
+    LowThrustLeg
+        Of infinite ΔV if there is none.
+    """
+    drift = pair.drift
+    nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
+    extra = SHAPE * drift_linear.shape_left(drift.linear, arrival)
+    best = LowThrustLeg(NEVER, 0.0, 0.0)
+    below = below - 2.0 * extra + SLACK_M_S
+    for turns in (0.0, -1.0, 1.0):
+        if turns != 0.0 and nearer.span <= LONG_S:
+            continue
+        task = task_turned(drift, nearer, turns)
+        if with_impulses(drift, task, 1.0) >= below:
+            continue
+        at = places(pair, task, departure, arrival)
+        for window in WINDOWS_RAD:
+            steers = steering(at, window)
+            if with_impulses(drift, task, steers.turn) >= below:
+                continue
+            if relaxed:
+                way, _ = free_split(weighted(drift, steers.turn), task, thrust, steers, extra)
+                way = _lower(way)
+            else:
+                way = split(weighted(drift, steers.turn), task, thrust, steers, extra)
+            if way.delta_v < best.split.delta_v:
+                best = LowThrustLeg(way, window, turns)
+                below = min(below, way.delta_v - 2.0 * extra + SLACK_M_S)
+    return best
+
+
+@kernel
+def delta_v(pair, thrust, departure, arrival):
+    """ΔV of the low-thrust leg between two times, infinite if there is none [m/s]."""
+    return leg_below(pair, thrust, departure, arrival, math.inf, False).split.delta_v

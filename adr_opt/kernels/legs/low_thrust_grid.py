@@ -1,0 +1,73 @@
+"""Low-thrust legs on a grid of departure and arrival times: those that no other dominates."""
+
+import math
+
+import numpy as np
+
+from ..core.compile import kernel
+from ..core.lists import chosen, wider
+from .drift_grid import LongTransfers
+from .low_thrust import leg_below
+
+
+@kernel
+def of_pair(pair, thrust, times, duration, resolution, relaxed):
+    """Undominated low-thrust legs of a pair.
+
+    Parameters
+    ----------
+    pair : LowThrustPair
+    thrust : Thrust
+    times : Times
+        Its interval is not looked at.
+    duration : float
+        The last arrival [s].
+    resolution : float
+        A leg that saves no more than this is dominated [m/s].
+    relaxed : bool
+        Whether to take lower bounds for heavier chasers in place of costs.
+
+    Returns
+    -------
+    LongTransfers
+    """
+    step, most = times.step, times.most
+    points = math.floor(duration / step) + 1
+    furthest = min(math.floor(times.longest / step), points - 1)
+    # The least cost of all that leave later and arrive by then.
+    stair = np.full(points, math.inf)
+    room = 256
+    departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
+    costs = np.empty(room)
+    count = 0
+    for begin in range(points - 2, -1, -1):
+        cheapest = most + resolution
+        for t in range(begin + 1, min(begin + furthest, points - 1) + 1):
+            cheapest = min(cheapest, stair[t])
+            below = cheapest - resolution
+            leg = leg_below(pair, thrust, begin * step, t * step, below, relaxed)
+            cost = leg.split.delta_v
+            if cost >= below:
+                continue
+            if count == departures.size:
+                departures, arrivals = wider(departures, count), wider(arrivals, count)
+                costs = wider(costs, count)
+            departures[count], arrivals[count], costs[count] = begin, t, cost
+            cheapest = stair[t] = cost
+            count += 1
+    # From the last departure to the first, each by arrival: turned round departure by departure.
+    order = np.empty(count, np.int64)
+    high, at = count, 0
+    while high > 0:
+        low = high - 1
+        while low > 0 and departures[low - 1] == departures[high - 1]:
+            low -= 1
+        for c in range(low, high):
+            order[at] = c
+            at += 1
+        high = low
+    return LongTransfers(
+        chosen(departures, order, count),
+        chosen(arrivals, order, count),
+        chosen(costs, order, count),
+    )

@@ -1,0 +1,281 @@
+"""Low-thrust legs: the closed form against optimised transfers, and speed of computation.
+
+    python bench/low_thrust.py
+
+Pairs of circles are drawn 650 to 950 km high, up to 60 km, 0.2° and 6° of node apart, with 20 to
+160 days and an acceleration of 1 to 5 · 10⁻⁴ m/s². For each the closed form with a free phase, with
+thrust in windows of ±90°, ±60° and ±30°, stands against the least ΔV of the averaged equations of
+motion: two arcs of two parts each, all of whose durations and directions are free.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import statistics
+import time
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from machine import heading
+from scipy.optimize import minimize
+
+import adr_opt
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_windows
+from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
+from adr_opt.kernels.legs.low_thrust_windows import WINDOWS_RAD, prepare
+from adr_opt.problem.orbit import Orbit
+
+FloatArray = npt.NDArray[np.float64]
+
+EXHAUST_M_S = 1500.0 * 9.80665
+
+PARTS = 4
+"""Parts of constant direction, half of them before the drift."""
+
+STEPS = 24
+"""Steps of the integration of each part."""
+
+
+class Pair(NamedTuple):
+    """A drawn transfer.
+
+    Elements of both bodies at departure (radius [m], inclination and node [rad]), span [s], and
+    acceleration at departure [m/s²].
+    """
+
+    first: tuple[float, float, float]
+    second: tuple[float, float, float]
+    span: float
+    acceleration: float
+
+
+def drawn(rng: np.random.Generator) -> Pair:
+    """A pair whose node is made up for at the end of the span by up to 6°."""
+    radius = EARTH_RADIUS_M + rng.uniform(650e3, 950e3)
+    inclination = math.radians(rng.choice([71.0, 82.5, 86.4, 98.0]))
+    span = rng.uniform(20.0, 160.0) * DAY_S
+    other = radius + rng.uniform(-60e3, 60e3), inclination + math.radians(rng.uniform(-0.2, 0.2))
+    apart = math.radians(rng.uniform(-6.0, 6.0))
+    ends = (radius, inclination, 0.0), (*other, apart)
+    return Pair(*ends, span, 10.0 ** rng.uniform(-4.0, math.log10(5e-4)))
+
+
+def row(body: tuple[float, float, float], latitude_deg: float) -> FloatArray:
+    """The row of a body, as kernels take it."""
+    radius, inclination, node = body
+    orbit = Orbit(
+        semi_major_axis_m=radius, eccentricity=0.0, inclination_deg=math.degrees(inclination),
+        raan_deg=math.degrees(node) % 360.0, argument_of_perigee_deg=0.0,
+        true_anomaly_deg=latitude_deg,
+    )  # fmt: skip
+    return np.array(orbit.row(OBLATENESS_M2))
+
+
+@kernel
+def rates(speed, inclination, mass, push, yaw, place, turn):
+    """Averaged rates of speed, inclination and node; ``push`` is the thrust's share by mass."""
+    pulled = -1.5 * OBLATENESS_M2 * speed**7 / MU_M3_S2**3 * math.cos(inclination)
+    aside = push / mass * math.sin(yaw) / (turn * speed)
+    return (
+        -push / mass * math.cos(yaw),
+        aside * math.cos(place),
+        aside * math.sin(place) / math.sin(inclination) + pulled,
+    )
+
+
+@kernel
+def flown(start, span, push, turn, times, yaws, places):
+    """Speed, inclination and node at the end of parts of thrust with a drift between them."""
+    speed, inclination, node = start
+    mass = 1.0
+    half = times.size // 2
+    for part in range(times.size + 1):
+        thrusting = part != half
+        number = part if part < half else part - 1
+        length = times[number] if thrusting else span - times.sum()
+        force = push if thrusting else 0.0
+        step = length / STEPS
+        for _ in range(STEPS):
+            # Of Runge and Kutta, the fourth order.
+            state = (speed, inclination, node)
+            total = np.zeros(3)
+            slope = (0.0, 0.0, 0.0)
+            for stage in range(4):
+                share = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
+                slope = rates(
+                    state[0] + share * step * slope[0], state[1] + share * step * slope[1],
+                    mass - share * step * force / EXHAUST_M_S, force, yaws[number],
+                    places[number], turn,
+                )  # fmt: skip
+                weight = (1.0 if stage in (0, 3) else 2.0) / 6.0
+                for component in range(3):
+                    total[component] += weight * slope[component]
+            speed, inclination, node = (
+                speed + step * total[0],
+                inclination + step * total[1],
+                (node + step * total[2]),
+            )
+            mass -= step * force / EXHAUST_M_S
+    return speed, inclination, node, mass
+
+
+def optimum(
+    pair: Pair, thrust: Thrust, window: float, guess: low_thrust.LowThrustSplit, node: float
+) -> float:
+    """Least ΔV of the averaged equations, from the closed form; infinite if none was found [m/s].
+
+    Parameters
+    ----------
+    window : float
+        η [rad].
+    node : float
+        κ V sin i times the node that the arcs turn in all [m/s].
+    """
+    turn, share = window / math.sin(window), 2.0 * window / math.pi
+    start = math.sqrt(MU_M3_S2 / pair.first[0]), *pair.first[1:]
+    end_speed = math.sqrt(MU_M3_S2 / pair.second[0])
+    rate = -1.5 * OBLATENESS_M2 * end_speed**7 / MU_M3_S2**3 * math.cos(pair.second[1])
+    goal = np.array([end_speed, pair.second[1], pair.second[2] + rate * pair.span])
+    push = thrust.acceleration * share
+    sine = math.sin(pair.second[1])
+
+    def parts(unknown: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        times = unknown[:PARTS] * pair.span
+        return times, unknown[PARTS : 2 * PARTS], unknown[2 * PARTS :]
+
+    def missed(unknown: FloatArray) -> FloatArray:
+        speed, inclination, node, _ = flown(start, pair.span, push, turn, *parts(unknown))
+        off = np.array([speed, inclination, node]) - goal
+        return off * np.array([1.0, end_speed, end_speed * sine]) / 100.0
+
+    def cost(unknown: FloatArray) -> float:
+        return float(push * unknown[:PARTS].sum() * pair.span) / 100.0
+
+    rest = start[0] - end_speed - guess.climb
+    tilt = turn * end_speed * (pair.second[1] - pair.first[1]) - guess.tilt
+    yaws, places, times = [], [], []
+    for climb, tilted, along, length in (
+        (guess.climb, guess.tilt, guess.along, guess.times.first),
+        (rest, tilt, node - guess.along, guess.times.second),
+    ):
+        turned = math.hypot(tilted, along)
+        for _ in range(PARTS // 2):
+            times.append(2.0 * length / PARTS / pair.span)
+            yaws.append(math.atan2(turned, climb))
+            places.append(math.atan2(along, tilted))
+    best = math.inf
+    limits = [(0.0, 1.0)] * PARTS + [(-2.0 * math.pi, 2.0 * math.pi)] * (2 * PARTS)
+    constraints = (
+        {"type": "eq", "fun": missed},
+        {"type": "ineq", "fun": lambda unknown: 1.0 - unknown[:PARTS].sum()},
+    )
+    for begin in (1.0, 0.8):
+        found = minimize(
+            cost, np.array([begin * t + 1e-4 for t in times] + yaws + places), method="SLSQP",
+            bounds=limits, constraints=constraints, options={"maxiter": 400, "ftol": 1e-9},
+        )  # fmt: skip
+        if np.abs(missed(found.x)).max() < 1e-5:
+            mass = 1.0 - cost(found.x) * 100.0 / EXHAUST_M_S
+            best = min(best, -EXHAUST_M_S * math.log(mass))
+    return best
+
+
+@kernel
+def free(pair, thrust, window, span):
+    """The closed form with a free phase, and κ V sin i times the node that its arcs turn [m/s]."""
+    drift = pair.drift
+    task = drift_pair.task_of(drift, 0.0, span, 0.0)
+    steers = low_thrust_windows.steering(low_thrust_windows.places(pair, task, 0.0, span), window)
+    found, _ = low_thrust.free_split(weighted(drift, steers.turn), task, thrust, steers, 0.0)
+    known = task.lag + drift.node_rate_i * (span - 0.5 * found.times.first)
+    known -= drift.node_rate_j * 0.5 * found.times.second
+    coasting = span - 0.5 * (found.times.first + found.times.second)
+    speed = drift.speed_i - found.climb
+    pull = -1.5 * drift.oblateness * speed**7 / MU_M3_S2**3 * coasting
+    known -= pull * math.cos(drift.inclination_i + found.tilt / (steers.turn * drift.linear.speed))
+    return found, steers.turn * drift.linear.speed * drift.linear.sine * known
+
+
+@kernel
+def repeated(pair, thrust, departures, arrivals):
+    """Sum of the ΔV of all legs between given times that can be flown."""
+    total = 0.0
+    for departure in departures:
+        for arrival in arrivals:
+            found = low_thrust.delta_v(pair, thrust, departure, arrival)
+            if found < math.inf:
+                total += found
+    return total
+
+
+def print_accuracy(number: int) -> None:
+    """Print the closed form against the optimum, by windows of thrust."""
+    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
+    print(f"\nClosed form against optimised averaged transfers, {number} drawn pairs\n")
+    print("| window | legs | total | mean absolute error | largest | no leg |")
+    print("|---|---|---|---|---|---|")
+    totals = np.zeros(2)
+    for window in WINDOWS_RAD:
+        rng = np.random.default_rng(11)
+        said, true, none = [], [], 0
+        for _ in range(number):
+            pair = drawn(rng)
+            thrust = Thrust(pair.acceleration, EXHAUST_M_S)
+            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
+            made = prepare(*bodies, rule._replace(approach_revolutions=0.0), math.nan, 0.0)
+            split, node = free(made, thrust, window, pair.span)
+            if not math.isfinite(split.delta_v):
+                none += 1
+                continue
+            best = optimum(pair, thrust, window, split, float(node))
+            if math.isfinite(best):
+                said.append(split.delta_v)
+                true.append(best)
+        off = np.array(said) / np.array(true) - 1.0
+        totals += sum(said), sum(true)
+        total = sum(said) / sum(true) - 1.0
+        print(
+            f"| ±{math.degrees(window):.0f}° | {len(said)} | {total:+.2%} | "
+            f"{np.abs(off).mean():.2%} | {np.abs(off).max():.1%} | {none} |"
+        )
+    print(f"\nAll: {totals[0] / totals[1] - 1.0:+.2%}.")
+
+
+def print_speed(repeats: int) -> None:
+    """Print the time of a connection with all its windows and a whole number of laps."""
+    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
+    departures, arrivals = np.linspace(0.0, 60.0, 61) * DAY_S, np.linspace(80.0, 200.0, 61) * DAY_S
+    print(
+        "\n| thrust in the shadow | a leg, the best of three windows, median of pairs |\n|---|---|"
+    )
+    for on, epoch in (("on", math.nan), ("off", 0.0)):
+        rng, found = np.random.default_rng(5), []
+        for _ in range(repeats):
+            pair = drawn(rng)
+            thrust = Thrust(pair.acceleration, EXHAUST_M_S)
+            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
+            made = prepare(*bodies, rule, epoch, 0.0)
+            repeated(made, thrust, departures[:1], arrivals[:1])
+            begun = time.process_time()
+            repeated(made, thrust, departures, arrivals)
+            found.append((time.process_time() - begun) / (departures.size * arrivals.size))
+        print(f"| {on} | {statistics.median(found) * 1e6:.2f} µs |")
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--pairs", type=int, default=200, help="drawn pairs for each window")
+    parser.add_argument("--repeats", type=int, default=15, help="pairs that are timed")
+    options = parser.parse_args()
+    print(heading())
+    print_accuracy(options.pairs)
+    print_speed(options.repeats)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,205 @@
+"""Low-thrust legs in closed form: against the judge's searches, other masses, and identities."""
+
+from __future__ import annotations
+
+import math
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+from rows import FloatArray, oblate_rule, row
+from seeds import over_seeds
+
+from adr_opt.common.constants import (
+    DAY_S,
+    EARTH_RADIUS_M,
+    OBLATENESS_M2,
+    STANDARD_GRAVITY_M_S2,
+)
+from adr_opt.judge.check.low_thrust import dearest, low_thrust_cost, shadow_of, steering_of
+from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_windows
+from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
+from adr_opt.kernels.orbits import columns, sunlight
+from adr_opt.problem.drives import since_j2000_s
+
+RULE = oblate_rule()
+EXHAUST_M_S = 1500.0 * STANDARD_GRAVITY_M_S2
+EVERYWHERE = 0.5 * math.pi
+
+DEAREST_M_S = 800.0
+"""Dearer legs, which thrust nearly all the time, are not compared: errors grow manifold there."""
+
+
+def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
+    """A body 500 to 1200 km high, every other one eccentric."""
+    return row(
+        EARTH_RADIUS_M + rng.uniform(500e3, 1200e3), inclination, raan, rng.uniform(0.0, 7.0),
+        oblateness=OBLATENESS_M2,
+        eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.01)])),
+        perigee=rng.uniform(-10.0, 10.0),
+    )  # fmt: skip
+
+
+def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, float]:
+    """Two bodies near each other, a departure and a span [s]."""
+    inclination = float(rng.choice([0.9, 1.24, 1.5, 0.5 * math.pi, 1.71]))
+    raan = rng.uniform(-10.0, 10.0)
+    span = 10 ** rng.uniform(0.5, 2.5) * DAY_S
+    return (
+        body(rng, inclination, raan),
+        body(rng, inclination + 0.01 * rng.normal(), raan + 0.05 * rng.normal()),
+        rng.uniform(0.0, 700.0) * DAY_S, span,
+    )  # fmt: skip
+
+
+@over_seeds(range(40), gate=6)
+def test_the_judge_finds_the_same_optimum(seed: int):
+    """Newton steps and golden sections agree on what legs cost, and on which there are."""
+    rng = np.random.default_rng(seed)
+    found = 0
+    for _ in range(10):
+        one, other, departure, span = drawn(rng)
+        since = rng.uniform(-1e9, 1e9)
+        thrust = Thrust(10 ** rng.uniform(-4.0, -3.0), EXHAUST_M_S)
+        pair = low_thrust_windows.prepare(one, other, RULE, since, 0.0)
+        cost = low_thrust.delta_v(pair, thrust, departure, departure + span)
+        left = np.append(one, one[columns.RAAN_RATE])
+        expected = low_thrust_cost(
+            (left, other), RULE, since, (thrust.acceleration, thrust.exhaust), departure,
+            departure + span,
+        )  # fmt: skip
+        if min(cost, expected) > DEAREST_M_S:
+            continue
+        near = expected - 5e-3 <= cost <= dearest(expected)
+        assert near, (one, other, departure, span, thrust, cost, expected)
+        found += 1
+    assert found > 0
+
+
+@kernel
+def bound_and_costs(pair, lighter, heavier, departure, arrival):
+    """The lower bound of the lightest chaser, and what a leg costs some heavier ones."""
+    least = low_thrust.leg_below(pair, lighter, departure, arrival, math.inf, True)
+    costs = np.empty(len(heavier))
+    for at in range(len(heavier)):
+        costs[at] = low_thrust.delta_v(
+            pair, Thrust(heavier[at], lighter.exhaust), departure, arrival
+        )
+    return least.split.delta_v, costs
+
+
+def test_bounds_hold_for_all_masses():
+    """No heavier chaser flies a leg for less than its lower bound, in sunlight or not."""
+    rng = np.random.default_rng(2)
+    finite = 0
+    for _ in range(3000):
+        one, other, departure, span = drawn(rng)
+        since = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
+        pair = low_thrust_windows.prepare(one, other, RULE, since, 0.0)
+        push = 10 ** rng.uniform(-4.3, -3.0)
+        heavier = push / np.array([1.0, 1.1, rng.uniform(1.0, 2.0)])
+        bound, costs = bound_and_costs(
+            pair, Thrust(1.01 * push, EXHAUST_M_S), heavier, departure, departure + span
+        )
+        finite += int(np.isfinite(costs).sum())
+        assert (costs >= bound).all(), (one, other, departure, span, push, costs, bound)
+    assert finite > 2500
+
+
+@kernel
+def free_cost(pair, thrust, window, departure, arrival):
+    """ΔV with a free phase of the target and one width of windows."""
+    task = drift_pair.task_of(pair.drift, departure, arrival, 0.0)
+    steers = low_thrust_windows.steering(
+        low_thrust_windows.places(pair, task, departure, arrival), window
+    )
+    drift = weighted(pair.drift, steers.turn)
+    return low_thrust.free_split(drift, task, thrust, steers, 0.0)[0].delta_v
+
+
+def test_richer_is_not_always_better():
+    """A chaser of 420 kg flies a leg that one of 460 kg cannot, unless it vents propellant.
+
+    The example of docs/model.md section 11, in which the first order has 199.6 m/s.
+    """
+    one = row(EARTH_RADIUS_M + 662.726e3, math.radians(68.0732), 0.0, 0.0, oblateness=OBLATENESS_M2)
+    other = row(
+        EARTH_RADIUS_M + 638.341e3, math.radians(68.0224), math.radians(4.7333), 0.0,
+        oblateness=OBLATENESS_M2,
+    )  # fmt: skip
+    rule = RULE._replace(approach_revolutions=0.0)
+    pair = low_thrust_windows.prepare(one, other, rule, math.nan, 0.0)
+    costs = [
+        free_cost(pair, Thrust(0.05 / mass, EXHAUST_M_S), EVERYWHERE, 0.0, 26.0 * DAY_S)
+        for mass in (420.0, 460.0)
+    ]
+    assert costs[0] == pytest.approx(214.7, abs=0.1)
+    assert costs[1] == math.inf
+
+
+def test_windows_cost_their_angle_over_its_sine():
+    """Without a shadow κ is η / sin η, at a share 2 η / π."""
+    dark = sunlight.Shadow(0.0, 0.0)
+    for window in (*low_thrust_windows.WINDOWS_RAD, 0.3, 1.2):
+        turn, share = low_thrust_windows.lit(window, 1.0, dark)
+        assert turn == pytest.approx(window / math.sin(window))
+        assert share == pytest.approx(2.0 * window / math.pi)
+
+
+def test_shadows_cost_what_docs_say():
+    """At 800 km κ is 1.84 with the best place in the middle of the shadow, and 1.40 across it."""
+    half = math.asin(EARTH_RADIUS_M / (EARTH_RADIUS_M + 800e3))
+    for away, turn, longer in ((0.0, 1.84, 1.80), (0.5 * math.pi, 1.40, 1.37)):
+        found, share = low_thrust_windows.lit(EVERYWHERE, 2.0, sunlight.Shadow(2.0 + away, half))
+        assert found == pytest.approx(turn, abs=0.005)
+        assert found / share / EVERYWHERE == pytest.approx(longer, abs=0.005)
+
+
+def test_shadows_are_the_judges():
+    """Windows less the shadow have the κ and share that summing up the circle's pieces gives."""
+    rng = np.random.default_rng(4)
+    dark = 0
+    for _ in range(3000):
+        place, window = rng.uniform(-7.0, 7.0), float(rng.uniform(0.2, EVERYWHERE))
+        radius, since = EARTH_RADIUS_M + rng.uniform(300e3, 2000e3), rng.uniform(-2e9, 2e9)
+        plane = rng.uniform(0.0, math.pi), rng.uniform(-7.0, 7.0)
+        shadow = sunlight.shadow(radius, *plane, since)
+        middle, half = shadow_of(radius, *plane, since)
+        assert shadow.half == pytest.approx(half, abs=1e-9)
+        if half > 0.0:
+            assert math.remainder(shadow.middle - middle, 2.0 * math.pi) == pytest.approx(0.0)
+        dark += half > 0.0
+        assert low_thrust_windows.lit(window, place, shadow) == pytest.approx(
+            steering_of(window, place, middle, half), rel=1e-9
+        )
+    assert 1000 < dark < 3000
+
+
+@pytest.mark.parametrize(
+    ("day", "degrees"),
+    [("2026-03-20T14:46", 0.0), ("2026-06-21T08:25", 90.0), ("2027-09-23T06:02", 180.0)],
+)
+def test_the_sun_is_where_seasons_begin(day: str, degrees: float):
+    """At equinoxes and solstices the Sun's longitude is a multiple of a right angle."""
+    since = since_j2000_s(datetime.fromisoformat(day).replace(tzinfo=UTC))
+    x, y, z = sunlight.sun_direction(since)
+    found = math.degrees(math.atan2(math.hypot(y, z) * math.copysign(1.0, y), x)) % 360.0
+    assert math.remainder(found - degrees, 360.0) == pytest.approx(0.0, abs=0.03)
+
+
+def test_a_leg_with_much_thrust_is_the_drift_leg():
+    """With a thousandfold thrust in narrow windows a leg costs what impulses do, but for κ."""
+    rng = np.random.default_rng(8)
+    compared = 0
+    for _ in range(200):
+        one, other, departure, span = drawn(rng)
+        pair = low_thrust_windows.prepare(one, other, RULE, math.nan, 0.0)
+        cost = free_cost(pair, Thrust(1e7, 1e9), 1e-3, departure, departure + span)
+        task = drift_pair.task_of(pair.drift, departure, departure + span, 0.0)
+        least = low_thrust.with_impulses(pair.drift, task, 1.0)
+        if least > 1500.0:
+            continue
+        compared += 1
+        assert cost == pytest.approx(least, rel=0.01, abs=0.5)
+    assert compared > 50

@@ -1,0 +1,67 @@
+"""Missions of low thrust against enumeration with exact masses."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from electric_fields import Enumerated, electric
+from seeds import over_kinds
+
+import adr_opt
+from adr_opt.judge.check.verdict import check
+from adr_opt.judge.verify import verify
+from adr_opt.mission.certify import certificate_of
+
+KINDS = {
+    "alone": ({}, range(60), 4),
+    "kits": ({"kits": True}, range(100, 140), 2),
+    "two": ({"chasers": 2}, range(200, 230), 2),
+}
+
+
+@over_kinds("options, seeds", **KINDS)
+def test_plans_and_bounds_include_the_optimum(options: dict[str, Any], seeds: range):
+    """Plans are legal and collect no more, and bounds no less, than enumeration with exact masses.
+
+    In which a chaser may vent propellant, and fly a leg as a heavier one.
+    """
+    closed = some = 0
+    for seed in seeds:
+        instance = electric(seed, **options)
+        best = Enumerated(instance).best()
+        result = adr_opt.solve(instance, time_limit=math.inf, iterations=40)
+        assert result.plan is not None, seed
+        assert not list(check(instance, result.plan)), seed
+        assert result.objective <= best <= result.upper_bound, seed
+        bound = adr_opt.bound(instance, time_limit=math.inf, iterations=40)
+        assert bound.upper_bound >= best, seed
+        closed += result.status == "optimal"
+        some += 0.0 < best < sum(target.prize for target in instance.targets)
+    assert closed > 0.5 * len(seeds)
+    assert some > 0.3 * len(seeds)
+
+
+@pytest.mark.parametrize("method", ["greedy", "beam", "local-search", "ortools", "exact", "cpsat"])
+def test_methods_plan_low_thrust(method: str):
+    """Every kind of method has a legal plan; what it says is proven is, whatever the mass."""
+    instance = electric(3)
+    result = adr_opt.solve(instance, method, time_limit=5.0)
+    assert result.plan is not None
+    assert not list(check(instance, result.plan))
+    assert result.objective <= Enumerated(instance).best() <= result.upper_bound
+
+
+def test_certificates_of_low_thrust_are_verified():
+    """A bound on legs of the lightest chaser is verified with these legs."""
+    verified = 0
+    for seed in range(6):
+        instance = electric(seed, targets=5)
+        result = adr_opt.solve(instance, time_limit=math.inf, iterations=40)
+        if result.evidence is None or not result.evidence.walks:
+            continue
+        verdict = verify(instance, result.plan, certificate_of(instance, result), connections=20)
+        assert not verdict.reasons, seed
+        verified += verdict.labels > 0
+    assert verified > 1
