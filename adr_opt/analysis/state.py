@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 
 from ..common.constants import SLACK_S
 from ..common.errors import InputError
-from ..legs.service_limits import limits_of
+from ..legs.service_limits import limits_of, removal_times
 from ..plan.cargo import kits_of
 from ..plan.expense import carried_kg
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
-from ..plan.tows import released_orbit, removals_of
+from ..plan.tows import released_orbit
 from ..problem.chasers import AnyTank, AtStation, Chaser, Expense, InOrbit, TankByMass
+from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from ..problem.numbering import LEO
 from .deviations import (
@@ -312,7 +313,8 @@ def going_on(instance: Instance, state: ChaserState) -> Chaser:
     if state.is_put:
         return chaser.replace(**changes, start="anywhere")
     if state.is_released:
-        orbit = released_orbit(instance, body, state.legs[-1].done_s)
+        drive = drive_of(chaser, instance.targets)
+        orbit = released_orbit(instance, drive, body, state.legs[-1].done_s)
     else:
         # Where connections are given there may be none, and nothing comes of the one that is said.
         orbit = instance.known_orbits[instance.names.index(body)] or LEO
@@ -323,7 +325,8 @@ def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
     """Start of the service at the target where a chaser is placed [s]."""
     assert state.body is not None
     body = instance.names.index(state.body)
-    service_s = float(limits_of(instance).service[body]) - removals_of(instance)[body].time_s
+    tow_s = removal_times(instance, range(len(instance.chasers)))[body]
+    service_s = float(limits_of(instance).service[body]) - tow_s
     return max(state.free_s - service_s, 0.0), state.free_s
 
 

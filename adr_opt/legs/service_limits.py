@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ..kernels.tables.timetable_making import ServiceLimits
 from ..plan.plan import Leg
 from ..plan.tows import removals_of
+from ..problem.drives import drive_of
 from ..problem.instance import Instance
 
 
@@ -47,13 +49,23 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
             closes[body] = -math.inf
-    for body, removal in removals_of(instance).items():
-        service[body] += removal.time_s
+    for body, time_s in removal_times(instance, numbers).items():
+        service[body] += time_s
         closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
-        closes[body] = min(closed + removal.time_s, duration)
+        closes[body] = min(closed + time_s, duration)
     for array in (service, opens, closes):
         array.setflags(write=False)
     return ServiceLimits(service, opens, closes, begin, duration)
+
+
+def removal_times(instance: Instance, chasers: Iterable[int]) -> dict[int, float]:
+    """Least time that one of some chasers takes for each removal, by number of the body [s]."""
+    drives = {drive_of(instance.chasers[number], instance.targets) for number in chasers}
+    found: dict[int, float] = {}
+    for drive in drives:
+        for body, removal in removals_of(instance, drive).items():
+            found[body] = min(found.get(body, math.inf), removal.time_s)
+    return found
 
 
 def service_begins(instance: Instance, leg: Leg) -> float:

@@ -13,7 +13,7 @@ from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg
 from ..plan.leg_kinds import GIVEN, leg_kinds
-from ..plan.plan import Leg, Reason, Unvisited, burns_of
+from ..plan.plan import Burn, Leg, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
@@ -55,7 +55,7 @@ def legs(
         )
     priced: list[Leg] = []
     i, ready = mission.rules.start, mission.rules.ready
-    tows = removals_of(mission.instance)
+    tows = removals_of(mission.instance, mission.connecting.drive)
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
         leg = transfer_leg(mission, (i, j), float(ready), timing.connections, at)
@@ -90,8 +90,10 @@ def tow_flown(orbit: FloatArray, tow: RemovalFlight, start_s: float) -> TowFlown
         Row of the object, :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     """
     end_s = start_s + tow.time_s
-    vectors = burn_vectors(orbit, tow, start_s)
-    burns = burns_of((start_s, end_s), vectors, ("tow", "tow"))
+    burns: tuple[Burn, ...] = ()
+    if tow.burns_m_s is not None:
+        vectors = burn_vectors(orbit, tow, start_s)
+        burns = burns_of((start_s, end_s), vectors, ("tow", "tow"))
     return TowFlown(start_s=start_s, end_s=end_s, delta_v_m_s=tow.delta_v_m_s, burns=burns)
 
 
@@ -172,7 +174,7 @@ def _left_out(
     time = float(timing.ends[-1]) if moves else rules.ready
     left = float(timing.lefts[-1]) if moves else left_at_start(rules, 0)
     heavy = mission.chaser.kit_mass_kg > 0.0
-    tows = removals_of(mission.instance)
+    tows = removals_of(mission.instance, mission.connecting.drive)
     for j in left_out:
         reason: Reason
         if not mission.timetable.holds(body, j):

@@ -11,6 +11,7 @@ import numpy as np
 from ..common.constants import SLACK_M_S
 from ..kernels.rules.loads import Loads, after_service
 from ..problem.chasers import Chaser, TankByMass
+from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
@@ -40,7 +41,8 @@ def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:
     """
     takes = np.zeros(len(instance.names), dtype=np.int64)
     takes[instance.first_target :] = [target.service.takes_kit for target in instance.targets]
-    wanted, tows = int(takes.sum()), removals_of(instance)
+    wanted = int(takes.sum())
+    tows = removals_of(instance, drive_of(chaser, instance.targets))
     heavy = wanted > 0 and chaser.kit_mass_kg > 0.0
     most = min(wanted, wanted if chaser.kits is None else chaser.kits)
     if not heavy and (most == wanted or wanted == len(instance.targets)):
@@ -135,7 +137,7 @@ def followed(
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.service.takes_kit}
-    tows = removals_by_name(instance)
+    tows = removals_by_name(instance, drive_of(chaser, instance.targets))
     cargo_kg = kits * chaser.kit_mass_kg
     left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ..problem.chasers import Chaser, TankByMass
+from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from .cargo import kits_of
 from .plan import Leg, Route, cost_of
@@ -34,7 +35,7 @@ def carried_kg(
     stops = [at for at, (body, _) in enumerate(legs) if body in instance.station_names]
     first = legs[: stops[0] + 1] if stops else legs
     takers = {target.name for target in instance.targets if target.service.takes_kit}
-    removals = removals_by_name(instance)
+    removals = removals_by_name(instance, drive_of(chaser, instance.targets))
     every = kits_of(instance, (body for body, _ in legs))
     later = every - kits_of(instance, (body for body, _ in first))
     mass = tank.dry_mass_kg + later * chaser.kit_mass_kg

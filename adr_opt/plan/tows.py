@@ -1,5 +1,7 @@
 """Tows: an object is lowered to a disposal orbit, where the chaser continues from.
 
+With impulses:
+
 A tow is a Hohmann transfer of the chaser with the object from the circle that the object is planned
 on (docs/model.md section 1) to one at the disposal altitude, in the object's plane: two burns
 against the motion, half a revolution apart. The object is released after the second one. The chaser
@@ -12,6 +14,11 @@ a time t is on the disposal orbit then,
 with T and Ω̇_h of the half ellipse (docs/model.md section 2): a body whose angles advance as the
 object's do, by the time of departure, on another radius. A row of such a body is that of the object
 *as it is left*. What has left drifts as its own radius says, which is one column more.
+
+With low thrust a tow is a spiral, against the motion wherever there is sunlight: ΔV is the
+difference of both circular speeds, and it takes as long as with the heaviest chaser and the longest
+shadow; a lighter one throttles. Meanwhile the speed of the orbit changes uniformly, and node and
+argument of latitude move by the means of their rates.
 
 The burns take propellant for both masses: with A = exp(−ΔV / g₀ Isp) a chaser of mass m that tows
 D has (m + D) A − D afterwards.
@@ -31,11 +38,15 @@ from ..kernels.orbits import ephemeris
 from ..kernels.orbits.body_rows import as_left, with_orbit
 from ..kernels.orbits.ephemeris import EPOCH_S
 from ..kernels.orbits.matchings import matchings
+from ..problem.drives import Drive
 from ..problem.instance import Instance
 from ..problem.orbit import Orbit
 from .planes import Arcs, Plane, ahead, outward
 
 FloatArray = npt.NDArray[np.float64]
+
+RATES = 8
+"""Number of points of Gauss's rule for the means of rates on a spiral."""
 
 
 class RemovalFlight(NamedTuple):
@@ -46,29 +57,27 @@ class RemovalFlight(NamedTuple):
     radius_m : float
         Of the disposal orbit.
     time_s : float
-        From the first burn to the second.
-    burns_m_s : (float, float)
-        What the two burns take off the velocity.
-    shift_rad : float
-        How far the node moves meanwhile.
+        From the first burn to the second, or of the spiral.
+    delta_v_m_s : float
+    burns_m_s : (float, float) or None
+        What the two burns take off the velocity; None for a spiral.
+    shift_rad, turned_rad : float
+        How far the node moves meanwhile, and the argument of latitude.
     object_kg : float
         Mass that is towed.
     """
 
     radius_m: float
     time_s: float
-    burns_m_s: tuple[float, float]
+    delta_v_m_s: float
+    burns_m_s: tuple[float, float] | None
     shift_rad: float
+    turned_rad: float
     object_kg: float
 
-    @property
-    def delta_v_m_s(self) -> float:
-        """ΔV of both burns [m/s]."""
-        return math.fsum(self.burns_m_s)
 
-
-def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
-    """Removals flown by chasers, by number of the removed body."""
+def removals_of(instance: Instance, drive: Drive | None) -> dict[int, RemovalFlight]:
+    """Removals flown by chasers with a drive, or with impulses, by number of the removed body."""
     altitude = instance.mission.disposal_altitude_m
     if altitude is None:
         return {}
@@ -80,26 +89,56 @@ def removals_of(instance: Instance) -> dict[int, RemovalFlight]:
         assert target.orbit is not None
         assert target.mass_kg is not None
         high, inclination = target.orbit.circular_elements()[:2]
+        if drive is not None:
+            found[body] = _spiral(
+                drive, (high, low), inclination, instance.oblateness_m2, target.mass_kg
+            )
+            continue
         first, second = half_ellipse_speeds(high, low)
         time, shift = arcs.half(high, low, inclination)
         burns = math.sqrt(MU_M3_S2 / high) - first, second - math.sqrt(MU_M3_S2 / low)
-        found[body] = RemovalFlight(low, time, burns, shift, target.mass_kg)
+        found[body] = RemovalFlight(
+            low, time, math.fsum(burns), burns, shift, math.pi, target.mass_kg
+        )
     return found
 
 
-def removals_by_name(instance: Instance) -> dict[str, RemovalFlight]:
-    """Removals flown by chasers, by name of the target."""
+def _spiral(
+    drive: Drive,
+    radii_m: tuple[float, float],
+    inclination: float,
+    oblateness_m2: float,
+    object_kg: float,
+) -> RemovalFlight:
+    """The spiral of a chaser with an object between two circles."""
+    high, low = radii_m
+    start, end = math.sqrt(MU_M3_S2 / high), math.sqrt(MU_M3_S2 / low)
+    delta_v, exhaust = end - start, drive.exhaust_m_s
+    lit = 1.0 - math.asin(EARTH_RADIUS_M / low) / math.pi
+    both = drive.heaviest_kg + object_kg
+    time = both * exhaust / drive.thrust_n * -math.expm1(-delta_v / exhaust) / lit
+    shift = turned = 0.0
+    for at, weight in zip(*np.polynomial.legendre.leggauss(RATES), strict=True):
+        radius = MU_M3_S2 / (start + 0.5 * (1.0 + float(at)) * delta_v) ** 2
+        share = 0.5 * float(weight) * time
+        shift += share * float(ephemeris.node_rate(radius, inclination, oblateness_m2))
+        turned += share * float(ephemeris.latitude_rate(radius, inclination, oblateness_m2))
+    return RemovalFlight(low, time, delta_v, None, shift, turned, object_kg)
+
+
+def removals_by_name(instance: Instance, drive: Drive | None) -> dict[str, RemovalFlight]:
+    """Removals flown by chasers with a drive, or with impulses, by name of the target."""
     names = instance.names
-    return {names[body]: tow for body, tow in removals_of(instance).items()}
+    return {names[body]: tow for body, tow in removals_of(instance, drive).items()}
 
 
-def leaving_orbits(instance: Instance) -> FloatArray:
+def leaving_orbits(instance: Instance, drive: Drive | None) -> FloatArray:
     """Bodies at departure, shape (bodies, columns): as in :meth:`Instance.orbits`.
 
     Those that are towed are left from the disposal orbit. Where there are some, rows have one
     column more, see :func:`adr_opt.kernels.orbits.body_rows.as_left`.
     """
-    rows, tows = instance.orbits(), removals_of(instance)
+    rows, tows = instance.orbits(), removals_of(instance, drive)
     if not tows:
         return rows
     rows = as_left(rows)
@@ -112,7 +151,7 @@ def leaving_orbits(instance: Instance) -> FloatArray:
             row,
             radius_m=tow.radius_m,
             node=node + (tow.shift_rad - node_rate * tow.time_s),
-            latitude=latitude + (math.pi - latitude_rate * tow.time_s),
+            latitude=latitude + (tow.turned_rad - latitude_rate * tow.time_s),
             eccentricity=0.0,
             coasting_node_rate=ephemeris.node_rate(
                 tow.radius_m, inclination, instance.oblateness_m2
@@ -121,9 +160,9 @@ def leaving_orbits(instance: Instance) -> FloatArray:
     return rows
 
 
-def released_orbit(instance: Instance, name: str, time_s: float) -> Orbit:
+def released_orbit(instance: Instance, drive: Drive | None, name: str, time_s: float) -> Orbit:
     """Disposal orbit of a chaser that released an object at a time, and stays there."""
-    row = leaving_orbits(instance)[instance.names.index(name)]
+    row = leaving_orbits(instance, drive)[instance.names.index(name)]
     radius = float(ephemeris.radius_at(row, time_s))
     inclination = float(ephemeris.inclination_at(row, time_s))
     latitude_rate = float(ephemeris.latitude_rate(radius, inclination, instance.oblateness_m2))
@@ -149,7 +188,7 @@ def leaving_eccentricity_delta_v(instance: Instance, leaving: FloatArray) -> Flo
     costs, rows = instance.eccentricity_delta_v(), instance.orbits()
     if instance.nodes_drift:
         return costs
-    for body in removals_of(instance):
+    for body in removals_of(instance, None):
         columns = rows.shape[1]
         for other in range(len(rows)):
             ends = np.array([leaving[body, :columns], rows[other]])
@@ -166,7 +205,10 @@ def burn_vectors(
     ----------
     orbit : (columns,) float64
         Row of the object, :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
+    tow : RemovalFlight
+        With burns.
     """
+    assert tow.burns_m_s is not None
     latitude = float(ephemeris.latitude_at(orbit, start_s))
     plane = Plane(
         float(ephemeris.inclination_at(orbit, start_s)), float(ephemeris.node_at(orbit, start_s))

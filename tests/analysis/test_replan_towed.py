@@ -228,7 +228,7 @@ def test_after_the_last_tow_a_chaser_is_on_the_disposal_orbit(dynamics: str) -> 
     )
     body = made.instance.names.index(instance.chaser.name)
     row = made.instance.orbits()[body]
-    left = leaving_orbits(instance)[instance.names.index(order[-1])]
+    left = leaving_orbits(instance, None)[instance.names.index(order[-1])]
     for angle in (ephemeris.node_at, ephemeris.latitude_at):
         off = math.remainder(angle(row, end.end_s) - angle(left, end.end_s), 2.0 * math.pi)
         assert abs(off) < 1e-9

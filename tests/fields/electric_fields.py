@@ -14,6 +14,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import low_thrust, low_thrust_windows
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust
 from adr_opt.legs.families.ends import AllEnds
+from adr_opt.plan.tows import removals_of
 from adr_opt.problem.drives import Drive, drive_of, since_j2000_s
 from adr_opt.problem.instance import Instance
 
@@ -22,7 +23,9 @@ MASSES = 4
 """Number of masses to which a chaser may vent, and as which it may fly a leg."""
 
 
-def electric(seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = False) -> Instance:
+def electric(
+    seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = False, tows: bool = False
+) -> Instance:
     """A mission of some months in which not everything can be done."""
     rng = np.random.default_rng(seed)
     field = adr_opt.generate("sso", seed, targets=targets)
@@ -50,9 +53,14 @@ def electric(seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = Fals
         body["prize"] = float(rng.integers(1, 4))
         if kits:
             body["removal"] = str(rng.choice(["kit", "visit"]))
+        if tows:
+            body["removal"] = str(rng.choice(["tow", "tow", "visit"]))
+            body["mass_kg"] = float(rng.uniform(50.0, 400.0))
         bodies.append(body)
     content = field.model_dump(mode="json") | {"targets": bodies, "chasers": fleet, "stations": []}
     content["mission"] = {"duration_s": duration, "service_s": DAY_S}
+    if tows:
+        content["mission"] |= {"disposal_altitude_m": 4.5e5}
     content["transfer"] |= {
         "max_drift_s": duration, "drift_step_s": duration / STEPS, "departure_spacing_s": DAY_S,
         "delta_v_resolution_m_s": 0.5,
@@ -88,11 +96,10 @@ class Enumerated:
 
     def __init__(self, instance: Instance) -> None:
         self._instance = instance
-        self._ends = [AllEnds(instance)]
         self._since = since_j2000_s(instance.epoch)
 
-    def _pairs(self) -> dict[tuple[int, int], Any]:
-        ends = self._ends[0]
+    def _pairs(self, drive: Drive) -> dict[tuple[int, int], Any]:
+        ends = AllEnds(self._instance, drive)
         bodies = range(len(self._instance.names))
         return {
             (i, j): low_thrust_windows.prepare(
@@ -104,10 +111,11 @@ class Enumerated:
 
     def sets_of(self, number: int) -> set[frozenset[int]]:
         """Sets of targets that a chaser can service."""
-        instance, pairs = self._instance, self._pairs()
+        instance = self._instance
         chaser, first = instance.chasers[number], instance.first_target
         drive = drive_of(chaser, instance.targets)
         assert drive is not None
+        pairs = self._pairs(drive)
         takers = {
             first + at for at, target in enumerate(instance.targets) if target.service.takes_kit
         }
@@ -126,6 +134,7 @@ class Enumerated:
         tank: Any = chaser.tank
         step, service = instance.transfer.drift_step_s, instance.mission.service_s
         assert service is not None
+        tows = removals_of(instance, drive)
         start = tank.dry_mass_kg + tank.propellant_kg + kits * chaser.kit_mass_kg
         states: dict[tuple[frozenset[int], int, int], float] = {
             (frozenset(), instance.starts[number], 0): start
@@ -149,6 +158,13 @@ class Enumerated:
                         if left < empty:
                             continue
                         left -= chaser.kit_mass_kg if j in takers else 0.0
+                        if j in tows:
+                            tow = tows[j]
+                            end += tow.time_s
+                            kept = math.exp(-tow.delta_v_m_s / drive.exhaust_m_s)
+                            left = (left + tow.object_kg) * kept - tow.object_kg
+                            if end > instance.mission.duration_s + 1e-6 or left < empty:
+                                continue
                         key = visited | {j}, j, math.ceil(end / step - 1e-9)
                         following[key] = max(following.get(key, 0.0), left)
             found |= {visited for visited, _, _ in following}

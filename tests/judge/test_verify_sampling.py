@@ -60,7 +60,7 @@ def listed(instance: Instance, i: int, j: int) -> Connections:
 
 def expected(instance: Instance, i: int, j: int) -> Iterator[Way]:
     """What has to be there of all events of a pair, up to the tank and the end of the mission."""
-    physics = Physics.of(instance)
+    physics = Physics.of(instance, None)
     for time in np.arange(0.0, instance.mission.duration_s, STEP_S):
         for way in ways_after(instance, physics, None, i, j, float(time)):
             in_time = way.arrival <= instance.mission.duration_s
@@ -89,7 +89,7 @@ def test_of_sequences_that_meet_on_one_crossing_the_cheapest_is_enough():
     of_event = np.abs(found.departure - 25_350.0) < 100.0
     beside = found.arrival[of_event & (np.abs(found.arrival - 70_065.0) < 100.0)]
     assert beside == pytest.approx([70_075.5], abs=0.1)
-    ways = [w for w in ways_after(instance, Physics.of(instance), None, i, j, 25_300.0)
+    ways = [w for w in ways_after(instance, Physics.of(instance, None), None, i, j, 25_300.0)
             if abs(w.arrival - 70_065.0) < 100.0]  # fmt: skip
     assert [way.arrival for way in ways] == pytest.approx(beside, abs=1e-3)
     assert sample_connections(instance, ConnectionFinder(instance), 100, 63).faults == ()

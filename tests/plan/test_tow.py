@@ -102,7 +102,7 @@ def test_what_a_tow_takes_is_half_an_ellipse():
     for seed in range(30):
         instance = drawn(seed)
         first = instance.first_target
-        for body, tow in removals_of(instance).items():
+        for body, tow in removals_of(instance, None).items():
             wanted = tow_of(instance.targets[body - first], instance)
             assert (tow.time_s, tow.delta_v_m_s, tow.object_kg) == pytest.approx(wanted, rel=1e-10)
 
@@ -124,7 +124,7 @@ def test_what_is_left_is_what_masses_say():
         instance = instance.replace(chasers=(chaser,), targets=targets)
         loads = loads_of(instance, chaser, 0.0)
         judged, left, spent = TankLevel(chaser, 0), float(loads.full[0]), []
-        for body, tow in removals_of(instance).items():
+        for body, tow in removals_of(instance, None).items():
             assert left - SLACK_M_S == pytest.approx(judged.left_m_s, rel=1e-9, abs=1e-7)
             delta_v = float(rng.uniform(0.0, 0.3)) * judged.left_m_s
             richer, _ = after_service(loads, body, 0, left - delta_v + 1e-3)
@@ -199,10 +199,10 @@ def test_drifts_out_of_a_disposal_orbit_can_be_flown():
 def test_nodes_drift_as_the_disposal_orbit_does_after_the_departure():
     """What is left of a node counts the object's rate before, and the lower orbit's after it."""
     instance = field("j2", every=1)
-    leaving, rows, first = leaving_orbits(instance), instance.orbits(), instance.first_target
+    leaving, rows, first = leaving_orbits(instance, None), instance.orbits(), instance.first_target
     ends = leaving[first], rows[first + 1]
     pair = drift_linear.prepare(*ends, 6.7e6, 8.3e6, instance.oblateness_m2, 0.0)
-    tow, i = removals_of(instance)[first], rows[first]
+    tow, i = removals_of(instance, None)[first], rows[first]
     lower = ephemeris.node_rate(tow.radius_m, i[columns.INCLINATION], instance.oblateness_m2)
     assert abs(lower) > 1.05 * abs(i[columns.RAAN_RATE])
     for departure, arrival in ((0.0, 1e6), (3e5, 2e6), (1e6, 1e7)):
@@ -237,7 +237,7 @@ def test_a_window_is_for_the_service_and_not_for_the_tow():
     instance, plan = field(), planned()
     at = _first_tow(plan)
     order = [each.destination for each in plan.legs[: at + 1]]
-    leg, tow = plan.legs[at], removals_of(instance)[instance.names.index(order[-1])]
+    leg, tow = plan.legs[at], removals_of(instance, None)[instance.names.index(order[-1])]
 
     def made(last_s: float, **changes) -> int:
         targets = tuple(

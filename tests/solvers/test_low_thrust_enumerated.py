@@ -17,6 +17,7 @@ from adr_opt.mission.certify import certificate_of
 KINDS = {
     "alone": ({}, range(60), 4),
     "kits": ({"kits": True}, range(100, 140), 2),
+    "tows": ({"tows": True}, range(300, 340), 3),
     "two": ({"chasers": 2}, range(200, 230), 2),
 }
 

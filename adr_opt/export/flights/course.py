@@ -122,7 +122,7 @@ def burnt_of(
     if not isinstance(tank, TankByMass):
         return {}
     flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.burns)) for leg in legs]
-    stages, removals = followed(instance, chaser, flown), removals_by_name(instance)
+    stages, removals = followed(instance, chaser, flown), removals_by_name(instance, None)
     found = {}
     for leg, before, after in zip(legs, stages, stages[1:], strict=False):
         burns: list[Burnt] = []

@@ -105,7 +105,7 @@ def beginning(
 
 def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
     """The first legs of a chaser, the last tow starting at once, as no leg follows."""
-    tows = removals_by_name(instance)
+    tows = removals_by_name(instance, None)
     for at, (_, leg) in enumerate(flown.legs[:held], start=1):
         if leg.tow is None or at < held or held == len(flown.legs):
             yield leg

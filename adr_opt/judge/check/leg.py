@@ -17,7 +17,7 @@ from ...kernels.orbits.body_rows import as_left
 from ...plan.leg_kinds import DRIFT, GIVEN, LAUNCH, LOW_THRUST, SHORT
 from ...plan.plan import Leg
 from ...problem.chasers import Chaser
-from ...problem.drives import drive_of
+from ...problem.drives import Drive, drive_of
 from ...problem.given import Given
 from ...problem.instance import Instance
 from .drift import check_drift
@@ -53,11 +53,11 @@ class Physics(NamedTuple):
     towed: dict[str, Towed]
 
     @classmethod
-    def of(cls, instance: Instance) -> Physics:
-        """The data of an instance."""
+    def of(cls, instance: Instance, drive: Drive | None) -> Physics:
+        """The data of an instance, for chasers with a drive or with impulses."""
         elements = instance.orbits()
         left = as_left(elements)
-        towed = towed_bodies(instance, elements)
+        towed = towed_bodies(instance, elements, drive)
         for body, name in enumerate(instance.names):
             if name in towed:
                 left[body] = towed[name].left

@@ -13,6 +13,7 @@ from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.orbits import ephemeris
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
+from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
 from .given import is_exception
 from .leg import Physics, check_transfer
@@ -82,7 +83,8 @@ def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
 
 def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Check each chaser's order, times, ΔV and burns, and that targets are serviced only once."""
-    bodies, physics, drawn = _Bodies(instance), Physics.of(instance), Drawn(instance)
+    bodies, drawn = _Bodies(instance), Drawn(instance)
+    physics: dict[Drive | None, Physics] = {}
     launches = launch_times(instance)
     chasers = {chaser.name: chaser for chaser in instance.chasers}
     flown = [(chasers.pop(route.chaser, None), route.legs) for route in plan.routes]
@@ -101,7 +103,12 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
             yield Violation(
                 None, "kits", f"{chaser.name!r} leaves {kits} kits, but may carry {chaser.kits}"
             )
-        leads_on = yield from _check_route(instance, bodies, physics, now, visited, first, route)
+        drive = drive_of(chaser, instance.targets)
+        if drive not in physics:
+            physics[drive] = Physics.of(instance, drive)
+        leads_on = yield from _check_route(
+            instance, bodies, physics[drive], now, visited, first, route
+        )
         most = chaser.max_exceptions
         if most is not None and now.exceptions > most:
             yield Violation(

@@ -13,10 +13,14 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left, with_orbit
 from ...plan.plan import Burn, Leg
+from ...problem.drives import Drive
 from ...problem.instance import Instance
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 FloatArray = npt.NDArray[np.float64]
+
+SPIRAL_STEPS = 2000
+"""Number of steps of a spiral."""
 
 
 class Towed(NamedTuple):
@@ -33,8 +37,8 @@ class Towed(NamedTuple):
         How long the tow takes, its ΔV, and the mass of the object.
     shift : float
         How far its node moves [rad].
-    slower : (float, float)
-        What its burns take off the speed [m/s].
+    slower : (float, float) or None
+        What its burns take off the speed [m/s]; None for a spiral of low thrust.
     """
 
     orbit: FloatArray
@@ -43,39 +47,65 @@ class Towed(NamedTuple):
     delta_v_m_s: float
     mass_kg: float
     shift: float
-    slower: tuple[float, float]
+    slower: tuple[float, float] | None
 
 
-def towed_bodies(instance: Instance, elements: FloatArray) -> dict[str, Towed]:
-    """Towed objects, by name."""
+def towed_bodies(instance: Instance, elements: FloatArray, drive: Drive | None) -> dict[str, Towed]:
+    """Objects towed by chasers with a drive, or with impulses, by name."""
     return {
-        target.name: _towed(instance, elements[body], float(target.mass_kg or 0.0))
+        target.name: _towed(instance, elements[body], float(target.mass_kg or 0.0), drive)
         for body, target in enumerate(instance.targets, start=instance.first_target)
         if target.removal == "tow"
     }
 
 
-def _towed(instance: Instance, orbit: FloatArray, mass_kg: float) -> Towed:
+def _spiral(
+    drive: Drive, high: float, low: float, tilt: float, oblateness: float, mass_kg: float
+) -> tuple[float, float, float, float]:
+    """Time [s], ΔV [m/s], and the shifts of node and argument of latitude [rad] of a spiral.
+
+    In small steps of the speed, with the mass as it is and the longest shadow.
+    """
+    start, end = math.sqrt(MU_M3_S2 / high), math.sqrt(MU_M3_S2 / low)
+    both = drive.heaviest_kg + mass_kg
+    lit = 1.0 - math.asin(EARTH_RADIUS_M / low) / math.pi
+    step = (end - start) / SPIRAL_STEPS
+    time = node = latitude = 0.0
+    for number in range(SPIRAL_STEPS):
+        middle = start + (number + 0.5) * step
+        radius = MU_M3_S2 / middle**2
+        mass = both * math.exp(-(middle - start) / drive.exhaust_m_s)
+        time += step * mass / (drive.thrust_n * lit)
+        node += float(ephemeris.node_rate(radius, tilt, oblateness)) / SPIRAL_STEPS
+        latitude += float(ephemeris.latitude_rate(radius, tilt, oblateness)) / SPIRAL_STEPS
+    return time, end - start, node * time, latitude * time
+
+
+def _towed(instance: Instance, orbit: FloatArray, mass_kg: float, drive: Drive | None) -> Towed:
     low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
     high = float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S))
     tilt = float(ephemeris.inclination_at(orbit, ephemeris.EPOCH_S))
     oblateness, axis = instance.oblateness_m2, 0.5 * (high + low)
     time = math.pi / float(ephemeris.latitude_rate(axis, tilt, oblateness))
-    shift = time * float(ephemeris.node_rate(axis, tilt, oblateness))
-    slower = (
+    shift, turned = time * float(ephemeris.node_rate(axis, tilt, oblateness)), math.pi
+    burns = (
         math.sqrt(MU_M3_S2 / high) - math.sqrt(MU_M3_S2 * (2.0 / high - 1.0 / axis)),
         math.sqrt(MU_M3_S2 * (2.0 / low - 1.0 / axis)) - math.sqrt(MU_M3_S2 / low),
     )
+    delta_v = burns[0] + burns[1]
+    if drive is not None:
+        time, delta_v, shift, turned = _spiral(drive, high, low, tilt, oblateness, mass_kg)
     # A chaser that leaves at t = 0 began to tow a while before, at the object's angles then.
     left = with_orbit(
         as_left(orbit[None])[0],
         radius_m=low,
         node=float(ephemeris.node_at(orbit, -time)) + shift,
-        latitude=float(ephemeris.latitude_at(orbit, -time)) + math.pi,
+        latitude=float(ephemeris.latitude_at(orbit, -time)) + turned,
         eccentricity=0.0,
         coasting_node_rate=float(ephemeris.node_rate(low, tilt, oblateness)),
     )
-    return Towed(orbit, left, time, slower[0] + slower[1], mass_kg, shift, slower)
+    slower = None if drive is not None else burns
+    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower)
 
 
 def check_tow(
@@ -114,6 +144,10 @@ def check_tow(
             f"delta_v_m_s = {leg.tow.delta_v_m_s!r} of the tow, but it takes {towed.delta_v_m_s!r}",
         )
     times = last - towed.time_s, last
+    if towed.slower is None:
+        if leg.tow.burns:
+            yield Violation(number, "tow", "is a spiral, which has no burns")
+        return
     if [burn.phase for burn in leg.tow.burns] != ["tow", "tow"]:
         yield Violation(number, "tow", "must have two burns of the phase 'tow'")
         return
@@ -125,6 +159,7 @@ def _check_burn(
     towed: Towed, number: int, which: int, burn: Burn, times: tuple[float, float]
 ) -> Iterator[Violation]:
     """Check that a tow's burn opposes the motion, in the plane of the object at that time."""
+    assert towed.slower is not None
     raan = ephemeris.node_at(towed.orbit, times[0]) + which * towed.shift
     latitude = ephemeris.latitude_at(towed.orbit, times[0]) + which * math.pi
     tilt = ephemeris.inclination_at(towed.orbit, times[0])

@@ -77,7 +77,7 @@ def sample_connections(
     if not pairs or number == 0:
         return Sampled(0, 0, ())
     drawn = rng.permutation(len(pairs))[:PAIRS]
-    physics, resolution = Physics.of(instance), connecting.planning_resolution_m_s
+    physics, resolution = Physics.of(instance, connecting.drive), connecting.planning_resolution_m_s
     flown = departures = 0
     wrong: list[str] = []
     missing: list[str] = []

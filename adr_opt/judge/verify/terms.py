@@ -13,6 +13,7 @@ from ...common.constants import SLACK_S
 from ...kernels.orbits.ephemeris import EPOCH_S, latitude_rate_at
 from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import AtStation, Chaser
+from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.tow import towed_bodies
 from .cargo import Cargo, cargo_of
@@ -76,7 +77,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
     names, first_target = instance.names, instance.first_target
     bodies, stations = len(names), len(instance.stations)
     service, tows = services_s(instance), np.zeros(bodies)
-    towed = towed_bodies(instance, instance.orbits())
+    towed = towed_bodies(instance, instance.orbits(), drive_of(chaser, instance.targets))
     for name, tow in towed.items():
         tows[names.index(name)] = tow.time_s
     begin, over = chaser.available_s

@@ -34,7 +34,7 @@ class AllEnds:
         self, instance: Instance, drive: Drive | None = None, *, relaxed: bool = False
     ) -> None:
         self.instance, self.drive, self.relaxed = instance, drive, relaxed
-        self.leaving, self.arriving = leaving_orbits(instance), instance.orbits()
+        self.leaving, self.arriving = leaving_orbits(instance, drive), instance.orbits()
         self.eccentricity_m_s = leaving_eccentricity_delta_v(instance, self.leaving)
         self.rule = instance.transfer_rule()
         self.times = _times(instance)
