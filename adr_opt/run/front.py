@@ -13,6 +13,7 @@ from ..common.progress import Progress, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.connection_finder import estimate
 from ..legs.families.registry import registered_of
+from ..legs.least_thrust import too_weak
 from ..legs.timetable_size import TABLE_BYTES, Size, too_large
 from ..mission.problem import AnyProblem, Problem, Routes, problem_of
 from ..mission.result import Result, noted, proven_of
@@ -357,7 +358,9 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
         )  # fmt: skip
     drift = None if plan is None else drift_warning(problem.instance, plan)
     quickest = None if registered_of(problem.instance) else too_short(problem.instance)
-    notes += [said for said in (drift, quickest) if said is not None]
+    idle = plan is not None and not plan.legs
+    weak = too_weak(problem.instance) if idle and problem.instance.has_low_thrust else None
+    notes += [said for said in (drift, quickest, weak) if said is not None]
     return noted(replace(result, plan=plan), notes)
 
 

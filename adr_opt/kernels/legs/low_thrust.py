@@ -221,20 +221,22 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
 
 
 @inlined
-def split(pair, task, thrust, steering, extra):
+def split(pair, task, thrust, steering, extra, below):
     """The cheaper of the two teeth around the optimum of free phase.
 
     Parameters
     ----------
     pair, task, thrust, steering, extra
         As :func:`free_split` takes them.
+    below : float
+        No leg that costs as much is wanted [m/s].
 
     Returns
     -------
     LowThrustSplit
     """
     free, follow = free_split(pair, task, thrust, steering, extra)
-    if free.delta_v == math.inf:
+    if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
         return NEVER
     coasting = task.span - pair.approach - free.times.first - free.times.second
     gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
@@ -330,7 +332,8 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
                 way, _ = free_split(weighted(drift, steers.turn), task, thrust, steers, extra)
                 way = _lower(way)
             else:
-                way = split(weighted(drift, steers.turn), task, thrust, steers, extra)
+                pair_of = weighted(drift, steers.turn)
+                way = split(pair_of, task, thrust, steers, extra, below + 2.0 * extra)
             if way.delta_v < best.split.delta_v:
                 best = LowThrustLeg(way, window, turns)
                 below = min(below, way.delta_v - 2.0 * extra + SLACK_M_S)
