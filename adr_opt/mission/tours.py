@@ -13,6 +13,8 @@ def tour_obstacle(problem: Problem) -> str | None:
     instance = problem.instance
     if instance.transfer.given is not None or instance.transfer.max_drift_s <= 0.0:
         return "transfer.max_drift_s allows no drift legs"
+    if instance.has_low_thrust:
+        return "chasers have low thrust"
     if instance.stations or instance.keep_out_zones:
         return "there are stations or keep-out zones"
     if instance.objective.cost == "duration":

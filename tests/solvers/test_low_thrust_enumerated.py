@@ -13,6 +13,7 @@ import adr_opt
 from adr_opt.judge.check.verdict import check
 from adr_opt.judge.verify import verify
 from adr_opt.mission.certify import certificate_of
+from adr_opt.problem.instance import instance_of
 
 KINDS = {
     "alone": ({}, range(60), 4),
@@ -66,3 +67,26 @@ def test_certificates_of_low_thrust_are_verified():
         assert not verdict.reasons, seed
         verified += verdict.labels > 0
     assert verified > 1
+
+
+def test_fleets_of_both_kinds():
+    """A campaign of an electric chaser and a chemical one has legs of both kinds, and bounds."""
+    kinds = set()
+    for seed in range(200, 208):
+        content = electric(seed, chasers=2).model_dump(mode="json")
+        chemical = content["chasers"][1]
+        del chemical["thrust_n"], chemical["duty_cycle"]
+        chemical["tank"]["isp_s"] = 300.0
+        instance = instance_of(content)
+        result = adr_opt.solve(instance, time_limit=math.inf, iterations=20)
+        assert result.plan is not None
+        assert not list(check(instance, result.plan)), seed
+        assert result.objective <= result.upper_bound
+        kinds |= {leg.kind for leg in result.plan.legs}
+        alone = instance.replace(chasers=instance.chasers[:1])
+        assert result.objective >= adr_opt.solve(
+            alone, time_limit=math.inf, iterations=20
+        ).objective  # fmt: skip
+        assert result.upper_bound >= Enumerated(alone).best()
+    assert "low-thrust" in kinds
+    assert len(kinds) > 1
