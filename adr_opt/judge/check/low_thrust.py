@@ -233,8 +233,9 @@ def parts(
     other = math.sqrt(rest**2 + (steered.turn * left) ** 2 + round_off)
     both = one + other
     form = math.hypot(steered.turn * along, both)
-    first = form * (one / both if both > 0.0 else 0.5)
-    return form, first + steered.extra, form - first + steered.extra
+    total = 4.0 * ends.speed * math.sin(min(0.25 * form / ends.speed, 0.5 * math.pi))
+    first = total * (one / both if both > 0.0 else 0.5)
+    return form, first + steered.extra, total - first + steered.extra
 
 
 @kernel

@@ -31,6 +31,7 @@ from .low_thrust_arcs import (
     ArcTimes,
     arc_times,
     beside_ramps,
+    chord,
     longitude_gained,
     node_series,
     weighted,
@@ -138,6 +139,7 @@ def free_split(pair, task, thrust, steering, extra):
     """
     climb, tilt = first_guess(pair, task)
     room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
+    speed = pair.linear.speed / steering.turn
     here = before = was = 0.0
     times = ArcTimes(0.0, 0.0)
     for _ in range(MOST_ROUNDS):
@@ -148,9 +150,8 @@ def free_split(pair, task, thrust, steering, extra):
         left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * here)
         free = least_turns(pair, task.span, 0.0, left_over, climb, tilt)
         climb, tilt = free.climb, free.tilt
-        share = first_share(pair, climb, tilt)
-        first = share * free.least + extra
-        second = free.least - share * free.least + extra
+        total, share = chord(free.least, speed), first_share(pair, climb, tilt)
+        first, second = share * total + extra, total - share * total + extra
         found = arc_times(thrust, shares, first, second)
         needed = found.first + found.second
         if needed > room:
@@ -183,7 +184,7 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
     LowThrustSplit
     """
     room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
-    wanted = task.ahead + TURN_RAD * laps
+    wanted, mean_speed = task.ahead + TURN_RAD * laps, pair.linear.speed / steering.turn
     speed, climb, tilt = pair.speed_i - free.climb, free.climb, free.tilt
     times = free.times
     here = before = times.first + times.second
@@ -203,9 +204,8 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
         series = node_series(pair, task, room - here, times, speed)
         way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
-        share = first_share(pair, climb, tilt)
-        first = share * way.delta_v + extra
-        second = way.delta_v - share * way.delta_v + extra
+        total, share = chord(way.delta_v, mean_speed), first_share(pair, climb, tilt)
+        first, second = share * total + extra, total - share * total + extra
         found = arc_times(thrust, shares, first, second)
         needed = found.first + found.second
         if needed > room:
@@ -282,7 +282,8 @@ def with_impulses(drift, task, turn):
     climb, tilt = first_guess(pair, task)
     known = task.lag + pair.node_rate_i * task.span - pair.node_rate_j * pair.approach
     left_over = Rest(known, 0.0, 0.0, task.span - pair.approach)
-    return least_turns(pair, task.span, 0.0, left_over, climb, tilt).least
+    least = least_turns(pair, task.span, 0.0, left_over, climb, tilt).least
+    return chord(least, drift.linear.speed)
 
 
 @inlined

@@ -25,6 +25,10 @@ EARLY, OUTER, INNER = 0.5 - math.sqrt(0.15), 5.0 / 18.0, 8.0 / 18.0
 """First point, and weights, of Gauss's rule with three points on (0, 1)."""
 
 
+FLAT = 0.02
+"""Angle below which a series stands for its sine [rad]: to 1e-9 of it."""
+
+
 class Thrust(NamedTuple):
     """Thrust of a chaser at the beginning of a leg.
 
@@ -67,6 +71,24 @@ def weighted(pair, turn):
         pair.node_rate_i, pair.node_rate_j, pair.latitude, pair.latitude_rate_i,
         pair.latitude_rate_j, pair.lead, pair.approach, pair.half, pair.fraction, pair.oblateness,
     )  # fmt: skip
+
+
+@inlined
+def chord(delta_v, speed):
+    """ΔV of a large change by that of many small ones, both arcs taken as equal [m/s].
+
+    Edelbaum's formula, sqrt(V_0² − 2 V_0 V_1 cos(κ θ) + V_1²), has the chord of the angle κ θ in
+    place of its arc: of either arc here 2 V sin(ΔV / 4 V). Two equal ones cost most.
+
+    Parameters
+    ----------
+    delta_v, speed : float
+        [m/s].
+    """
+    angle = min(0.25 * delta_v / speed, 0.5 * math.pi)
+    if angle < FLAT:
+        return delta_v * (1.0 - angle * angle * (1.0 / 6.0))
+    return 4.0 * speed * math.sin(angle)
 
 
 @inlined

@@ -6,8 +6,10 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from ..reading import FloatArray
 from ..tables import Row, head, line
 from ..telling import Doing, silent
+from . import by_model
 from .ours import NAME, plan
 from .published import PLAN, TOTAL_M_S
 from .reading import FILE, read_debris, with_centroid
@@ -55,3 +57,24 @@ def report(
         )  # fmt: skip
         yield line(row, ".1f")
     yield from wrong
+    yield from _by_model(bodies, doing)
+
+
+def _by_model(bodies: FloatArray, doing: Doing) -> Iterator[str]:
+    """The published plan's legs by the model, and a plan on legs of the model."""
+    doing("legs of the model", 3, 3)
+    legs = by_model.priced(bodies, PLAN)
+    there = [(said, cost) for said, cost in legs if math.isfinite(cost)]
+    ours = by_model.plan(bodies, CHASERS, TIME_LIMIT_S)
+    said_m_s, cost_m_s = (sum(column) for column in zip(*there, strict=True))
+    yield (
+        f"\nOf the {len(legs)} legs of the published plan {len(there)} are legs of the model from "
+        f"their departures to the next ones, for {cost_m_s:.1f} m/s where the estimate has "
+        f"{said_m_s:.1f} m/s. Planned on legs of the model: {ours.total_m_s:.1f} m/s, "
+        f"{ours.legs} legs, {ours.violations} violations.\n"
+    )
+    yield "| leg | estimate [m/s] | model [m/s] |"
+    yield "|---|---|---|"
+    for number, (said, cost) in enumerate(legs, 1):
+        shown = f"{cost:.1f}" if math.isfinite(cost) else "no leg"
+        yield f"| {number} | {said:.1f} | {shown} |"
