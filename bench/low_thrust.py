@@ -159,8 +159,8 @@ def optimum(
     tilt = turn * end_speed * (pair.second[1] - pair.first[1]) - guess.tilt
     yaws, places, times = [], [], []
     for climb, tilted, along, length in (
-        (guess.climb, guess.tilt, guess.along, guess.times.first),
-        (rest, tilt, node - guess.along, guess.times.second),
+        (guess.climb, guess.tilt, 0.5 * node, guess.times.first),
+        (rest, tilt, 0.5 * node, guess.times.second),
     ):
         turned = math.hypot(tilted, along)
         for _ in range(PARTS // 2):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
@@ -11,9 +12,9 @@ from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
-from ..legs.families.family import StatedLeg
+from ..legs.families.family import StatedLeg, ThrustArc
 from ..plan.leg_kinds import GIVEN, leg_kinds
-from ..plan.plan import Burn, Leg, Reason, Unvisited, burns_of
+from ..plan.plan import Arc, Burn, Leg, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
@@ -136,7 +137,17 @@ def transfer_leg(
         phasing_revolutions=max(revolutions, 0) if kind is not GIVEN else 0,
         eccentricity_delta_v_m_s=flown.eccentricity_m_s,
         burns=burns_of(*flown.manoeuvres),
+        manoeuvres=tuple(map(_arc, flown.arcs)) or None,
     )
+
+
+def _arc(arc: ThrustArc) -> Arc:
+    """An arc as stated in plans."""
+    return Arc(
+        start_s=arc.start, end_s=arc.end, delta_v_m_s=arc.delta_v,
+        window_deg=math.degrees(arc.window), argument_of_latitude_deg=math.degrees(arc.place),
+        size_m_s=arc.climb, inclination_deg=math.degrees(arc.tilt), raan_deg=math.degrees(arc.turn),
+    )  # fmt: skip
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:

@@ -76,6 +76,23 @@ def burns_of(
     )
 
 
+class Arc(Record):
+    """An arc of low thrust, about two opposite places of each revolution.
+
+    It changes the circular speed by ``size_m_s`` (before less after), the inclination and the node.
+    """
+
+    kind: Literal["arc"] = "arc"
+    start_s: Time
+    end_s: Time
+    delta_v_m_s: DeltaV
+    window_deg: float
+    argument_of_latitude_deg: float
+    size_m_s: float
+    inclination_deg: float
+    raan_deg: float
+
+
 class Tow(Record):
     """Tow of a serviced object down to the disposal orbit.
 
@@ -108,6 +125,7 @@ class Leg(Shown, Record):
     chaser at ``end_s`` with propellant and kits, is there for tanks by mass only. ``tow`` is there
     where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
     mass, are those after it; the next leg is ready as long after ``end_s`` as it takes.
+    ``manoeuvres`` are the arcs of a leg of low thrust, which has no burns; None of any other.
     """
 
     kind: KindName = SHORT.name
@@ -124,6 +142,7 @@ class Leg(Shown, Record):
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
+    manoeuvres: Annotated[tuple[Arc, ...], Field(strict=False)] | None = None
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -131,7 +150,7 @@ class Leg(Shown, Record):
         return {
             name: value
             for name, value in content.items()
-            if not (name in ("mass_kg", "tow") and value is None)
+            if not (name in ("mass_kg", "tow", "manoeuvres") and value is None)
         }
 
     @property

@@ -96,3 +96,29 @@ def test_a_thrust_too_small_for_any_leg_is_said():
     assert "the quickest, from 'chaser-0' to 'debris-" in said
     enough = adr_opt.solve(electric(3), "greedy", time_limit=5.0)
     assert not any("too small" in note for note in enough.notes)
+
+
+def test_arcs_are_flyable_as_stated():
+    """Arcs that leave something of the orbit, or thrust too short or for too little, are wrong."""
+    instance = electric(3)
+    result = adr_opt.solve(instance, "greedy", time_limit=5.0)
+    assert result.plan is not None
+    assert not adr_opt.check(instance, result.plan)
+    route = result.plan.routes[0]
+    leg = route.legs[0]
+    assert leg.manoeuvres is not None
+    one, other = leg.manoeuvres
+    assert leg.departure_s == one.start_s < one.end_s < other.start_s < other.end_s < leg.arrival_s
+    for changes in (
+        {"size_m_s": one.size_m_s + 0.1}, {"inclination_deg": one.inclination_deg + 1e-4},
+        {"raan_deg": one.raan_deg + 1e-3}, {"delta_v_m_s": one.delta_v_m_s - 0.1},
+        {"end_s": one.end_s - 100.0}, {"start_s": one.start_s + 1.0}, {"window_deg": 45.0},
+    ):  # fmt: skip
+        spoilt = leg.replace(manoeuvres=(one.replace(**changes), other))
+        plan = result.plan.replace(routes=(route.replace(legs=(spoilt, *route.legs[1:])),))
+        found = {violation.rule for violation in adr_opt.check(instance, plan)}
+        assert "manoeuvres" in found, changes
+    without = result.plan.replace(
+        routes=(route.replace(legs=(leg.replace(manoeuvres=None), *route.legs[1:])),)
+    )
+    assert "manoeuvres" in {violation.rule for violation in adr_opt.check(instance, without)}

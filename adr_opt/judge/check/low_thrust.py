@@ -7,7 +7,7 @@ is searched for by golden section, and the times of thrust are repeated until th
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_S
 from ...kernels.core.compile import kernel
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
-from ...plan.plan import Leg
+from ...plan.plan import Arc, Leg
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
 from .drift_ends import GOLDEN, Ends, ends_of
@@ -37,6 +37,9 @@ PER_ECCENTRICITY = 0.6485
 ROUNDS, FURTHER = 400, 3
 """Maximum number of rounds in which times of thrust settle, and number of laps beyond the two about
 the optimum of free phase that are tried."""
+
+FIGURE_M_S, NODE_M_S, LAPS = 1e-3, 2e-2, 1e-3
+"""Tolerances on changes of size and inclination, of the node [m/s], and on laps."""
 
 DEARER = 0.02
 """Share by which a leg may be dearer than the cheapest of all laps that are tried here."""
@@ -208,6 +211,19 @@ def laps_at(ends: Ends, times: tuple[float, float], speed: float) -> float:
 
 
 @kernel
+def node_to_turn(ends: Ends, times: tuple[float, float], speed: float, tilt: float) -> float:
+    """What the arcs have to turn of the node, beyond its motion on ramps and drift [rad]."""
+    start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
+    turned = ends.inclination_i + tilt / ends.speed
+    coasting = ends.span - ends.approach - times[0] - times[1]
+    node = ends.node - ends.target_rate * ends.approach
+    node -= times[0] * ramp(ends, start, speed, ends.inclination_i, turned)[0]
+    node -= coasting * ramp(ends, speed, speed, turned, turned)[0]
+    node -= times[1] * ramp(ends, speed, end, turned, ends.inclination_j)[0]
+    return float(node)
+
+
+@kernel
 def parts(
     ends: Ends, steered: Steered, times: tuple[float, float], speed: float, tilt: float
 ) -> tuple[float, float, float]:
@@ -219,12 +235,7 @@ def parts(
         Circular speed on the drift orbit, and change of inclination by the first arc [m/s].
     """
     start, end = math.sqrt(MU_M3_S2 / ends.radius_i), math.sqrt(MU_M3_S2 / ends.radius_j)
-    turned = ends.inclination_i + tilt / ends.speed
-    coasting = ends.span - ends.approach - times[0] - times[1]
-    node = ends.node - ends.target_rate * ends.approach
-    node -= times[0] * ramp(ends, start, speed, ends.inclination_i, turned)[0]
-    node -= coasting * ramp(ends, speed, speed, turned, turned)[0]
-    node -= times[1] * ramp(ends, speed, end, turned, ends.inclination_j)[0]
+    node = node_to_turn(ends, times, speed, tilt)
     along = ends.speed * ends.sine * node
     climb, rest = start - speed, speed - end
     left = ends.speed * (ends.inclination_j - ends.inclination_i) - tilt
@@ -354,6 +365,28 @@ def cost_of(ends: Ends, steered: Steered, sharp: Steered, slowest: float, fastes
     return least
 
 
+def shadows_of(
+    ends: tuple[FloatArray, FloatArray],
+    leg: Ends,
+    since_j2000: float,
+    departure: float,
+    arrival: float,
+) -> tuple[tuple[tuple[float, float], tuple[float, float]], tuple[float, float]]:
+    """Shadows a sixteenth of the leg from its ends, and rates of nodes of both ends [rad/s]."""
+    rates = (
+        float(ephemeris.coasting_node_rate_at(ends[0], departure)),
+        float(ephemeris.node_rate_at(ends[1], arrival)),
+    )
+    sixteenth = (arrival - departure) / 16.0
+    node_i = float(ephemeris.node_at(ends[0], departure)) + rates[0] * sixteenth
+    node_j = float(ephemeris.node_at(ends[1], arrival)) - rates[1] * sixteenth
+    early, late = since_j2000 + departure + sixteenth, since_j2000 + arrival - sixteenth
+    return (
+        shadow_of(leg.radius_i, leg.inclination_i, node_i, early),
+        shadow_of(leg.radius_j, leg.inclination_j, node_j, late),
+    ), rates
+
+
 def low_thrust_cost(
     ends: tuple[FloatArray, FloatArray],
     rule: TransferRule,
@@ -374,28 +407,12 @@ def low_thrust_cost(
         Acceleration at departure [m/s²] and exhaust speed [m/s].
     """
     nearer = ends_of(*ends, rule, departure, arrival)
-    rates = (
-        float(ephemeris.coasting_node_rate_at(ends[0], departure)),
-        float(ephemeris.node_rate_at(ends[1], arrival)),
-    )
-    nodes = (
-        float(ephemeris.node_at(ends[0], departure)), float(ephemeris.node_at(ends[1], arrival)),
-    )  # fmt: skip
     slowest, fastest = (
         math.sqrt(MU_M3_S2 / radius) for radius in (rule.max_radius, rule.min_radius)
     )
     extra = PER_ECCENTRICITY * 2.0 * nearer.shape
-    sixteenth, least = (arrival - departure) / 16.0, math.inf
-    shadows = (
-        shadow_of(
-            nearer.radius_i, nearer.inclination_i, nodes[0] + rates[0] * sixteenth,
-            since_j2000 + departure + sixteenth,
-        ),
-        shadow_of(
-            nearer.radius_j, nearer.inclination_j, nodes[1] - rates[1] * sixteenth,
-            since_j2000 + arrival - sixteenth,
-        ),
-    )  # fmt: skip
+    shadows, rates = shadows_of(ends, nearer, since_j2000, departure, arrival)
+    least = math.inf
     turns = (0.0, -1.0, 1.0) if arrival - departure > LONGER_S else (0.0,)
     for turn in turns:
         more = 2.0 * math.pi * turn
@@ -451,12 +468,113 @@ def check_low_thrust(
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")
         return as_stated
+    yield from _check_arcs(instance, ends, rule, drive, number, leg)
     delta_v = cost_between(instance, ends, rule, drive, leg.departure_s, leg.arrival_s)
     if not delta_v - LOW_THRUST_TOLERANCE_M_S <= leg.delta_v_m_s <= dearest(delta_v):
         yield Violation(
             number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
         )
     return as_stated
+
+
+def _check_arcs(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    drive: Drive,
+    number: int,
+    leg: Leg,
+) -> Iterator[Violation]:
+    """Check that the arcs of a leg lead to its target, with the ΔV and in the time of the leg."""
+    arcs = leg.manoeuvres or ()
+    if len(arcs) != 2:
+        yield Violation(number, "manoeuvres", "must have two arcs")
+        return
+    for off, most, what in _errors(instance, ends, rule, drive, leg, (arcs[0], arcs[1])):
+        if not abs(off) <= most:
+            yield Violation(number, "manoeuvres", f"{what} {off:.6g}")
+            return
+
+
+def _errors(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    drive: Drive,
+    leg: Leg,
+    arcs: tuple[Arc, Arc],
+) -> Iterator[tuple[float, float, str]]:
+    """Errors of a leg's arcs, how large they may be, and what they are of."""
+    nearer = ends_of(*ends, rule, leg.departure_s, leg.arrival_s)
+    one, other = arcs
+    yield one.start_s - leg.departure_s, TIME_TOLERANCE_S, "the first arc begins late by [s]"
+    met = leg.arrival_s - nearer.approach
+    yield other.end_s - met, TIME_TOLERANCE_S, "the second arc ends late by [s]"
+    yield min(other.start_s - one.end_s, 0.0), TIME_TOLERANCE_S, "the arcs overlap by [s]"
+    start, end = math.sqrt(MU_M3_S2 / nearer.radius_i), math.sqrt(MU_M3_S2 / nearer.radius_j)
+    sizes = start - end - one.size_m_s - other.size_m_s
+    yield sizes, FIGURE_M_S, "of the size is left [m/s]"
+    tilts = [math.radians(arc.inclination_deg) for arc in arcs]
+    left = nearer.inclination_j - nearer.inclination_i - sum(tilts)
+    yield nearer.speed * left, FIGURE_M_S, "of the inclination is left [m/s]"
+    nodes = [math.radians(arc.raan_deg) for arc in arcs]
+    times = one.end_s - one.start_s, other.end_s - other.start_s
+    speed, tilt = start - one.size_m_s, nearer.speed * tilts[0]
+    wanted = float(node_to_turn(nearer, times, speed, tilt))
+    turns = round((sum(nodes) - wanted) / (2.0 * math.pi))
+    still = wanted + 2.0 * math.pi * turns - sum(nodes)
+    yield nearer.speed * nearer.sine * still, NODE_M_S, "of the node is left [m/s]"
+    whole = nearer._replace(
+        node=nearer.node + 2.0 * math.pi * turns,
+        ahead=nearer.ahead + nearer.cosine * 2.0 * math.pi * turns,
+    )
+    laps = float(laps_at(whole, times, speed))
+    yield laps - round(laps), LAPS, "laps from a whole number:"
+    steered = _steered(instance, ends, rule, drive, leg, whole, one.window_deg)
+    forms = [
+        math.hypot(
+            arc.size_m_s, steered.turn * nearer.speed * math.hypot(tilted, nearer.sine * turned)
+        )
+        for arc, tilted, turned in zip(arcs, tilts, nodes, strict=True)
+    ]
+    form = sum(forms)
+    total = 4.0 * nearer.speed * math.sin(min(0.25 * form / nearer.speed, 0.5 * math.pi))
+    costs = [
+        total * (part / form if form > 0.0 else 0.5) + PER_ECCENTRICITY * 2.0 * nearer.shape
+        for part in forms
+    ]
+    for arc, cost in zip(arcs, costs, strict=True):
+        yield arc.delta_v_m_s - cost, LOW_THRUST_TOLERANCE_M_S, "ΔV of an arc is off by [m/s]"
+    stated = one.delta_v_m_s + other.delta_v_m_s - leg.delta_v_m_s
+    yield stated, FIGURE_M_S, "the arcs' ΔV is more than that of the leg by [m/s]"
+    (first, second), _ = settled(times, steered, costs[0], costs[1])
+    for time, needed in zip(times, (first, second), strict=True):
+        yield time - needed, 1e-5 * nearer.span, "an arc takes longer than its thrust by [s]"
+
+
+def _steered(
+    instance: Instance,
+    ends: tuple[FloatArray, FloatArray],
+    rule: TransferRule,
+    drive: Drive,
+    leg: Leg,
+    whole: Ends,
+    window_deg: float,
+) -> Steered:
+    """Places of thrust of a leg with one width of windows."""
+    shadows, rates = shadows_of(
+        ends, whole, since_j2000_s(instance.epoch), leg.departure_s, leg.arrival_s
+    )
+    places, part = places_of(whole, rates, (rule.min_radius, rule.max_radius))
+    ways = [
+        steering_of(math.radians(window_deg), float(place), *shadow)
+        for place, shadow in zip(places, shadows, strict=True)
+    ]
+    turn = part * ways[0][0] + (1.0 - part) * ways[1][0]
+    return Steered(
+        turn, (ways[0][1], ways[1][1]), 0.0, drive.thrust_n / drive.heaviest_kg, drive.exhaust_m_s,
+        0.0,
+    )  # fmt: skip
 
 
 def dearest(delta_v: float) -> float:

@@ -52,6 +52,13 @@ class NodeSeries(NamedTuple):
 
 
 @inlined
+def node_at(series, more):
+    """Value of a :class:`NodeSeries` for a change of inclination [rad]."""
+    p0, p1, p2, p3, p4, p5 = series
+    return p0 + more * (p1 + more * (p2 + more * (p3 + more * (p4 + more * p5))))
+
+
+@inlined
 def rates_on(pair, axis):
     """Mean motion with a semi-major axis [rad/s], 1.5 J2 (R/a)², and 1 / a [1/m]."""
     inverse = 1.0 / axis

@@ -24,6 +24,7 @@ from typing import NamedTuple
 from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
 from . import drift_linear, drift_pair
+from .drift_arcs import node_at
 from .drift_free import Rest, first_guess, least_turns
 from .drift_laps import tilt_at
 from .drift_pair import Task
@@ -73,8 +74,10 @@ class LowThrustSplit(NamedTuple):
     ----------
     delta_v, first : float
         ΔV of both arcs, and of the first one; infinite where there is no such leg [m/s].
-    climb, tilt, along : float
-        Changes of size, and κ times those of inclination and node, by the first arc [m/s].
+    climb, tilt : float
+        Change of size, and κ times that of inclination, by the first arc [m/s].
+    node : float
+        κ times what both arcs turn of the node; 0 where the phase is free [m/s].
     times : ArcTimes
     """
 
@@ -82,7 +85,7 @@ class LowThrustSplit(NamedTuple):
     first: float
     climb: float
     tilt: float
-    along: float
+    node: float
     times: ArcTimes
 
 
@@ -156,7 +159,8 @@ def free_split(pair, task, thrust, steering, extra):
         needed = found.first + found.second
         if needed > room:
             break
-        if abs(needed - here) < CLOSE * task.span:
+        off = abs(found.first - times.first) + abs(found.second - times.second)
+        if off < CLOSE * task.span:
             return LowThrustSplit(first + second, first, climb, tilt, 0.0, found), free.follow
         next_one = min(_ahead(here, before, needed, was), room)
         before, was = here, needed
@@ -210,8 +214,11 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
         needed = found.first + found.second
         if needed > room:
             break
-        if abs(needed - here) < CLOSE * task.span:
-            return LowThrustSplit(first + second, first, climb, tilt, way.along, found)
+        off = abs(found.first - times.first) + abs(found.second - times.second)
+        if off < CLOSE * task.span:
+            node = pair.linear.speed * pair.linear.sine
+            node *= -node_at(series, tilt / pair.linear.speed)
+            return LowThrustSplit(first + second, first, climb, tilt, node, found)
         next_one = min(_ahead(here, before, needed, was), room)
         before, was = here, needed
         here = next_one
@@ -263,13 +270,13 @@ class LowThrustLeg(NamedTuple):
     split : LowThrustSplit
     window : float
         η [rad].
-    turns : float
-        Whole turns of the node beyond the nearer way.
+    turn : float
+        κ.
     """
 
     split: LowThrustSplit
     window: float
-    turns: float
+    turn: float
 
 
 @inlined
@@ -290,7 +297,7 @@ def with_impulses(drift, task, turn):
 def _lower(split):
     """A split whose ΔV is a lower bound, also where a split beside it would be cheaper."""
     less = split.delta_v - OFF * split.delta_v - OFF_M_S
-    return LowThrustSplit(less, split.first, split.climb, split.tilt, split.along, split.times)
+    return LowThrustSplit(less, split.first, split.climb, split.tilt, split.node, split.times)
 
 
 @kernel
@@ -316,7 +323,7 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
     drift = pair.drift
     nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
     extra = SHAPE * drift_linear.shape_left(drift.linear, arrival)
-    best = LowThrustLeg(NEVER, 0.0, 0.0)
+    best = LowThrustLeg(NEVER, 0.0, 1.0)
     below = below - 2.0 * extra + SLACK_M_S
     for turns in (0.0, -1.0, 1.0):
         if turns != 0.0 and nearer.span <= LONG_S:
@@ -336,9 +343,15 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
                 pair_of = weighted(drift, steers.turn)
                 way = split(pair_of, task, thrust, steers, extra, below + 2.0 * extra)
             if way.delta_v < best.split.delta_v:
-                best = LowThrustLeg(way, window, turns)
+                best = LowThrustLeg(way, window, steers.turn)
                 below = min(below, way.delta_v - 2.0 * extra + SLACK_M_S)
     return best
+
+
+@kernel
+def leg_between(pair, thrust, departure, arrival):
+    """The low-thrust leg between two times, of infinite ΔV if there is none."""
+    return leg_below(pair, thrust, departure, arrival, math.inf, False)
 
 
 @kernel

@@ -68,6 +68,33 @@ class Manoeuvres(NamedTuple):
     phases: tuple[str, ...]
 
 
+class ThrustArc(NamedTuple):
+    """An arc of thrust about two opposite places of each revolution.
+
+    Attributes
+    ----------
+    start, end : float
+        [s].
+    delta_v : float
+        [m/s].
+    window, place : float
+        Half-width of both windows, and argument of latitude of the middle of one [rad].
+    climb : float
+        Circular speed before less that after [m/s].
+    tilt, turn : float
+        Changes of inclination and node [rad].
+    """
+
+    start: float
+    end: float
+    delta_v: float
+    window: float
+    place: float
+    climb: float
+    tilt: float
+    turn: float
+
+
 NO_MANOEUVRES = Manoeuvres(np.empty(0), np.empty((0, 3)), ())
 
 
@@ -81,11 +108,14 @@ class FlownLeg(NamedTuple):
     eccentricity_m_s : float
         Part of its ΔV that eccentricity adds, without burns [m/s].
     manoeuvres : Manoeuvres
+    arcs : tuple of ThrustArc
+        Of low thrust, in place of impulses.
     """
 
     departure: float
     eccentricity_m_s: float = 0.0
     manoeuvres: Manoeuvres = NO_MANOEUVRES
+    arcs: tuple[ThrustArc, ...] = ()
 
 
 class StatedLeg(NamedTuple):

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from ...kernels.legs import low_thrust_grid, low_thrust_windows
+from ...common.constants import TURN_RAD
+from ...common.errors import InputError
+from ...kernels.legs import low_thrust, low_thrust_grid, low_thrust_windows
+from ...kernels.legs.drift_pair import DriftPair
 from ...kernels.legs.found import ConnectionArrays
+from ...kernels.legs.low_thrust import LowThrustLeg
 from ...kernels.legs.low_thrust_arcs import Thrust
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.leg_kinds import LOW_THRUST
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
-from .family import FlownLeg, LegFamily, PairEnds, StatedLeg
+from .family import FlownLeg, LegFamily, PairEnds, StatedLeg, ThrustArc
 from .merging import merged, of_family
 
 LIGHTER = 1.01
@@ -50,4 +56,40 @@ class LowThrustLegs(LegFamily):
         return merged(found, made, ends.latest_s, resolution_m_s)
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
-        return FlownLeg(stated.departure)
+        assert ends.drive is not None
+        if ends.relaxed:  # no leg has to be as cheap
+            return FlownLeg(stated.departure)
+        since = since_j2000_s(ends.instance.epoch)
+        pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
+        thrust = Thrust(ends.drive.least_acceleration, ends.drive.exhaust_m_s)
+        leg = low_thrust.leg_between(pair, thrust, stated.departure, stated.arrival)
+        if not math.isfinite(leg.split.delta_v):
+            raise InputError("there is no leg of low thrust between these times")
+        return FlownLeg(stated.departure, arcs=_arcs(pair.drift, leg, stated))
+
+
+def _arcs(drift: DriftPair, leg: LowThrustLeg, stated: StatedLeg) -> tuple[ThrustArc, ThrustArc]:
+    """Both arcs of a leg."""
+    split, turn, linear = leg.split, leg.turn, drift.linear
+    rest, left = drift.climb - split.climb, turn * linear.tilt - split.tilt
+    one, other = math.hypot(split.climb, split.tilt), math.hypot(rest, left)
+    share = one / (one + other) if one + other > 0.0 else 0.5
+    met = stated.arrival - drift.approach
+    times = (
+        (stated.departure, stated.departure + split.times.first),
+        (met - split.times.second, met),
+    )
+    made = []
+    for (start, end), delta_v, climb, tilt, along in (
+        (times[0], split.first, split.climb, split.tilt, share * split.node),
+        (times[1], split.delta_v - split.first, rest, left, split.node - share * split.node),
+    ):
+        place = math.atan2(along, tilt) % TURN_RAD
+        by_node = turn * linear.speed * linear.sine
+        made.append(
+            ThrustArc(
+                start, end, delta_v, leg.window, place, climb, tilt / (turn * linear.speed),
+                along / by_node if by_node > 0.0 else 0.0,
+            )
+        )  # fmt: skip
+    return made[0], made[1]
