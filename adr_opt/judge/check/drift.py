@@ -12,7 +12,7 @@ from collections.abc import Generator
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import MU_M3_S2, SLACK_S
+from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.core.compile import kernel
 from ...kernels.legs.burns import PHASES
@@ -21,9 +21,9 @@ from ...kernels.orbits import ephemeris
 from ...legs.families import drift_burns
 from ...plan.plan import Leg
 from ...problem.instance import Instance
-from .drift_ends import GOLDEN, Ends, ends_of
+from .drift_ends import GOLDEN, Ends, check_times, ends_of
 from .figures import check_burns, check_costs
-from .violation import DRIFT_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+from .violation import DRIFT_TOLERANCE_M_S, Violation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -223,14 +223,7 @@ def check_drift(
         The origin as it is left, with the rate of its node after that, and the destination.
     """
     as_stated = leg.arrival_s, leg.delta_v_m_s
-    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
-    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
-        yield Violation(
-            number, "drift", f"drifts for {span!r} s, but may for at most {longest!r} s"
-        )
-        return as_stated
-    if leg.departure_s < free - SLACK_S:
-        yield Violation(number, "departure", "leaves before the chaser is ready")
+    if not (yield from check_times(instance, number, leg, free)):
         return as_stated
     delta_v, shape = drift_cost(*ends, rule, leg.departure_s, leg.arrival_s)
     yield from check_costs(delta_v, shape, number, leg, DRIFT_TOLERANCE_M_S)

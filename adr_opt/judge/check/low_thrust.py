@@ -14,14 +14,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_S
+from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.core.compile import kernel
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
 from ...plan.plan import Arc, Leg
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
-from .drift_ends import GOLDEN, Ends, ends_of
+from .drift_ends import GOLDEN, Ends, check_times, ends_of
 from .violation import LOW_THRUST_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 FloatArray = npt.NDArray[np.float64]
@@ -461,12 +461,7 @@ def check_low_thrust(
     if drive is None:
         yield Violation(number, "kind", "is of low thrust, but its chaser has none")
         return as_stated
-    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
-    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
-        yield Violation(number, "drift", f"takes {span!r} s, but may take at most {longest!r} s")
-        return as_stated
-    if leg.departure_s < free - SLACK_S:
-        yield Violation(number, "departure", "leaves before the chaser is ready")
+    if not (yield from check_times(instance, number, leg, free)):
         return as_stated
     yield from _check_arcs(instance, ends, rule, drive, number, leg)
     delta_v = cost_between(instance, ends, rule, drive, leg.departure_s, leg.arrival_s)

@@ -95,6 +95,37 @@ def _change(pair, step, budget):
 
 
 @kernel
+def first_to_last(departures, arrivals, costs, count):
+    """Transfers found from the last departure to the first, each by arrival, turned round.
+
+    Parameters
+    ----------
+    departures, arrivals, costs : (room,) array
+    count : int
+        How many of them there are.
+
+    Returns
+    -------
+    LongTransfers
+    """
+    order = np.empty(count, np.int64)
+    high, at = count, 0
+    while high > 0:
+        low = high - 1
+        while low > 0 and departures[low - 1] == departures[high - 1]:
+            low -= 1
+        for c in range(low, high):
+            order[at] = c
+            at += 1
+        high = low
+    return LongTransfers(
+        chosen(departures, order, count),
+        chosen(arrivals, order, count),
+        chosen(costs, order, count),
+    )
+
+
+@kernel
 def of_pair(pair, zones, times, duration, resolution, shorts, kept):
     """Undominated transfers of a pair: short ones, and long ones on a grid of times.
 
@@ -188,19 +219,4 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
                 departures[count], arrivals[count] = begin, t
                 cheapest = costs_found[count] = stair[t] = way.delta_v
                 count += 1
-    # From the last departure to the first, each by arrival: turned round departure by departure.
-    order = np.empty(count, np.int64)
-    high, at = count, 0
-    while high > 0:
-        low = high - 1
-        while low > 0 and departures[low - 1] == departures[high - 1]:
-            low -= 1
-        for c in range(low, high):
-            order[at] = c
-            at += 1
-        high = low
-    return LongTransfers(
-        chosen(departures, order, count),
-        chosen(arrivals, order, count),
-        chosen(costs_found, order, count),
-    )
+    return first_to_last(departures, arrivals, costs_found, count)

@@ -93,22 +93,73 @@ NEVER = LowThrustSplit(math.inf, math.inf, 0.0, 0.0, 0.0, ArcTimes(math.inf, mat
 """Split of a leg that there is not."""
 
 
+class Iteration(NamedTuple):
+    """Times of thrust on their way to the least root of τ = g(τ).
+
+    Attributes
+    ----------
+    times : ArcTimes
+        τ of both arcs.
+    here, before, was : float
+        Their sum, that of the round before, and the sum of its g [s].
+    """
+
+    times: ArcTimes
+    here: float
+    before: float
+    was: float
+
+
 @inlined
-def _ahead(here, before, found, was):
-    """The root of τ = g(τ), from two values of g on its near side [s].
+def starting(times):
+    """The iteration that begins at some times."""
+    both = times.first + times.second
+    return Iteration(times, both, both, 0.0)
+
+
+@inlined
+def followed(now, found, room):
+    """The next round, by the secant of both last ones: g is convex, so it stays below the root.
 
     Parameters
     ----------
-    here, before : float
-        τ [s].
-    found, was : float
-        g(τ) [s].
+    now : Iteration
+    found : ArcTimes
+        g of its times.
+    room : float
+        Time that there is [s].
     """
-    if here > before and was > before:
-        slope = (found - was) / (here - before)
+    needed, ahead = found.first + found.second, found.first + found.second
+    if now.here > now.before and now.was > now.before:
+        slope = (needed - now.was) / (now.here - now.before)
         if 0.0 < slope < 0.9:
-            return here + (found - here) / (1.0 - slope)
-    return found
+            ahead = now.here + (needed - now.here) / (1.0 - slope)
+    ahead = min(ahead, room)
+    scale = ahead / needed
+    return Iteration(ArcTimes(found.first * scale, found.second * scale), ahead, now.here, needed)
+
+
+@inlined
+def laid_out(pair, thrust, steering, extra, form, climb, tilt):
+    """ΔV of both arcs, the first one's part of it [m/s], and their times.
+
+    Parameters
+    ----------
+    form, climb, tilt : float
+        What is least, y and κ z [m/s].
+    """
+    total = chord(form, pair.linear.speed / steering.turn)
+    first = first_share(pair, climb, tilt) * total + extra
+    whole = total + 2.0 * extra
+    shares = steering.first_share, steering.second_share
+    return whole, first, arc_times(thrust, shares, first, whole - first)
+
+
+@inlined
+def has_settled(now, found, span):
+    """Whether times of thrust stay as they are."""
+    off = abs(found.first - now.times.first) + abs(found.second - now.times.second)
+    return off < CLOSE * span
 
 
 @inlined
@@ -141,32 +192,22 @@ def free_split(pair, task, thrust, steering, extra):
         How much b_z changes with b_y.
     """
     climb, tilt = first_guess(pair, task)
-    room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
-    speed = pair.linear.speed / steering.turn
-    here = before = was = 0.0
-    times = ArcTimes(0.0, 0.0)
+    room = task.span - pair.approach
+    now = starting(ArcTimes(0.0, 0.0))
     for _ in range(MOST_ROUNDS):
-        known = task.lag + pair.node_rate_i * (task.span - 0.5 * times.first)
-        known -= pair.node_rate_j * (0.5 * times.second + pair.approach)
-        more, by_climb, by_tilt = beside_ramps(pair, times, climb, tilt)
+        known = task.lag + pair.node_rate_i * (task.span - 0.5 * now.times.first)
+        known -= pair.node_rate_j * (0.5 * now.times.second + pair.approach)
+        more, by_climb, by_tilt = beside_ramps(pair, now.times, climb, tilt)
         known += by_climb * climb + by_tilt * tilt - more
-        left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * here)
+        left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * now.here)
         free = least_turns(pair, task.span, 0.0, left_over, climb, tilt)
         climb, tilt = free.climb, free.tilt
-        total, share = chord(free.least, speed), first_share(pair, climb, tilt)
-        first, second = share * total + extra, total - share * total + extra
-        found = arc_times(thrust, shares, first, second)
-        needed = found.first + found.second
-        if needed > room:
+        delta_v, first, found = laid_out(pair, thrust, steering, extra, free.least, climb, tilt)
+        if found.first + found.second > room:
             break
-        off = abs(found.first - times.first) + abs(found.second - times.second)
-        if off < CLOSE * task.span:
-            return LowThrustSplit(first + second, first, climb, tilt, 0.0, found), free.follow
-        next_one = min(_ahead(here, before, needed, was), room)
-        before, was = here, needed
-        here = next_one
-        scale = here / needed
-        times = ArcTimes(found.first * scale, found.second * scale)
+        if has_settled(now, found, task.span):
+            return LowThrustSplit(delta_v, first, climb, tilt, 0.0, found), free.follow
+        now = followed(now, found, room)
     return NEVER, 0.0
 
 
@@ -187,15 +228,13 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
     -------
     LowThrustSplit
     """
-    room, shares = task.span - pair.approach, (steering.first_share, steering.second_share)
-    wanted, mean_speed = task.ahead + TURN_RAD * laps, pair.linear.speed / steering.turn
+    room = task.span - pair.approach
+    wanted = task.ahead + TURN_RAD * laps
     speed, climb, tilt = pair.speed_i - free.climb, free.climb, free.tilt
-    times = free.times
-    here = before = times.first + times.second
-    was = 0.0
+    now = starting(free.times)
     for _ in range(MOST_ROUNDS):
         for _ in range(MOST_ROUNDS):
-            gained, slope = longitude_gained(pair, room - here, times, speed)
+            gained, slope = longitude_gained(pair, room - now.here, now.times, speed)
             step = (wanted - gained) / slope
             step = min(max(step, -0.1 * speed), 0.1 * speed)
             speed += step
@@ -205,25 +244,17 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
         climb, follow = pair.speed_i - speed, 0.0
         if not (pair.least_climb <= climb <= pair.most_climb):
             break
-        series = node_series(pair, task, room - here, times, speed)
+        series = node_series(pair, task, room - now.here, now.times, speed)
         way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
-        total, share = chord(way.delta_v, mean_speed), first_share(pair, climb, tilt)
-        first, second = share * total + extra, total - share * total + extra
-        found = arc_times(thrust, shares, first, second)
-        needed = found.first + found.second
-        if needed > room:
+        delta_v, first, found = laid_out(pair, thrust, steering, extra, way.delta_v, climb, tilt)
+        if found.first + found.second > room:
             break
-        off = abs(found.first - times.first) + abs(found.second - times.second)
-        if off < CLOSE * task.span:
+        if has_settled(now, found, task.span):
             node = pair.linear.speed * pair.linear.sine
             node *= -node_at(series, tilt / pair.linear.speed)
-            return LowThrustSplit(first + second, first, climb, tilt, node, found)
-        next_one = min(_ahead(here, before, needed, was), room)
-        before, was = here, needed
-        here = next_one
-        scale = here / needed
-        times = ArcTimes(found.first * scale, found.second * scale)
+            return LowThrustSplit(delta_v, first, climb, tilt, node, found)
+        now = followed(now, found, room)
     return NEVER
 
 

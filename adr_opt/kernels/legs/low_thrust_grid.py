@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from ..core.compile import kernel
-from ..core.lists import chosen, wider
-from .drift_grid import LongTransfers
+from ..core.lists import wider
+from .drift_grid import first_to_last
 from .low_thrust import leg_below
 
 
@@ -55,19 +55,4 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed):
             departures[count], arrivals[count], costs[count] = begin, t, cost
             cheapest = stair[t] = cost
             count += 1
-    # From the last departure to the first, each by arrival: turned round departure by departure.
-    order = np.empty(count, np.int64)
-    high, at = count, 0
-    while high > 0:
-        low = high - 1
-        while low > 0 and departures[low - 1] == departures[high - 1]:
-            low -= 1
-        for c in range(low, high):
-            order[at] = c
-            at += 1
-        high = low
-    return LongTransfers(
-        chosen(departures, order, count),
-        chosen(arrivals, order, count),
-        chosen(costs, order, count),
-    )
+    return first_to_last(departures, arrivals, costs, count)
