@@ -14,7 +14,7 @@ from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg, ThrustArc
 from ..plan.leg_kinds import GIVEN, leg_kinds
-from ..plan.plan import Arc, Burn, Leg, Reason, Unvisited, burns_of
+from ..plan.plan import Burn, Leg, LowThrustArc, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
@@ -141,9 +141,9 @@ def transfer_leg(
     )
 
 
-def _arc(arc: ThrustArc) -> Arc:
+def _arc(arc: ThrustArc) -> LowThrustArc:
     """An arc as stated in plans."""
-    return Arc(
+    return LowThrustArc(
         start_s=arc.start, end_s=arc.end, delta_v_m_s=arc.delta_v,
         window_deg=math.degrees(arc.window), argument_of_latitude_deg=math.degrees(arc.place),
         size_m_s=arc.climb, inclination_deg=math.degrees(arc.tilt), raan_deg=math.degrees(arc.turn),

@@ -76,7 +76,7 @@ def burns_of(
     )
 
 
-class Arc(Record):
+class LowThrustArc(Record):
     """An arc of low thrust, about two opposite places of each revolution.
 
     It changes the circular speed by ``size_m_s`` (before less after), the inclination and the node.
@@ -142,7 +142,7 @@ class Leg(Shown, Record):
     phasing_revolutions: int
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
-    manoeuvres: Annotated[tuple[Arc, ...], Field(strict=False)] | None = None
+    manoeuvres: Annotated[tuple[LowThrustArc, ...], Field(strict=False)] | None = None
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:

@@ -46,7 +46,7 @@ def described(caption: str) -> dict[str, str]:
         ("Defined in `adr_opt/plan/plan.py`", plan.Plan),
         ("**`legs[]`**", plan.Leg),
         ("**`burns[]`**", plan.Burn),
-        ("**`manoeuvres[]`**", plan.Arc),
+        ("**`manoeuvres[]`**", plan.LowThrustArc),
         ("Defined in `adr_opt/plan/refined_plan.py`", refined.RefinedPlan),
         ("**A refined leg**", refined.RefinedLeg),
         ("is packed by gzip", certificate.Certificate),

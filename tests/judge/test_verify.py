@@ -178,7 +178,7 @@ def test_a_certificate_over_spoilt_connections_is_refused(monkeypatch):
     assert certificate.walks
     monkeypatch.setattr(
         "adr_opt.judge.verify.verdict.ConnectionFinder",
-        lambda of: Spoilt(of, missing=0.8, cheaper_m_s=0.0),
+        lambda of, **_: Spoilt(of, missing=0.8, cheaper_m_s=0.0),
     )
     assert "no connection from" in verify(instance, result.plan, certificate).reasons[0]
 

@@ -18,7 +18,7 @@ from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.core.compile import kernel
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
-from ...plan.plan import Arc, Leg
+from ...plan.plan import Leg, LowThrustArc
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
 from .drift_ends import GOLDEN, Ends, check_times, ends_of
@@ -497,7 +497,7 @@ def _errors(
     rule: TransferRule,
     drive: Drive,
     leg: Leg,
-    arcs: tuple[Arc, Arc],
+    arcs: tuple[LowThrustArc, LowThrustArc],
 ) -> Iterator[tuple[float, float, str]]:
     """Errors of a leg's arcs, how large they may be, and what they are of."""
     nearer = ends_of(*ends, rule, leg.departure_s, leg.arrival_s)
