@@ -75,9 +75,10 @@ def test_dates_and_costs_of_low_thrust_are_checked():
     assert result.plan is not None
     leg = result.plan.legs[0]
     for changes, rule in (
-        ({"delta_v_m_s": 0.9 * leg.delta_v_m_s}, "cost"),
-        ({"delta_v_m_s": 1.1 * leg.delta_v_m_s}, "cost"),
-        ({"arrival_s": leg.departure_s + 0.1 * (leg.arrival_s - leg.departure_s)}, "cost"),
+        ({"delta_v_m_s": 0.9 * leg.delta_v_m_s}, "manoeuvres"),
+        ({"delta_v_m_s": 1.1 * leg.delta_v_m_s}, "manoeuvres"),
+        ({"arrival_s": leg.arrival_s - 60.0}, "manoeuvres"),
+        ({"arrival_s": leg.departure_s}, "drift"),
     ):
         route = result.plan.routes[0]
         spoilt = result.plan.replace(

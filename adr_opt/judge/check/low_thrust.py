@@ -1,7 +1,8 @@
-"""Check of low-thrust legs: their cost by the closed form, stated and solved once more.
+"""Check of low-thrust legs: their arcs, and the cost of the closed form, solved once more.
 
-The form of :mod:`adr_opt.kernels.legs.low_thrust`. Rates are integrated over the ramps, the optimum
-is searched for by golden section, and the times of thrust are repeated until they stay.
+The form of :mod:`adr_opt.kernels.legs.low_thrust`. Rates are integrated over the ramps. For the
+optimum, which ``verify`` asks for, golden sections search, and the times of thrust are repeated
+until they stay.
 """
 
 from __future__ import annotations
@@ -40,9 +41,6 @@ the optimum of free phase that are tried."""
 
 FIGURE_M_S, NODE_M_S, LAPS = 1e-3, 2e-2, 1e-3
 """Tolerances on changes of size and inclination, of the node [m/s], and on laps."""
-
-DEARER = 0.02
-"""Share by which a leg may be dearer than the cheapest of all laps that are tried here."""
 
 ROUNDED_M_S = 0.02
 """Rounding of the tips of both arcs' parts in the optimum of free phase: where many splits cost the
@@ -448,7 +446,9 @@ def check_low_thrust(
     leg: Leg,
     free: float,
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """Check that a low-thrust leg has the cost of the closed form, for the heaviest chaser.
+    """Check that the arcs of a low-thrust leg lead to its target, for the heaviest chaser.
+
+    A leg need not be the cheapest of all laps; it has to take what its arcs do.
 
     Parameters
     ----------
@@ -464,11 +464,6 @@ def check_low_thrust(
     if not (yield from check_times(instance, number, leg, free)):
         return as_stated
     yield from _check_arcs(instance, ends, rule, drive, number, leg)
-    delta_v = cost_between(instance, ends, rule, drive, leg.departure_s, leg.arrival_s)
-    if not delta_v - LOW_THRUST_TOLERANCE_M_S <= leg.delta_v_m_s <= dearest(delta_v):
-        yield Violation(
-            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {delta_v!r}"
-        )
     return as_stated
 
 
@@ -570,11 +565,6 @@ def _steered(
         turn, (ways[0][1], ways[1][1]), 0.0, drive.thrust_n / drive.heaviest_kg, drive.exhaust_m_s,
         0.0,
     )  # fmt: skip
-
-
-def dearest(delta_v: float) -> float:
-    """Largest ΔV to state for a leg of a ΔV, as another lap may be a little cheaper [m/s]."""
-    return delta_v + DEARER * delta_v + LOW_THRUST_TOLERANCE_M_S
 
 
 def cost_between(
