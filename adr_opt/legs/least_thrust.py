@@ -25,7 +25,7 @@ def too_weak(instance: Instance) -> str | None:
     instance : Instance
         All of whose chasers have low thrust; of any other nothing is said.
     """
-    quickest, between = math.inf, ("", "")
+    soonest, quickest, between = math.inf, math.inf, ("", "")
     first, names = instance.first_target, instance.names
     for number, chaser in enumerate(instance.chasers):
         drive = drive_of(chaser, instance.targets)
@@ -44,9 +44,10 @@ def too_weak(instance: Instance) -> str | None:
                 cost = low_thrust.delta_v(pair, thrust, begin, begin + span)
                 if cost <= chaser.tank.delta_v_m_s:
                     quickest, between = span, (names[start], names[j])
+                    soonest = min(soonest, begin + span)
                     break
                 span *= LONGER
-    if begin + quickest <= instance.mission.duration_s or math.isinf(quickest):
+    if soonest <= instance.mission.duration_s or math.isinf(quickest):
         return None
     return (
         f"the thrust is too small for any leg in the mission of {instance.mission.duration_s:g} s: "

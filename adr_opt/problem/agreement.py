@@ -74,7 +74,7 @@ def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> N
 def check_thrust(
     chasers: Sequence[Chaser], transfer: TransferSettings, *, zones: bool, drifts: bool
 ) -> None:
-    """Low thrust needs drifting nodes, the model's connections, and one fleet of a kind."""
+    """Low thrust needs drifting nodes, the model's connections, and no keep-out zones."""
     for number, chaser in enumerate(chasers):
         if chaser.thrust_n is None:
             continue

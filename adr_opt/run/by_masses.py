@@ -18,9 +18,6 @@ from ..mission.result import Result, proven_of
 SHARE = 0.5
 """Share of the time limit for the plan, where a bound follows."""
 
-PROVER = "exact"
-"""Bound that follows a planner that proves."""
-
 
 def planned(
     problem: Problem,

@@ -221,7 +221,7 @@ def run(
         return once(group, whole, method, wanted)
     if group == BOUNDS:
         return by_masses.bounded(once(group, whole.relaxed, method, wanted))
-    prover = wanted.bound or (by_masses.PROVER if spec_of(method, group).shows_evidence else None)
+    prover = wanted.bound or (DEFAULT_BOUND if spec_of(method, group).shows_evidence else None)
 
     def plan(limit_s: float) -> Result:
         return once(group, whole, method, replace(wanted, time_limit=limit_s, bound=None))

@@ -24,8 +24,9 @@ MASSES = 4
 
 
 def electric(
-    seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = False, tows: bool = False
-) -> Instance:
+    seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = False, tows: bool = False,
+    resolution_m_s: float = 0.5,
+) -> Instance:  # fmt: skip
     """A mission of some months in which not everything can be done."""
     rng = np.random.default_rng(seed)
     field = adr_opt.generate("sso", seed, targets=targets)
@@ -63,7 +64,7 @@ def electric(
         content["mission"] |= {"disposal_altitude_m": 4.5e5}
     content["transfer"] |= {
         "max_drift_s": duration, "drift_step_s": duration / STEPS, "departure_spacing_s": DAY_S,
-        "delta_v_resolution_m_s": 0.5,
+        "delta_v_resolution_m_s": resolution_m_s,
     }  # fmt: skip
     return adr_opt.problem.instance.instance_of(content)
 

@@ -19,6 +19,7 @@ KINDS = {
     "alone": ({}, range(60), 4),
     "kits": ({"kits": True}, range(100, 140), 2),
     "tows": ({"tows": True}, range(300, 340), 3),
+    "coarse": ({"resolution_m_s": 20.0}, range(400, 440), 4),
     "two": ({"chasers": 2}, range(200, 230), 2),
 }
 

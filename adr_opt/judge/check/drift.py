@@ -21,8 +21,8 @@ from ...kernels.orbits import ephemeris
 from ...legs.families import drift_burns
 from ...plan.plan import Leg
 from ...problem.instance import Instance
-from .drift_ends import GOLDEN, Ends, check_times, ends_of
-from .figures import check_burns, check_costs
+from .drift_ends import GOLDEN, Ends, ends_of
+from .figures import check_burns, check_costs, check_times
 from .violation import DRIFT_TOLERANCE_M_S, Violation
 
 FloatArray = npt.NDArray[np.float64]

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import MU_M3_S2, SLACK_S
+from ...common.constants import MU_M3_S2
 from ...kernels.legs.co_elliptic import TransferRule
 from ...kernels.orbits import ephemeris
-from ...plan.plan import Leg
-from ...problem.instance import Instance
 from .eccentric import mean_perigee
-from .violation import TIME_TOLERANCE_S, Violation
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -138,19 +134,3 @@ def _half_drift(
 
 POLAR = 1e-3
 """Cosine of the mean inclination below which rate · tan ī is replaced by its limit."""
-
-
-def check_times(
-    instance: Instance, number: int, leg: Leg, free: float
-) -> Generator[Violation, None, bool]:
-    """Check that a leg takes no longer than drifts may, and leaves when the chaser is free [s]."""
-    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
-    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
-        yield Violation(
-            number, "drift", f"drifts for {span!r} s, but may for at most {longest!r} s"
-        )
-        return False
-    if leg.departure_s < free - SLACK_S:
-        yield Violation(number, "departure", "leaves before the chaser is ready")
-        return False
-    return True

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from ...common.constants import SLACK_S
 from ...plan.plan import Leg
+from ...problem.instance import Instance
 from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
@@ -55,3 +57,19 @@ def check_burns(
                 "burns",
                 f"burn {which + 1} ({burn.phase}) is off by {late:.3g} s and {off:.3g} m/s",
             )
+
+
+def check_times(
+    instance: Instance, number: int, leg: Leg, free: float
+) -> Generator[Violation, None, bool]:
+    """Check that a leg takes no longer than drifts may, and leaves when the chaser is free [s]."""
+    span, longest = leg.arrival_s - leg.departure_s, instance.transfer.max_drift_s
+    if not 0.0 < span <= longest + TIME_TOLERANCE_S:
+        yield Violation(
+            number, "drift", f"drifts for {span!r} s, but may for at most {longest!r} s"
+        )
+        return False
+    if leg.departure_s < free - SLACK_S:
+        yield Violation(number, "departure", "leaves before the chaser is ready")
+        return False
+    return True

@@ -16,7 +16,7 @@ from ...problem.instance import Instance
 from ..check.drift import drift_cost
 from ..check.eccentric import StatedSequence, matching_cost
 from ..check.leg import Physics
-from ..check.low_thrust import cost_between
+from ..check.low_thrust_optimum import cost_between
 
 MOST_STEPS, CLOSE_S = 60, 1e-6
 """Maximum number of fixed-point steps where planes drift, and their tolerance [s]."""

@@ -388,4 +388,4 @@ def leg_between(pair, thrust, departure, arrival):
 @kernel
 def delta_v(pair, thrust, departure, arrival):
     """ΔV of the low-thrust leg between two times, infinite if there is none [m/s]."""
-    return leg_below(pair, thrust, departure, arrival, math.inf, False).split.delta_v
+    return leg_between(pair, thrust, departure, arrival).split.delta_v

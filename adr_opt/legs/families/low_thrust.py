@@ -25,6 +25,10 @@ LIGHTER = 1.01
 the time, its ΔV is the least to within the effect of some promille of the mass."""
 
 
+FINER = 0.2
+"""Resolution of lower bounds as a share of that of costs."""
+
+
 class LowThrustLegs(LegFamily):
     """Legs of chasers with low thrust, between times of a grid."""
 
@@ -46,14 +50,19 @@ class LowThrustLegs(LegFamily):
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
         pushed = LIGHTER * drive.largest_acceleration if ends.relaxed else drive.least_acceleration
         thrust = Thrust(pushed, drive.exhaust_m_s)
+        if ends.relaxed:
+            resolution_m_s *= FINER
         legs = low_thrust_grid.of_pair(
             pair, thrust, ends.times, ends.latest_s, resolution_m_s, ends.relaxed
         )
+        delta_v = legs.delta_v
+        if ends.relaxed:  # also of the legs that are left out, as they save no more than that
+            delta_v = np.maximum(delta_v - resolution_m_s, 0.0)
         made = of_family(
-            self.number, legs.departure * step, legs.arrival * step, legs.delta_v,
+            self.number, legs.departure * step, legs.arrival * step, delta_v,
             np.full(legs.departure.size, -1, dtype=np.int8),
         )  # fmt: skip
-        return merged(found, made, ends.latest_s, resolution_m_s)
+        return merged(found, made, ends.latest_s, 0.0 if ends.relaxed else resolution_m_s)
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
         assert ends.drive is not None
