@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ..common.clock import now_s
+from ..common.progress import Progress
 from ..mission.problem import Problem, Routes
 from ..mission.result import Result, proven_of
 
@@ -23,7 +24,7 @@ def planned(
     problem: Problem,
     limit_s: float,
     plan: Callable[[float], Result],
-    prove: Callable[[float, Routes], Result] | None,
+    prove: Callable[[float, float, Routes], Result] | None,
 ) -> Result:
     """Plan with the heaviest chaser, and bound with the lightest.
 
@@ -35,7 +36,7 @@ def planned(
     plan : callable
         Plans for a time [s].
     prove : callable or None
-        Bounds :attr:`.Problem.relaxed` for a time [s], from the routes of a plan, if there is one.
+        Bounds :attr:`.Problem.relaxed` for a time [s], from the objective and routes of a plan.
     """
     began = now_s()
     found = plan(limit_s if prove is None else SHARE * limit_s)
@@ -43,9 +44,11 @@ def planned(
     proven: Result | None = None
     is_open = not problem.meets(found.objective, problem.total_prize)
     if prove is not None and left_s > 0.0 and is_open:
-        proven = prove(left_s, found.routes)
-    bound = math.inf if proven is None else proven.upper_bound
-    return _joined(problem, found, proven, bound, now_s() - began)
+        proven = prove(left_s, found.objective, found.routes)
+    runtime_s = now_s() - began
+    if proven is None:
+        return replace(found, runtime_s=runtime_s)
+    return _joined(problem, found, proven, runtime_s)
 
 
 def bounded(found: Result) -> Result:
@@ -56,26 +59,34 @@ def bounded(found: Result) -> Result:
     )  # fmt: skip
 
 
-def _joined(
-    problem: Problem, found: Result, proven: Result | None, bound: float, runtime_s: float
-) -> Result:
+def bounds_only(progress: Progress, objective: float = -math.inf) -> Progress:
+    """A listener that passes bounds on, with the objective of a known plan."""
+    return lambda _, bound: progress(objective, bound)
+
+
+def unproven(problem: Problem, found: Result) -> Result:
+    """A planner's result without its bounds; collecting all prizes is a proof without one."""
+    if found.plan is None:
+        return replace(found, status="unknown", upper_bound=math.inf, evidence=None)
+    claim = proven_of(problem, found.plan.objective)
+    plan = found.plan.replace(**claim._asdict(), cost_bound=None, cost_gap=None, cost_status=None)
+    stated = math.inf if claim.upper_bound is None else claim.upper_bound
+    return replace(found, plan=plan, status=claim.status, upper_bound=stated, evidence=None)
+
+
+def _joined(problem: Problem, found: Result, proven: Result, runtime_s: float) -> Result:
     """A plan's result with the bound of another problem."""
-    evidence = None if proven is None else proven.evidence
+    bound, evidence, plan = proven.upper_bound, proven.evidence, found.plan
     if evidence is not None and evidence.cost is not None:
         evidence = replace(evidence, cost=None)
-    plan = found.plan
+    notes = tuple(dict.fromkeys((*found.notes, *proven.notes)))
+    found = replace(found, evidence=evidence, runtime_s=runtime_s, notes=notes)
     if plan is None:
-        infeasible = proven is not None and proven.status == "infeasible"
-        return replace(
-            found, status="infeasible" if infeasible else "unknown", upper_bound=bound,
-            evidence=evidence, runtime_s=runtime_s,
-        )  # fmt: skip
+        infeasible = proven.status == "infeasible"
+        return replace(found, status="infeasible" if infeasible else "unknown", upper_bound=bound)
     claim = proven_of(problem, plan.objective, bound)
-    plan = plan.replace(
-        **claim._asdict(), cost_bound=None, cost_gap=None, cost_status=None, runtime_s=runtime_s
-    )
+    plan = plan.replace(notes=notes, runtime_s=runtime_s)
+    if not (problem.margin or problem.connecting.corrections):  # else it is not of all plans
+        plan = plan.replace(**claim._asdict())
     stated = math.inf if claim.upper_bound is None else claim.upper_bound
-    return replace(
-        found, plan=plan, status=claim.status, upper_bound=stated, evidence=evidence,
-        runtime_s=runtime_s,
-    )  # fmt: skip
+    return replace(found, plan=plan, status=claim.status, upper_bound=stated)

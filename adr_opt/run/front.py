@@ -211,29 +211,35 @@ def run(
     """
     whole = problem_of(instance)
 
-    def once(group: str, problem: Problem, method: str, wanted: RunOptions) -> Result:
+    def once(
+        group: str, problem: Problem, method: str, wanted: RunOptions, heard: Progress
+    ) -> Result:
         return _run(
-            group, problem, method, wanted, stop=stop, progress=progress, building=building,
+            group, problem, method, wanted, stop=stop, progress=heard, building=building,
             sizing=sizing,
         )  # fmt: skip
 
     if not whole.depends_on_mass:
-        return once(group, whole, method, wanted)
+        return once(group, whole, method, wanted, progress)
     if group == BOUNDS:
-        return by_masses.bounded(once(group, whole.relaxed, method, wanted))
+        found = once(group, whole.relaxed, method, wanted, by_masses.bounds_only(progress))
+        return by_masses.bounded(found)
     prover = wanted.bound or (DEFAULT_BOUND if spec_of(method, group).shows_evidence else None)
 
     def plan(limit_s: float) -> Result:
-        return once(group, whole, method, replace(wanted, time_limit=limit_s, bound=None))
+        asked = replace(wanted, time_limit=limit_s, bound=None)
+        return once(group, whole, method, asked, lambda known, _: progress(known, math.inf))
 
-    def prove(limit_s: float, routes: Routes) -> Result:
+    def prove(limit_s: float, objective: float, routes: Routes) -> Result:
         start: Any = routes[0] if len(routes) == 1 else routes
         asked = replace(
             wanted, time_limit=limit_s, bound=None, repair=False, options={}, start=start or None
         )
-        return once(BOUNDS, whole.relaxed, str(prover), asked)
+        heard = by_masses.bounds_only(progress, objective)
+        return once(BOUNDS, whole.relaxed, str(prover), asked, heard)
 
-    return by_masses.planned(whole, wanted.time_limit, plan, prove if prover else None)
+    kept = whole.with_margin(wanted.margin) if wanted.margin else whole
+    return by_masses.planned(kept, wanted.time_limit, plan, prove if prover else None)
 
 
 def _run(
@@ -348,6 +354,8 @@ def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:
 
 def _beyond_the_model(problem: Problem, result: Result) -> Result:
     """A result with notes on the margin and on what the model neglects."""
+    if problem.depends_on_mass:  # what is proven of the heaviest chaser is proven of no other
+        result = by_masses.unproven(problem, result)
     notes, plan = _of_what_is_proven(problem, result.upper_bound), result.plan
     if plan is not None and (problem.margin or problem.connecting.corrections):
         # A plan file is read together with its instance, whose tanks may be used to the end, and

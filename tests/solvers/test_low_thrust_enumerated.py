@@ -91,3 +91,22 @@ def test_fleets_of_both_kinds():
         assert result.upper_bound >= Enumerated(alone).best()
     assert "low-thrust" in kinds
     assert len(kinds) > 1
+
+
+def test_what_is_proven_of_a_margin_is_not_said_of_all_plans():
+    """With a reserve the result has a bound, and the plan none; progress hears only that bound."""
+    instance = electric(3)
+    heard: list[tuple[float, float]] = []
+    result = adr_opt.solve(
+        instance, time_limit=math.inf, iterations=20, margin=0.3,
+        progress=lambda known, bound: heard.append((known, bound)),
+    )  # fmt: skip
+    assert result.plan is not None
+    total = sum(target.prize for target in instance.targets)
+    assert result.objective < total
+    assert math.isfinite(result.upper_bound)
+    assert result.plan.upper_bound is None
+    assert any("collects more than" in note for note in result.notes)
+    assert all(known <= bound + 1e-9 for known, bound in heard)
+    bounds = [bound for _, bound in heard if math.isfinite(bound)]
+    assert min(bounds) == pytest.approx(result.upper_bound, abs=1.0)
