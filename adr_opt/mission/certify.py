@@ -67,10 +67,7 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
             floors = ProvenFloors(
                 worth_per_s=evidence.floors.per_s, worth_per_m_s=evidence.floors.per_m_s
             )
-        multipliers = {
-            instance.names[j]: float(evidence.multipliers[j])
-            for j in np.flatnonzero(evidence.multipliers)
-        }
+        multipliers = _multipliers(instance, evidence.multipliers)
     return Certificate(
         model=MODEL,
         instance=InstanceReference(name=instance.name, sha256=prizes.sha256),
@@ -91,11 +88,24 @@ def certificate_of(instance: Instance, result: Result) -> Certificate:
 
 def _priced(prizes: Prizes, cost: CostEvidence) -> ProvenCost:
     """The proven cost, with names of bodies."""
-    return ProvenCost(
+    instance = prizes.instance
+    proven = ProvenCost(
         prize=max(prizes.shown(cost.worth), 0.0), bound=max(float(cost.bound), 0.0),
         per_prize=float(cost.per_worth),
-        neighbourhoods=_remembered(prizes.instance, cost.neighbourhoods),
     )  # fmt: skip
+    if cost.neighbourhoods is not None:
+        return proven.replace(neighbourhoods=_remembered(instance, cost.neighbourhoods))
+    assert cost.multipliers is not None
+    return proven.replace(
+        multipliers=_multipliers(instance, cost.multipliers),
+        walks=tuple(_stated(instance, each) for each in cost.walks),
+        cuts=tuple(_named(instance, each) for each in cost.cuts),
+    )
+
+
+def _multipliers(instance: Instance, multipliers: npt.NDArray[np.float64]) -> dict[str, float]:
+    """Multipliers other than 0, by name of the body."""
+    return {instance.names[j]: float(multipliers[j]) for j in np.flatnonzero(multipliers)}
 
 
 def _named(instance: Instance, cut: Cut) -> ProvenCut:

@@ -82,10 +82,12 @@ class Floors:
 
 @dataclass(frozen=True, eq=False)
 class CostEvidence:
-    """Evidence for a least ΔV of plans of a single chaser that are worth enough.
+    """Evidence for a least ΔV of plans that are worth enough.
 
-    With worth at a price and ΔV taken off, no walk that is worth enough counts more than the least
-    worth at that price less the bound.
+    With worth at a price and ΔV taken off, no walk of a single chaser that is worth enough counts
+    more than the least worth at that price less the bound. Or, where there are ``walks``: with
+    multipliers taken off as well, those of all chasers together, whatever they are worth, count no
+    more than that less the multipliers and those of the cuts.
 
     Attributes
     ----------
@@ -95,14 +97,24 @@ class CostEvidence:
         What it is worth at least.
     per_worth : float
         Price of worth [m/s].
-    neighbourhoods : (bodies, bodies) bool
-        Whether a walk that comes to a body (row) still remembers another one (column).
+    neighbourhoods : (bodies, bodies) bool or None
+        Whether a walk that is worth enough, and comes to a body (row), still remembers another one
+        (column).
+    walks : tuple of Walks
+        Of all chasers, each once [m/s].
+    multipliers : (bodies,) float64 or None
+        That they pay [m/s].
+    cuts : tuple of Cut
+        That they pay [m/s].
     """
 
     bound: float
     worth: float
     per_worth: float
-    neighbourhoods: npt.NDArray[np.bool_]
+    neighbourhoods: npt.NDArray[np.bool_] | None = None
+    walks: tuple[Walks, ...] = ()
+    multipliers: npt.NDArray[np.float64] | None = None
+    cuts: tuple[Cut, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

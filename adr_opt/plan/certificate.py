@@ -69,18 +69,33 @@ class ProvenFloors(Record):
 
 
 class ProvenCost(Record):
-    """A least ΔV of the plans of a single chaser that collect ``prize`` or more.
+    """A least ΔV of the plans that collect ``prize`` or more.
 
     Each service of a walk counts ``per_prize`` times what the target is worth, required ones with
-    ``required_worth``, and its legs take off their ΔV. No walk that is worth as much as such a plan
-    counts more than that worth times ``per_prize``, less ``bound``. ``neighbourhoods`` are what
-    walks remember, as in :class:`ProvenWalks`.
+    ``required_worth``, and its legs and tows take off their ΔV.
+
+    Without ``walks``, of a single chaser, no walk that is worth as much as such a plan counts more
+    than that worth times ``per_prize``, less ``bound``; ``neighbourhoods`` are what walks remember,
+    as in :class:`ProvenWalks`. With ``walks``, which may be worth any amount and also pay
+    ``multipliers`` and ``cuts``, all in m/s: the ``most`` of all chasers, the multipliers and those
+    of the cuts add up to no more.
     """
 
     prize: NonNegative
     bound: NonNegative
     per_prize: Worth
     neighbourhoods: dict[Name, Names] = Field(default_factory=dict)
+    multipliers: dict[Name, Worth] = Field(default_factory=dict)
+    walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
+    cuts: Annotated[tuple[ProvenCut, ...], Field(strict=False)] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_defaults(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        written: dict[str, Any] = write(self)
+        for name in ("multipliers", "walks", "cuts"):
+            if not getattr(self, name):
+                written.pop(name, None)
+        return written
 
 
 class Certificate(Shown, Record):

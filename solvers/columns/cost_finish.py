@@ -73,21 +73,21 @@ class CostFinish:
         """Number of listed sets."""
         return len(self._least)
 
-    def note(self, kind: int, route: tuple[int, ...], gains: np.ndarray, value: float) -> None:
+    def note(self, kind: int, route: tuple[int, ...], worth: float, value: float) -> None:
         """List the set of targets of a route.
 
         Parameters
         ----------
         kind : int
         route : tuple of int
-        gains : (bodies,) float64
-            What each target is worth to walks.
+        worth : float
+            What its targets are worth together, less all that they pay at second rows.
         value : float
             What no route of these targets is worth more than, less what it costs.
         """
         first = self._problem.instance.first_target
         key = kind, frozenset(j for j in route if j >= first), ()
-        least = max(math.fsum(gains[j] for j in key[1]) - value, 0.0)
+        least = max(worth - value, 0.0)
         if least < self._least.get(key, math.inf):
             self._least[key], self._route[key] = least, route
 

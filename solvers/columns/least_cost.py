@@ -8,8 +8,9 @@ once", every campaign that is worth P or more costs at least
 The master mixes known routes at least cost; its duals are λ and π. Labels that pay for their ΔV
 (:mod:`solvers.proof.cost`), under one tariff or under several that are never more than the
 expense (:mod:`solvers.walks.tariffs`), find routes that it lacks, or prove how good any could
-be. What is left between the bound and the best plan is closed as for prizes: all sets of targets
-that a cheaper plan could be made of are listed, and set packing decides (:mod:`.cost_finish`).
+be. Cuts that the mixture violates (:mod:`.subset_rows`) join both sides, as for prizes. What is
+left between the bound and the best plan is closed as there, too: all sets of targets that a cheaper
+plan could be made of are listed, and set packing decides (:mod:`.cost_finish`).
 Limits of stations are not looked at: bounds are of campaigns whose stations never run empty.
 """
 
@@ -25,21 +26,24 @@ import numpy as np
 from scipy.optimize import LinearConstraint
 
 from adr_opt.common.stop import Stop, TimeIsOver
+from adr_opt.mission.evidence import CostEvidence
 from adr_opt.mission.problem import Problem
 
 from ..labels.label_search import LabelSearch as Search
+from ..networks.evidence import evidence_of
 from ..progress.cost_rounds import CostRounds, asked, is_least, settled
 from ..progress.gap import GapTracker
-from ..proof.cost import COARSER, PricedBound
+from ..proof.cost import COARSER, STATED_LESS, PricedBound
 from ..proof.proof import FIRST_LABELS, GROWTH, ProofOptions
 from ..routes.route_pool import RoutePool, dealt
 from ..routes.set_packing import cheapest_of, packing
 from ..walks.tariffs import Tariff, most_expense, tariffs_of
 from .bound import CampaignBound
 from .cost_finish import CostFinish
-from .cost_master import CostMaster, Prices
+from .master import Duals, Master
 from .pricing import LabelPricing
 from .route_enumeration import MOST_ROUTES
+from .subset_rows import SubsetRows
 
 CENTRED = 0.5
 """Weight of the best prices against the master's duals (stabilisation)."""
@@ -55,6 +59,46 @@ LEAST_OFF = 1e-7
 
 ATTRACTIVE = 1e-7
 """Least relative decrease of the master's cost for a useful route."""
+
+MOST_CUTS = 200
+"""Number of cuts beyond which none is added."""
+
+
+class Prices(NamedTuple):
+    """Prices of a bound.
+
+    Attributes
+    ----------
+    worth : float
+        λ.
+    targets : (bodies,) float64
+        π.
+    cuts : (cuts,) float64
+    """
+
+    worth: float
+    targets: np.ndarray
+    cuts: np.ndarray
+
+
+class ProvenPrices(NamedTuple):
+    """A bound with what it rests on.
+
+    Attributes
+    ----------
+    prices : Prices
+    most : (kinds,) float64
+        No route of each kind comes to more at these prices, less what it costs.
+    remembered : dict of int to (bodies, words) int64
+        Of what walks of each kind, under its last tariff, need to remember for that.
+    bound : float
+        Be it below 0.
+    """
+
+    prices: Prices
+    most: np.ndarray
+    remembered: dict[int, np.ndarray]
+    bound: float
 
 
 class _Place(NamedTuple):
@@ -103,6 +147,7 @@ class ColumnCost(CostRounds):
         self._problem, self._certificate, self._pool = problem, certificate, pool
         self._options, self._stop = options, stop
         self._worths = np.array(problem.planning_prizes)
+        self._stations = frozenset(range(problem.instance.first_target))
         self._over = lambda: stop.remaining_s() <= 0.0
         self._asked = asked(problem, certificate.incumbent)
         self._bounds = CampaignBound(
@@ -114,13 +159,12 @@ class ColumnCost(CostRounds):
         )  # fmt: skip
         self._places = tuple(self._all_places())
         self._counts = np.array([len(kind.chasers) for kind in problem.kinds])
-        self._master = CostMaster(problem, self._asked)
+        self._master = Master(problem, self._asked)
+        self._cuts = SubsetRows()
         self._mixed: dict[tuple[int, frozenset[int]], float] = {}
         self._labels = min(FIRST_LABELS, options.most_labels)
-        self._centre: tuple[float, np.ndarray] | None = None
         self._centred = CENTRED
-        # Prices, the most that routes come to at them, and the bound of both, be it below 0.
-        self._proven: tuple[float, np.ndarray, np.ndarray, float] | None = None
+        self._proven: ProvenPrices | None = None
         self._finishing = 0
         self.bound, self.done = 0.0, False
         for kind, group in enumerate(problem.kinds):
@@ -143,32 +187,13 @@ class ColumnCost(CostRounds):
     def _iterate(self) -> None:
         self._mix()
         duals = self._master.solve()
-        worth, targets = self._near(duals)
-        new, most, finished = False, np.zeros(len(self._counts)), True
-        paid = duals.kinds + ATTRACTIVE * max(duals.cost, 1.0)
-        keep = [partial(self._keep, duals, kind) for kind in range(len(self._counts))]
-        found = 0
+        prices = self._near(duals)
         for place in self._places:
-            kind, prices = place.kind, self._prices(place, worth, targets)
-            found += len(
-                place.pricing.quickly(
-                    prices, float(paid[kind]), QUICK_LABELS, self._over, keep[kind]
-                )
-            )
-        if found:
+            place.pricing.cut(self._cuts, prices.cuts)
+        paid = duals.kinds + ATTRACTIVE * max(duals.value, 1.0)
+        if self._by_few_labels(duals, prices, paid):
             return
-        for place in self._places:
-            kind, prices = place.kind, self._prices(place, worth, targets)
-            answered, routes = place.pricing.search(
-                prices, float(paid[kind]), self._labels, self._over, keep[kind]
-            )
-            new, finished = new or bool(routes), finished and answered
-            most[kind] = max(most[kind], place.pricing.most_worth)
-        if finished:
-            bound = worth * self._asked - math.fsum([*targets, *(self._counts * most)])
-            if self._proven is None or bound > self._proven[3]:
-                self.bound = max(bound, self.bound)
-                self._centre, self._proven = (worth, targets), (worth, targets, most, bound)
+        new, finished = self._by_labels(duals, prices, paid)
         if new:
             self._centred = CENTRED
             self._offer()
@@ -177,10 +202,50 @@ class ColumnCost(CostRounds):
             self._labels = min(GROWTH * self._labels, self._options.most_labels)
         elif self._centred > 0.0:
             self._centred = 0.0 if self._centred < 0.1 else 0.5 * self._centred
-        else:
+        elif not self._cut(duals):
             self._offer()
             self._finish()
             self.done = True
+
+    def _by_few_labels(self, duals: Duals, prices: Prices, paid: np.ndarray) -> bool:
+        """Whether heuristic label searches find routes that make the combination cheaper."""
+        found = 0
+        for place in self._places:
+            found += len(
+                place.pricing.quickly(
+                    self._charged(place, prices), float(paid[place.kind]), QUICK_LABELS,
+                    self._over, partial(self._keep, duals, place.kind),
+                )
+            )  # fmt: skip
+        return found > 0
+
+    def _by_labels(self, duals: Duals, prices: Prices, paid: np.ndarray) -> tuple[bool, bool]:
+        """Whether exact searches find such routes, and whether all have finished: then a bound."""
+        new, finished, most = False, True, np.zeros(len(self._counts))
+        for place in self._places:
+            answered, routes = place.pricing.search(
+                self._charged(place, prices), float(paid[place.kind]), self._labels, self._over,
+                partial(self._keep, duals, place.kind),
+            )  # fmt: skip
+            new, finished = new or bool(routes), finished and answered
+            most[place.kind] = max(most[place.kind], place.pricing.most_worth)
+        if finished:
+            bound = prices.worth * self._asked
+            bound -= math.fsum([*prices.targets, *prices.cuts, *(self._counts * most)])
+            if self._proven is None or bound > self._proven.bound:
+                remembered = {place.kind: place.pricing.remembered for place in self._places}
+                self._proven = ProvenPrices(prices, most, remembered, bound)
+                self.bound = max(bound, self.bound)
+        return new, finished
+
+    def _cut(self, duals: Duals) -> bool:
+        """Add cuts that the mixture of routes violates; returns whether there are any."""
+        if self.proven or len(self._cuts.rows) >= MOST_CUTS:
+            return False
+        new = self._cuts.separate(self._master.columns, duals.shares, len(self._problem.names))
+        self._master.cut(new)
+        self._centred = CENTRED if new else 0.0
+        return bool(new)
 
     def _all_places(self) -> Iterator[_Place]:
         """All walks to be priced; those swept together come one after another."""
@@ -192,24 +257,51 @@ class ColumnCost(CostRounds):
                     walks, start = self._bounds.of_kind[kind]
                     yield _Place(kind, tariff, walks, start, LabelPricing(walks, start))
 
-    def _prices(self, place: _Place, worth: float, targets: np.ndarray) -> np.ndarray:
-        """Charge walks; returns the inputs of their pricing: multipliers, fees at stations."""
-        place.walks.charge(worth, place.tariff)
-        if not place.tariff.fee:
-            return targets
-        prices = np.array(targets)
-        prices[place.walks.network.is_station] = place.walks.greatest_prize
-        return prices
+    @property
+    def evidence(self) -> CostEvidence | None:
+        """What the bound rests on, of a ΔV, unless the final phase has raised it.
 
-    def _near(self, duals: Prices) -> tuple[float, np.ndarray]:
+        To verify the final phase would be to repeat it.
+        """
+        problem, proven = self._problem, self._proven
+        if proven is None or problem.instance.objective.cost != "delta-v":
+            return None
+        if proven.bound <= 0.0 or not is_least(self.bound, proven.bound):
+            return None
+        cuts = np.zeros(len(self._cuts.rows))
+        cuts[: proven.prices.cuts.size] = proven.prices.cuts
+        stated_less = STATED_LESS * self._certificate.cost
+        found = evidence_of(
+            proven.prices.targets, [kind.chasers for kind in problem.kinds],
+            (proven.most + 0.5 * stated_less / len(problem.missions)).tolist(),
+            [proven.remembered[kind] for kind in range(len(problem.kinds))],
+            self._options.delta_v_slot_m_s, self._cuts.priced(cuts),
+        )  # fmt: skip
+        return CostEvidence(
+            proven.bound - stated_less, self._certificate.incumbent, proven.prices.worth,
+            walks=found.walks, multipliers=found.multipliers, cuts=found.cuts,
+        )  # fmt: skip
+
+    def _charged(self, place: _Place, prices: Prices) -> np.ndarray:
+        """Charge walks; returns the inputs of their pricing: multipliers, fees at stations."""
+        place.walks.charge(prices.worth, place.tariff)
+        if not place.tariff.fee:
+            return prices.targets
+        paid = np.array(prices.targets)
+        paid[place.walks.network.is_station] = place.walks.greatest_prize
+        return paid
+
+    def _near(self, duals: Duals) -> Prices:
         """Prices between the best ones and the master's duals, within the range of walks."""
-        worth, targets = duals.worth, duals.targets
-        if self._centre is not None:
-            share = self._centred
-            worth = share * self._centre[0] + (1.0 - share) * worth
-            targets = share * self._centre[1] + (1.0 - share) * targets
+        worth, targets, cuts = duals.worth, duals.targets, duals.cuts
+        if self._proven is not None:
+            share, centre = self._centred, self._proven.prices
+            worth = share * centre.worth + (1.0 - share) * worth
+            targets = share * centre.targets + (1.0 - share) * targets
+            cuts = (1.0 - share) * cuts
+            cuts[: centre.cuts.size] += share * centre.cuts
         most = self._bounds.largest_gain
-        return worth, np.maximum(targets, worth * self._worths - most)
+        return Prices(worth, np.maximum(targets, worth * self._worths - most), cuts)
 
     def _mix(self) -> None:
         """Add new or cheaper routes of the pool to the master."""
@@ -220,7 +312,7 @@ class ColumnCost(CostRounds):
         self._mixed |= {(column.kind, column.targets): column.cost for column in new}
         self._master.add(new)
 
-    def _keep(self, duals: Prices, kind: int, route: tuple[int, ...]) -> bool:
+    def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
         """Add a route to the pool; returns whether it makes the combination cheaper."""
         column = self._pool.add(kind, route)
         if column is None:
@@ -228,7 +320,8 @@ class ColumnCost(CostRounds):
         if column.cost >= self._mixed.get((kind, column.targets), math.inf):
             return False
         gain = duals.worth * column.worth - math.fsum(duals.targets[j] for j in column.targets)
-        least = ATTRACTIVE * max(duals.cost, 1.0)
+        gain -= self._cuts.paid(column.targets, duals.cuts)
+        least = ATTRACTIVE * max(duals.value, 1.0)
         return bool(gain - column.cost - duals.kinds[kind] > least)
 
     def _offer(self) -> None:
@@ -263,13 +356,16 @@ class ColumnCost(CostRounds):
         """List all routes of possible cheaper plans, and search for such a plan."""
         if self.proven or self._proven is None:
             return
-        worth, targets, most, bound = self._proven
+        prices, most, _, bound = self._proven
         finish = CostFinish(self._problem, self._certificate, self._pool, self._asked, self._stop)
         gap = self._certificate.cost - bound
+        cuts = np.zeros(len(self._cuts.rows))
+        cuts[: prices.cuts.size] = prices.cuts
         for place in self._places:
             search = Search(place.walks, start=place.start, all_sets=True)
-            prices = self._prices(place, worth, targets)
-            search.use(prices)
+            search.cut(self._cuts.priced(cuts), forgetful=False)
+            paid = self._charged(place, prices)
+            search.use(paid)
             off = LEAST_OFF * max(self._certificate.cost, 1.0)
             finished, _, _, _ = search.search(
                 search.total + float(most[place.kind]) - gap - off,
@@ -280,8 +376,11 @@ class ColumnCost(CostRounds):
             found = search.valued_plans(MOST_ROUTES + 1)
             if not finished or finish.size + len(found) > MOST_ROUTES:
                 return
+            gains = prices.worth * self._worths - paid
             for route, value in found:
-                finish.note(place.kind, route, worth * self._worths - prices, value)
+                targets = frozenset(route) - self._stations
+                worth = math.fsum(gains[list(targets)]) - self._cuts.paid(targets, cuts)
+                finish.note(place.kind, route, worth, value)
         # All that could make a cheaper plan is there to choose from.
         before = self._certificate.cost
         self.bound = max(self.bound, min(before, finish.settle()))
@@ -316,7 +415,9 @@ def prove_cost_by_columns(
     counters : dict
     """
     proof = ColumnCost(problem, certificate, pool, stop, options)
-    return settled(proof, lambda: stop.remaining_s() <= 0.0)
+    found = settled(proof, lambda: stop.remaining_s() <= 0.0)
+    certificate.cost_evidence = proof.evidence
+    return found
 
 
 def _greatest(problem: Problem) -> float | None:

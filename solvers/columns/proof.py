@@ -38,7 +38,7 @@ from .bound import CampaignBound
 from .master import Duals, Master
 from .pricing import LabelPricing, by_beam
 from .route_enumeration import EnumerationAnswer, Finish
-from .subset_rows import SubsetRows, violated_rows
+from .subset_rows import WHOLE, SubsetRows
 
 DESCENT = 30
 """Number of evaluations of walks before the first columns."""
@@ -61,9 +61,6 @@ LOWERED = 0.25
 NEAR, SOLVED = 0.01, 0.001
 """Distances of the bound from the master at which cuts are added and at which it counts as solved,
 as shares of the largest prize."""
-
-WHOLE = 1e-6
-"""Difference up to which a share in the mixture counts as whole."""
 
 MOST_GIVEN_UP = 4
 """Number of failed searches with the maximum number of labels that ends the proof."""
@@ -255,10 +252,7 @@ class ColumnProof:
             )
         if self._certificate.proven or len(self._cuts.rows) >= MOST_CUTS:
             return False
-        violated = violated_rows(
-            [column.targets for column in columns], shares, len(self._problem.names)
-        )
-        new = self._cuts.add(violated, [column.route for column in mixed])
+        new = self._cuts.separate(columns, shares, len(self._problem.names))
         if not new:
             return False
         self._master.cut(new)

@@ -17,12 +17,16 @@ import numpy as np
 from adr_opt.mission.evidence import Cut
 
 from ..labels.row_cuts import ROWS
+from ..routes.route_pool import Column
 
 VIOLATED = 0.05
 """Least violation of a new cut."""
 
 PER_ROUND, PER_TARGET = 30, 6
 """Maximum number of new cuts at once, of all and of those with the same target."""
+
+WHOLE = 1e-6
+"""Difference up to which a share in the mixture counts as whole, or as none."""
 
 SMALL = 1e-9
 """Share in a mixture, and multiplier as a share of the largest prize, that count as none."""
@@ -95,6 +99,20 @@ class SubsetRows:
         for route in routes:
             self.remember(route, np.ones(len(self.rows)))
         return new
+
+    def separate(self, columns: Sequence[Column], shares: np.ndarray, bodies: int) -> list[Rows]:
+        """Add cuts that a mixture of columns violates; returns the new ones.
+
+        Parameters
+        ----------
+        columns : sequence of Column
+        shares : (columns,) float64
+        bodies : int
+        """
+        violated = violated_rows([column.targets for column in columns], shares, bodies)
+        return self.add(
+            violated, [columns[at].route for at in np.flatnonzero(shares > WHOLE).tolist()]
+        )
 
     def priced(self, multipliers: np.ndarray) -> tuple[Cut, ...]:
         """The cuts that have a multiplier.

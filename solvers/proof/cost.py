@@ -217,8 +217,6 @@ class CostProof(CostRounds):
         if bound <= self.bound:
             return
         self.bound = bound
-        if self._walks.loads is not None:
-            return  # what kits and tows cost is in no certificate
         self.evidence = CostEvidence(
             (1.0 - STATED_LESS) * bound, self._asked_worth, price,
             as_bits(neighbourhood, self._walks.prize.size),

@@ -28,7 +28,8 @@ from adr_opt.common.errors import InputError
 from adr_opt.judge.check.tank import TankLevel
 from adr_opt.judge.verify import verify
 from adr_opt.judge.verify.cargo import after_service
-from adr_opt.judge.verify.claim import bound_of, check_names
+from adr_opt.judge.verify.claim import bound_of
+from adr_opt.judge.verify.names import check_names
 from adr_opt.judge.verify.walks import walks_reach
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.evidence import Evidence, Walks

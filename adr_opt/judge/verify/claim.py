@@ -9,108 +9,14 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from ...common.errors import InputError
 from ...plan.certificate import Certificate
 from ...problem.instance import Instance
 from .floors import worth_of_floors
 
 Mask = npt.NDArray[np.bool_]
 
-WHOLE = Fraction(1, 10**12)
-"""Relative tolerance for prizes as multiples of the step."""
-
 SHARE = 1e-11
 """Relative tolerance between objectives where prizes have no common step."""
-
-
-def check_names(instance: Instance, certificate: Certificate) -> None:
-    """Check that a certificate names the bodies and chasers of an instance, each chaser once.
-
-    Raises
-    ------
-    InputError
-        It does not, or belongs to another instance.
-    """
-    if certificate.instance.sha256 != instance.sha256:
-        raise InputError(
-            f"the certificate belongs to the instance {certificate.instance.name!r} "
-            f"(sha256 {certificate.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
-        )
-    often, bodies = how_often(instance), set(instance.names)
-    for name in certificate.multipliers:
-        if name not in often:
-            raise InputError(
-                f"field multipliers: {name!r} is neither a target of the instance nor a station "
-                "with max_refuellings"
-            )
-    for number, walks in enumerate(certificate.walks):
-        strange = set(walks.neighbourhoods).union(*walks.neighbourhoods.values())
-        if not strange <= bodies:
-            raise InputError(
-                f"field walks[{number}].neighbourhoods: {min(strange - bodies)!r} is not a body of "
-                "the instance"
-            )
-        if certificate.time_step_s is not None and walks.neighbourhoods:
-            raise InputError(
-                f"field walks[{number}].neighbourhoods: walks in steps remember where they come "
-                "from, and nothing else"
-            )
-        if certificate.time_step_s is None and walks.worth_per_m_s is not None:
-            raise InputError(
-                f"field walks[{number}].worth_per_m_s: walks pay for ΔV only where time_step_s is "
-                "given"
-            )
-    _check_cuts(instance, certificate)
-    if certificate.cost is not None:
-        named = certificate.cost.neighbourhoods
-        strange = set(named).union(*named.values()) - bodies
-        if strange:
-            raise InputError(
-                f"field cost.neighbourhoods: {min(strange)!r} is not a body of the instance"
-            )
-    stated = sorted(name for walks in certificate.walks for name in walks.chasers)
-    if certificate.walks and stated != sorted(chaser.name for chaser in instance.chasers):
-        raise InputError("field walks: must name every chaser of the instance once")
-    step = certificate.prize_step
-    if step is not None and 4 * missed_by(instance, Fraction(step)) > Fraction(step):
-        raise InputError(
-            f"field prize_step = {step!r}: all prizes together miss multiples of it by more than a "
-            "quarter of it"
-        )
-    for target in instance.targets:
-        if step is not None and not _is_multiple(Fraction(target.prize), Fraction(step)):
-            raise InputError(
-                f"field prize_step = {step!r}: the prize of {target.name!r}, {target.prize!r}, is "
-                "no multiple of it"
-            )
-
-
-def _check_cuts(instance: Instance, certificate: Certificate) -> None:
-    """Check that cuts name targets and bodies, and that walks are gone through that pay for them.
-
-    Raises
-    ------
-    InputError
-        They do not, or are not.
-    """
-    bodies, targets = set(instance.names), {target.name for target in instance.targets}
-    for number, cut in enumerate(certificate.cuts):
-        where = f"field cuts[{number}]"
-        strange = set(cut.targets) - targets
-        if strange:
-            raise InputError(f"{where}.targets: {min(strange)!r} is not a target of the instance")
-        if len(set(cut.targets)) < len(cut.targets):
-            raise InputError(f"{where}.targets: must be three different targets")
-        strange = set(cut.memory) - bodies
-        if strange:
-            raise InputError(f"{where}.memory: {min(strange)!r} is not a body of the instance")
-    if certificate.cuts and certificate.time_step_s is not None:
-        raise InputError("field cuts: walks in steps pay for none")
-
-
-def _is_multiple(prize: Fraction, step: Fraction) -> bool:
-    return abs(prize - step * round(prize / step)) <= WHOLE * prize
 
 
 def how_often(instance: Instance) -> dict[str, int]:

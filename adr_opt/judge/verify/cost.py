@@ -1,9 +1,13 @@
-"""Check of a least ΔV: that no walk worth enough takes less.
+"""Check of a least ΔV: that no walk worth enough takes less, or no walks of several chasers.
 
-Walks are those of :mod:`.walks`, and pay for their ΔV and, where that has a price, for the time
-until they end. A plan that is worth W or more and costs less than C counts more than λ W − C at a
-price λ of worth, and it is a walk. So if no walk that is worth as much counts as much, there is no
-such plan.
+Walks are those of :mod:`.walks`, and pay for their ΔV, that of tows included, and, where that has a
+price, for the time until they end. A plan that is worth W or more and costs less than C counts more
+than λ W − C at a price λ of worth, and its routes are walks. So if no walk of a single chaser that
+is worth as much counts as much, there is no such plan.
+
+Of several chasers the walks pay multipliers π and cuts σ besides, once each for all routes of a
+plan together: it counts more than λ W − C − Σ π − Σ σ, and there is no such plan if the most of
+their walks add up to no more.
 """
 
 from __future__ import annotations
@@ -14,10 +18,15 @@ from typing import NamedTuple
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenCost
 from ...plan.plan import Plan
+from ...problem.chasers import Chaser
+from ...problem.drives import drive_of
 from ...problem.instance import Instance
+from ..check.tow import towed_bodies
 from .claim import remembered, worths_of
+from .cuts import cuts_of
 from .legs import legs_of
-from .walks import LeastWorth, walks_reach
+from .rules import finders_of
+from .walks import Paying, walks_reach
 
 SLACK = Fraction(1, 10**10)
 """Share by which a walk may be worth less, so that no rounding of a sum of prizes counts."""
@@ -48,14 +57,10 @@ NOTHING = CostVerdict(None, 0, ())
 
 def why_unverifiable(instance: Instance) -> str | None:
     """Why the cost of an instance is not yet verifiable; None if it is."""
-    if len(instance.chasers) > 1:
-        return "there are several chasers"
     if instance.objective.cost != "delta-v":
         return "it is not ΔV"
     if instance.mission.mission_separation_s is not None:
         return "missions are one after another"
-    if any(target.removal != "visit" for target in instance.targets):
-        return "targets are removed by kits or tows"
     return None
 
 
@@ -79,35 +84,87 @@ def judged_cost(
     obstacle = why_unverifiable(instance)
     if obstacle is not None:
         return CostVerdict(None, 0, (f"the cost part is not yet verifiable: {obstacle}",))
-    reached, labels = _walks_cost_less(instance, certificate, cost, connecting)
-    if reached:
-        said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
-        return CostVerdict(None, labels, (f"{said}, but the certificate says that none does",))
+    follows = _walks_together if cost.walks else _walk_alone
+    unproven, labels = follows(instance, certificate, cost, connecting)
+    if unproven is not None:
+        return CostVerdict(None, labels, (unproven,))
     return CostVerdict(cost.bound, labels, tuple(_compared(plan, cost)))
 
 
-def _walks_cost_less(
-    instance: Instance, certificate: Certificate, cost: ProvenCost, connecting: ConnectionFinder
-) -> tuple[bool, int]:
-    """Whether a walk worth enough costs less than the bound, and how many labels that took."""
-    if cost.bound <= 0.0:
-        return False, 0  # nothing costs less than nothing
-    (chaser,) = instance.chasers
-    legs = legs_of(instance, chaser, connecting)
-    worths, price = worths_of(instance, certificate), Fraction(cost.per_prize)
+def _least_worth(instance: Instance, certificate: Certificate, cost: ProvenCost) -> Fraction:
+    """What the plans that are asked about are worth at least."""
     required = sum(target.required for target in instance.targets)
     least = Fraction(cost.prize) + required * Fraction(certificate.required_worth)
-    least -= SLACK * abs(least)
-    # Walks pay on their first leg for what the tank lacks at the start, and plans do not.
-    most = Fraction(cost.bound) + Fraction(
-        connecting.spent_m_s(instance.names.index(chaser.start_name))
-    )
+    return least - SLACK * abs(least)
+
+
+def _counts(
+    instance: Instance, certificate: Certificate, cost: ProvenCost, chaser: Chaser
+) -> list[Fraction]:
+    """What a service of each body counts: its worth at the price, less its tow and multiplier."""
+    price = Fraction(cost.per_prize)
+    counts = [price * each for each in worths_of(instance, certificate)]
+    for name, multiplier in cost.multipliers.items():
+        counts[instance.names.index(name)] -= Fraction(multiplier)
+    drive = drive_of(chaser, instance.targets)
+    for name, tow in towed_bodies(instance, instance.orbits(), drive).items():
+        counts[instance.names.index(name)] -= Fraction(tow.delta_v_m_s)
+    return counts
+
+
+def _spent(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -> Fraction:
+    """What walks pay on their first leg for what the tank lacks at the start, and plans do not."""
+    if chaser.is_launched:  # no leg leads onto its first target
+        return Fraction(0)
+    return Fraction(connecting.spent_m_s(instance.names.index(chaser.start_name)))
+
+
+def _walk_alone(
+    instance: Instance, certificate: Certificate, cost: ProvenCost, connecting: ConnectionFinder
+) -> tuple[str | None, int]:
+    """Why it does not follow for a single chaser, and how many labels that took."""
+    if cost.bound <= 0.0:
+        return None, 0  # nothing costs less than nothing
+    (chaser,) = instance.chasers
+    worths, least = worths_of(instance, certificate), _least_worth(instance, certificate, cost)
     answer = walks_reach(
-        legs, [price * each for each in worths], remembered(instance, cost.neighbourhoods),
-        price * least - most, certificate.delta_v_slot_m_s,
-        paying=LeastWorth(worths, least, instance.time_m_s_per_s),
+        legs_of(instance, chaser, connecting), _counts(instance, certificate, cost, chaser),
+        remembered(instance, cost.neighbourhoods),
+        Fraction(cost.per_prize) * least - Fraction(cost.bound)
+        - _spent(instance, chaser, connecting),
+        certificate.delta_v_slot_m_s,
+        paying=Paying(instance.time_m_s_per_s, worths, least),
     )  # fmt: skip
-    return answer.reached, answer.labels
+    said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
+    wrong = f"{said}, but the certificate says that none does"
+    return (wrong if answer.reached else None), answer.labels
+
+
+def _walks_together(
+    instance: Instance, certificate: Certificate, cost: ProvenCost, connecting: ConnectionFinder
+) -> tuple[str | None, int]:
+    """The same for several chasers."""
+    least = _least_worth(instance, certificate, cost)
+    paid = [Fraction(each) for each in cost.multipliers.values()]
+    paid += [Fraction(cut.multiplier) for cut in cost.cuts]
+    # Who stays where it is counts nothing.
+    paid += [len(walks.chasers) * max(Fraction(walks.most), Fraction(0)) for walks in cost.walks]
+    if Fraction(cost.bound) > Fraction(cost.per_prize) * least - sum(paid):
+        return f"that no plan costs less than {cost.bound:g} m/s does not follow from its walks", 0
+    labels, cuts = 0, cuts_of(instance, cost.cuts)
+    for walks in cost.walks:
+        for chaser, own in finders_of(instance, walks.chasers, connecting):
+            answer = walks_reach(
+                legs_of(instance, chaser, own), _counts(instance, certificate, cost, chaser),
+                remembered(instance, walks.neighbourhoods),
+                max(Fraction(walks.most), Fraction(0)) - _spent(instance, chaser, own),
+                certificate.delta_v_slot_m_s, cuts, Paying(instance.time_m_s_per_s),
+            )  # fmt: skip
+            labels += answer.labels
+            if answer.reached:
+                said = f"a walk of {chaser.name!r} comes to {walks.most:g} m/s less what it costs"
+                return f"{said}, but the certificate says that none does", labels
+    return None, labels
 
 
 def _compared(plan: Plan | None, cost: ProvenCost) -> list[str]:

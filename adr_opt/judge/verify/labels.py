@@ -115,9 +115,9 @@ class Price(NamedTuple):
     worth : (bodies,) int64
         Of each service, rounded up [fine units of worth].
     least : int
-        [fine units of worth].
+        [fine units of worth]; 0 where no worth is asked for.
     reach : Ahead
-        Most worth that is still to be had.
+        Most worth that is still to be had, where it is.
     """
 
     pays: bool
@@ -286,7 +286,7 @@ def _forget_poorer(kept, tolls, place, label):
 @inlined
 def _is_worth(price, step, body, kits, left, came_from, worth):
     """Whether a walk may still be worth as much as is asked for."""
-    if not price.pays:
+    if price.least <= 0:
         return True
     more = still(price.reach, step, body, kits, left, came_from)
     return worth + (more << FINE) >= price.least

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ...common.errors import InputError
 from ...common.records import Record
+from ...legs.connection_finder import ConnectionFinder
 from ...problem.bodies import Station, Target
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
@@ -76,6 +77,23 @@ def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
         # Not validated once more: the available time of a chaser launched too late may be empty.
         found.append(chaser.model_copy(update={"available_s": (since, until)}))
     return tuple(found)
+
+
+def finders_of(
+    instance: Instance, names: Collection[str], connecting: ConnectionFinder
+) -> Iterator[tuple[Chaser, ConnectionFinder]]:
+    """Chasers of some names with their connections, one of those that differ in their names alone.
+
+    Each is available from its earliest possible launch, as :func:`kept_apart` has it.
+    """
+    seen = []
+    for number, chaser in enumerate(kept_apart(instance)):
+        alike = chaser.model_copy(update={"name": ""})
+        if chaser.name not in names or alike in seen:
+            continue
+        if instance.given is None:  # given connections lead from a start by its name
+            seen.append(alike)
+        yield chaser, connecting.of_chaser(number)
 
 
 def _records(instance: Instance) -> Iterator[tuple[str, Record]]:

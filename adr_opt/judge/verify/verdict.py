@@ -16,11 +16,12 @@ from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..check.verdict import check
-from .claim import bound_of, check_names, difference_of, gains, remembered
+from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
 from .cuts import cuts_of
 from .legs import legs_of
-from .rules import kept_apart, refuse_unknown
+from .names import check_names
+from .rules import finders_of, refuse_unknown
 from .sampling import Sampled, sample_connections
 from .steps import most_in_steps
 from .terms import terms_of
@@ -168,14 +169,8 @@ def _asked(
 ) -> tuple[int, int, str | None]:
     """Number of labels and legs needed, and the error if a walk collects more than claimed."""
     neighbourhoods = remembered(instance, walks.neighbourhoods)
-    made, gone, seen = 0, 0, []
-    for chaser in kept_apart(instance):
-        alike = chaser.model_copy(update={"name": ""})
-        if chaser.name not in walks.chasers or alike in seen:
-            continue
-        if instance.given is None:  # given connections lead from a start by its name
-            seen.append(alike)
-        own = connecting.of_chaser([each.name for each in instance.chasers].index(chaser.name))
+    made, gone = 0, 0
+    for chaser, own in finders_of(instance, walks.chasers, connecting):
         worths, most = gains(instance, certificate), Fraction(walks.most)
         slot_m_s = certificate.delta_v_slot_m_s
         if certificate.time_step_s is not None:

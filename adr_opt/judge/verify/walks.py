@@ -29,21 +29,22 @@ FIRST_LABELS, FIRST_KEPT = 1 << 18, 1 << 9
 """Initial capacities: for labels, and for labels kept at each body."""
 
 
-class LeastWorth(NamedTuple):
-    """What walks that pay for ΔV are to be worth.
+class Paying(NamedTuple):
+    """What walks that pay for ΔV pay besides, and are to be worth.
 
     Attributes
     ----------
-    worths : sequence of Fraction
-        Of the service of each body.
-    least : Fraction
     per_s : float
         What they pay for a second until they end [m/s].
+    worths : sequence of Fraction
+        Of the service of each body; nothing where it does not matter.
+    least : Fraction
+        What they are to be worth together.
     """
 
-    worths: Sequence[Fraction]
-    least: Fraction
     per_s: float
+    worths: Sequence[Fraction] = ()
+    least: Fraction = Fraction(0)
 
 
 class WalkAnswer(NamedTuple):
@@ -68,7 +69,7 @@ def walks_reach(
     most: Fraction,
     slot_m_s: float,
     cuts: tuple[NumberedCut, ...] = (),
-    paying: LeastWorth | None = None,
+    paying: Paying | None = None,
 ) -> WalkAnswer:
     """Check whether a walk collects ``most``.
 
@@ -85,7 +86,7 @@ def walks_reach(
         nothing else [m/s].
     cuts : tuple of NumberedCut
         What walks pay for at their second services.
-    paying : LeastWorth, optional
+    paying : Paying, optional
         Walks pay for ΔV, and count only if they are worth as much; gains are in m/s then.
     """
     ahead = look_ahead(legs, gains, slot_m_s, 0.0 if paying is None else 1.0)
@@ -126,17 +127,19 @@ def walks_reach(
 
 
 def _price(
-    legs: Legs, ahead: Ahead, unit: Fraction, slot_m_s: float, paying: LeastWorth | None
+    legs: Legs, ahead: Ahead, unit: Fraction, slot_m_s: float, paying: Paying | None
 ) -> Price:
     """What walks pay for ΔV; nothing if they do not."""
     if paying is None:
         return Price(False, 0.0, 0.0, 0.0, np.zeros(0, dtype=np.int64), 0, ahead)
-    reach = look_ahead(legs, paying.worths, slot_m_s)
-    size = Fraction(reach.unit) / (1 << FINE)
-    worth = [math.ceil(each / size) for each in paying.worths]
-    per_m_s, least = float(1 / unit), math.floor(paying.least / size)
-    since = legs.terms.begin
-    return Price(True, per_m_s, per_m_s * paying.per_s, since, np.array(worth), least, reach)
+    per_m_s, since = float(1 / unit), legs.terms.begin
+    worth, least, reach = np.zeros(legs.terms.bodies, dtype=np.int64), 0, ahead
+    if paying.worths:
+        reach = look_ahead(legs, paying.worths, slot_m_s)
+        size = Fraction(reach.unit) / (1 << FINE)
+        worth[:] = [math.ceil(each / size) for each in paying.worths]
+        least = math.floor(paying.least / size)
+    return Price(True, per_m_s, per_m_s * paying.per_s, since, worth, least, reach)
 
 
 def _begin(
