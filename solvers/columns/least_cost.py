@@ -60,6 +60,10 @@ LEAST_OFF = 1e-7
 ATTRACTIVE = 1e-7
 """Least relative decrease of the master's cost for a useful route."""
 
+ATTAINED = 0.1
+"""Greatest distance of the bound from the master, as a share of the gap, at which cuts are
+added."""
+
 MOST_CUTS = 200
 """Number of cuts beyond which none is added."""
 
@@ -240,7 +244,11 @@ class ColumnCost(CostRounds):
 
     def _cut(self, duals: Duals) -> bool:
         """Add cuts that the mixture of routes violates; returns whether there are any."""
-        if self.proven or len(self._cuts.rows) >= MOST_CUTS:
+        if self.proven or self._proven is None or len(self._cuts.rows) >= MOST_CUTS:
+            return False
+        # Where walks are worth far more than routes, cuts of routes raise no bound.
+        gap = self._certificate.cost - self._proven.bound
+        if duals.value - self._proven.bound > ATTAINED * gap:
             return False
         new = self._cuts.separate(self._master.columns, duals.shares, len(self._problem.names))
         self._master.cut(new)
