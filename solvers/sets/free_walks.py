@@ -8,7 +8,7 @@ import numpy.typing as npt
 from adr_opt.kernels.core.compile import kernel
 
 from .memories import NearMemories
-from .relaxation import NEVER, TimeSteps
+from .relaxation import NEVER, TimeSteps, level, lower
 
 
 @kernel
@@ -27,13 +27,8 @@ def _fill(steps, memories, multipliers, values):
                     continue
                 source = values[j, then]
                 onward, charge = memories.onward[place, j], np.int32(multipliers[j])
-                for memory in range(size):
-                    value = source[onward[memory]] + charge
-                    if value < row[memory]:
-                        row[memory] = value
-            for memory in range(size):
-                if row[memory] > NEVER // 2:
-                    row[memory] = NEVER
+                lower(row, source, onward, charge)
+            level(row)
 
 
 @kernel

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import inlined, kernel
 
+from .hashing import slot_of
 from .memories import memory_of
 from .relaxation import Relaxation
 from .tour import TimedTour, reached
@@ -83,24 +84,12 @@ def windows_of(latest: npt.NDArray[np.float64]) -> Windows:
     return Windows(time, missed)
 
 
-@inlined
-def _slot(table, layer, done, place):
-    """Where a label with a set and a place is in a table of numbers of labels, or should be."""
-    mask = table.size - 1
-    mixed = (done + np.int64(place + 1) * 0x1E3779B97F4A7C15) * 0x5851F42D4C957F2D
-    slot = (mixed ^ (mixed >> 29)) & mask
-    while table[slot] >= 0 and (
-        layer.done[table[slot]] != done or layer.place[table[slot]] != place
-    ):
-        slot = (slot + 1) & mask
-    return slot
-
-
 @kernel
 def reenter(table, layer, count):
     """Enter all labels of a layer into a larger table, which is empty."""
     for label in range(count):
-        table[_slot(table, layer, layer.done[label], layer.place[label])] = label
+        slot = slot_of(table, layer.done, layer.place, layer.done[label], layer.place[label])
+        table[slot] = label
 
 
 @inlined
@@ -155,7 +144,7 @@ def extend(tour, relaxation, windows, most, before, after, table, cursor):
             bound = values[row, memory_of(memories.near, extended, j)] - rest
             if bound > most:
                 continue
-            slot = _slot(table, after, extended, j)
+            slot = slot_of(table, after.done, after.place, extended, j)
             known = np.int64(table[slot])
             if known < 0:
                 known = count

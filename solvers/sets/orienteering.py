@@ -20,6 +20,8 @@ from adr_opt.kernels.core.windows import service_end
 from adr_opt.kernels.legs.given_functions import leg_of
 from adr_opt.mission.mission import Mission
 
+from .hashing import slot_of
+
 FloatArray = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 
@@ -145,19 +147,6 @@ class Routes(NamedTuple):
 
 
 @inlined
-def _slot(table, routes, done, body):
-    """Where the first label with a set and a body is in a table, or should be."""
-    mask = table.size - 1
-    mixed = (done + np.int64(body + 1) * 0x1E3779B97F4A7C15) * 0x5851F42D4C957F2D
-    slot = (mixed ^ (mixed >> 29)) & mask
-    while table[slot] >= 0 and (
-        routes.done[table[slot]] != done or routes.body[table[slot]] != body
-    ):
-        slot = (slot + 1) & mask
-    return slot
-
-
-@inlined
 def _is_dominated(routes, label, time, left, cost):
     """Whether a label of a chain is there no later, has no less left and has cost no more."""
     while label >= 0:
@@ -197,7 +186,7 @@ def _put(question, routes, table, count, extension):
         worth += terms.worth[j]
     if not _may_be_better(question, extension, done, worth):
         return count
-    slot = _slot(table, routes, done, j)
+    slot = slot_of(table, routes.done, routes.body, done, j)
     if _is_dominated(routes, np.int64(table[slot]), end, left, cost):
         return count
     routes.done[count], routes.body[count], routes.parent[count] = done, j, label
@@ -283,7 +272,7 @@ def grow(legs, question, routes, table, cursor):
 def reenter(table, routes, count):
     """Enter all labels into a larger table, which is empty, in order."""
     for label in range(count):
-        slot = _slot(table, routes, routes.done[label], routes.body[label])
+        slot = slot_of(table, routes.done, routes.body, routes.done[label], routes.body[label])
         routes.following[label] = table[slot]
         table[slot] = label
 

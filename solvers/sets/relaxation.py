@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 
 from .memories import NearMemories
 from .tour import TimedTour, reached
@@ -149,6 +149,23 @@ def _numbered(low: npt.NDArray[np.int64], high: npt.NDArray[np.int64]) -> Bands:
     return Bands(low, high, begin.reshape(low.shape), int(sizes.sum()))
 
 
+@inlined
+def lower(row, source, onward, charge):
+    """Lower values of a state, by memory, to those where a leg leads, with its charge."""
+    for memory in range(onward.size):
+        value = source[onward[memory]] + charge
+        if value < row[memory]:
+            row[memory] = value
+
+
+@inlined
+def level(row):
+    """Make values of what is not possible equal, however they have come about."""
+    for memory in range(row.size - 1):
+        if row[memory] > NEVER // 2:
+            row[memory] = NEVER
+
+
 @kernel
 def _fill_row(relaxation, left, place):
     """Fill the values of a place with a number of targets still to do."""
@@ -172,13 +189,8 @@ def _fill_row(relaxation, left, place):
                 continue
             source = values[bands.begin[left - 1, j] + then - first]
             onward, charge = memories.onward[place, j], np.int32(multipliers[j])
-            for memory in range(size):
-                value = source[onward[memory]] + charge
-                if value < row[memory]:
-                    row[memory] = value
-        for memory in range(size):
-            if row[memory] > NEVER // 2:
-                row[memory] = NEVER
+            lower(row, source, onward, charge)
+        level(row)
 
 
 @kernel
