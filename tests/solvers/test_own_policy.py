@@ -86,6 +86,7 @@ def test_models_that_planners_cannot_run_are_refused(tmp_path: Path) -> None:
         assert not path.exists()
 
 
+@pytest.mark.slow
 def test_the_recipe_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """docs/policy.md, with a network, fields and a training as small as they can be."""
     monkeypatch.chdir(tmp_path)

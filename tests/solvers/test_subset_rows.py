@@ -189,7 +189,7 @@ class CutAtRandom(proof.ColumnProof):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(tight, range(200), 16), j2=(drifting_mission, range(20), 3),
+    two_body=(tight, range(200), 10), j2=(drifting_mission, range(20), 2),
     given=(given_field, range(30), 5),
 )  # fmt: skip
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])

@@ -131,6 +131,7 @@ def _go_on(model: MaskablePPO, env: MissionVecEnv) -> dict[str, torch.Tensor]:
     return {name: tensor.clone() for name, tensor in model.policy.state_dict().items()}
 
 
+@pytest.mark.slow
 def test_a_checkpoint_holds_all_of_a_model(tmp_path: Path) -> None:
     """A model made of a checkpoint goes on bit for bit as the one that wrote it."""
     path = tmp_path / "checkpoint.safetensors"

@@ -103,6 +103,7 @@ def in_report(tab: browser.Browser, expression: str) -> Any:
         tab._session = mine
 
 
+@pytest.mark.slow
 def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
     """Somebody changes a prize, plans, sees the bound come in and the report, and takes it back.
 
