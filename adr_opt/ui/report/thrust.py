@@ -74,12 +74,12 @@ def section(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> str:
             legs += [_of_leg(flown, at, leg, times[at], heights.get(at)) for at, leg in flown.legs]
     by_chaser = (
         ("chaser", ""), ("thrust N", "n"), ("arcs d", "n"), ("thrust on d", "n"), ("tows d", "n"),
-        ("thrust on d", "n"), ("flies d", "n"),
+        ("tows, thrust on d", "n"), ("flies d", "n"),
     )  # fmt: skip
     by_leg = (
         ("leg", "n"), ("chaser", ""), ("from → to", ""), ("first arc d", "n"), ("drift d", "n"),
         ("at km", "n"), ("second arc d", "n"), ("windows ±°", "n"), ("thrust on d", "n"),
-        ("tow d", "n"), ("thrust on d", "n"),
+        ("tow d", "n"), ("tow, thrust on d", "n"),
     )  # fmt: skip
     return (
         f"<section>\n<h2>Thrust</h2>\n<p>{NOTE}</p>\n"
