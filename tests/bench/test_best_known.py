@@ -89,7 +89,7 @@ def bound_file(folder: Path, mission: Mission, upper_bound: float | None, **more
 
 
 def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
-    """Objective, and ΔV at the least cost [m/s], of routes by the mission rules, without a timetable.
+    """Objective, and ΔV at the least cost [m/s], of routes by the rules, without a timetable.
 
     Followed here once more, because hundreds of timetables would take minutes.
     """
