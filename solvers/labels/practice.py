@@ -14,8 +14,8 @@ SLOT_M_S = 20.0
 MOST_LABELS = 10_000
 
 
-def pay_for_a_cut(problem: Problem) -> None:
-    """Search the walks of a chaser that pay for a subset-row cut, and list plans among them.
+def practise(problem: Problem) -> None:
+    """Search walks of a chaser that pay for a subset-row cut, or for none, and list plans.
 
     Problems without a timetable, or with functions of time, have no such walks.
     """
@@ -24,8 +24,9 @@ def pay_for_a_cut(problem: Problem) -> None:
         return
     first = problem.instance.first_target
     rows = tuple(range(first, first + 3))
-    search = LabelSearch(WalkBound(mission, SLOT_M_S))
-    search.cut([Cut(rows, frozenset(rows), 0.5)])
-    search.use(np.zeros(len(mission.names)))
-    search.search(search.total, MOST_LABELS, lambda: False)
-    search.plans(2)
+    for cuts in ([], [Cut(rows, frozenset(rows), 0.5)]):
+        search = LabelSearch(WalkBound(mission, SLOT_M_S))
+        search.cut(cuts)
+        search.use(np.zeros(len(mission.names)))
+        search.search(search.total, MOST_LABELS, lambda: False)
+        search.plans(2)

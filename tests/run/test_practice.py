@@ -11,7 +11,7 @@ from adr_opt.run.methods import PLANNERS
 from adr_opt.run.warm_up import PracticeKind, practice_problem, thrusting_problem
 from adr_opt.ui.cli.warm_up import _is_for, _kinds
 from solvers.labels.label_search import LabelSearch
-from solvers.labels.practice import pay_for_a_cut
+from solvers.labels.practice import practise
 
 
 @pytest.mark.parametrize("several", [False, True])
@@ -46,20 +46,20 @@ def test_every_kind_is_practised_by_exact() -> None:
 
 
 def test_a_cut_is_paid_for_in_practice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Walks pay for a subset-row cut where there is a timetable, with tows and without."""
+    """Walks pay for a subset-row cut, or for none, where there is a timetable; with tows too."""
     cut = []
     original = LabelSearch.cut
 
     def noting(self: LabelSearch, cuts: list, **more: bool) -> None:
         original(self, cuts, **more)
-        cut.append(cuts)
+        cut.append(list(cuts))
 
     monkeypatch.setattr(LabelSearch, "cut", noting)
     for problem in (practice_problem(several=True), thrusting_problem()):
         assert problem.missions[0].timetable is not None
-        pay_for_a_cut(problem)
-    assert len(cut) == 2
-    pay_for_a_cut(Problem(thrusting_problem().instance))  # whose timetable is not built
-    pay_for_a_cut(PracticeKind(timed=True).problem())
-    assert len(cut) == 2
+        practise(problem)
+    assert [len(cuts) for cuts in cut] == [0, 1, 0, 1]
+    practise(Problem(thrusting_problem().instance))  # whose timetable is not built
+    practise(PracticeKind(timed=True).problem())
+    assert len(cut) == 4
     assert all(np.isfinite(each.multiplier) for cuts in cut for each in cuts)
