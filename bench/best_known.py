@@ -2,6 +2,7 @@
 
     python bench/best_known.py verify                      # every row
     python bench/best_known.py verify tiny nominal-042     # a family, an instance
+    python bench/best_known.py summary electric            # means of a family
     python bench/best_known.py add plan.json proof.json --who "Ada Lovelace"
     python bench/best_known.py plan nominal-042 --out plan.json
     python bench/best_known.py certify tiny reduced-fuel-000 --time-limit 60
@@ -10,6 +11,7 @@
 
 `verify` makes each instance, makes the plan of its row again, passes it through `check`, compares
 objective and ΔV, and has `adr_opt.verify` recompute the bound where its certificate is kept.
+`summary` prints means of each family, and how many rows are proven.
 
 `add` takes plans, certificates, and what `bound --json` printed. `solve` takes instances, given as
 files, by their names in the library or with their family, and runs a planner and a bound side by
@@ -36,6 +38,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -327,6 +330,23 @@ def verify_rows(arguments: argparse.Namespace) -> int:
     return counts["wrong"]
 
 
+def summarise(rows: Sequence[Row]) -> None:
+    """Print a line for each family of some rows that have a plan and a bound."""
+    families: dict[str, list[Row]] = {}
+    for row in rows:
+        if is_known(row):
+            families.setdefault(family_of(row.instance) or row.instance, []).append(row)
+    for name, found in families.items():
+        objectives = [row.objective for row in found]
+        gaps = [relative_gap(row.objective, row.upper_bound) for row in found]
+        print(
+            f"{name}: {len(found)} rows, objective {statistics.fmean(objectives):.2f} in the mean "
+            f"({min(objectives):g}–{max(objectives):g}), bound "
+            f"{statistics.fmean(row.upper_bound for row in found):.2f}, gap "
+            f"{100.0 * statistics.fmean(gaps):.2f} %, {gaps.count(0.0)} proven"
+        )
+
+
 def verified(folder: Path, row: Row, counts: dict[str, int]) -> tuple[list[str], list[str]]:
     """What is found of a row: what was verified, and what is wrong with it."""
     said: list[str] = []
@@ -404,11 +424,12 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument("--folder", type=Path, default=FOLDER, help="folder of the table")
     verbs = made.add_subparsers(dest="verb", required=True, metavar="VERB")
     verify = verbs.add_parser("verify", help="verify rows one by one")
+    summary = verbs.add_parser("summary", help="means of families")
     add = verbs.add_parser("add", help="take plans and certificates, only for the better")
     plan = verbs.add_parser("plan", help="write the plan of a row")
     certify = verbs.add_parser("certify", help="prove bounds again and keep their certificates")
     solve = verbs.add_parser("solve", help="plan and bound instances, only for the better")
-    for each in (verify, certify):
+    for each in (verify, summary, certify):
         each.add_argument("inputs", nargs="*", metavar="INSTANCE|FAMILY", help="by default all")
     add.add_argument(
         "inputs", nargs="+", metavar="FILE",
@@ -438,6 +459,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         if arguments.verb == "verify":
             return 1 if verify_rows(arguments) else 0
+        if arguments.verb == "summary":
+            summarise(chosen(arguments))
+            return 0
         if arguments.verb == "plan":
             write_plan(arguments.folder, arguments.name, arguments.out)
             return 0

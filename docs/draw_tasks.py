@@ -155,6 +155,27 @@ def campaign(files: Path) -> Any:
     return figure
 
 
+def chemical_or_electric(files: Path) -> Any:
+    """Altitude of a chaser that thrusts, and its mass beside that of one that burns."""
+    instance, plan = load(files, "electric", "electric-plan")
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(WIDTH_IN, 5.0), sharex=True, height_ratios=(3, 2)
+    )
+    plot.altitude(above, instance, plan)
+    plot.mass(below, instance, plan)
+    plot.mass(below, *load(files, "chemical", "chemical-plan"))
+    for line, colour, name in zip(
+        below.lines, (plot.COLOURS["thrust"], plot.COLOURS["phasing"]), ("thrusts", "burns"),
+        strict=True,
+    ):  # fmt: skip
+        line.set(color=colour, label=name)
+    below.legend(loc="upper right", handlelength=1.2)
+    above.set(xlabel="", xlim=(0.0, instance.mission.duration_s / DAY_S))
+    figure.legend(*_phases(above), ncols=3, loc="lower center", handlelength=1.2)
+    figure.tight_layout(rect=(0.0, 0.14, 1.0, 1.0))
+    return figure
+
+
 def own_cost(files: Path) -> Any:
     """The round of the van on its map, and how long a road takes by the time of departure."""
     text = (DOCS / "tasks/own-cost.md").read_text(encoding="utf-8")
@@ -232,6 +253,7 @@ PICTURES: dict[str, Callable[[Path], Any]] = {
     "task-zone-after": zone_after,
     "task-rocket-bodies": rocket_bodies,
     "task-campaign": campaign,
+    "task-chemical-or-electric": chemical_or_electric,
     "task-own-cost": own_cost,
     "task-own-policy": own_policy,
 }

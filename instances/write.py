@@ -34,6 +34,7 @@ SIZES = {
     "sso": 20,
     "campaign": 20,
     "removal": 20,
+    "electric": 20,
     "fragment-cloud": 5,
 }
 """Instances of each family: the seeds from 0."""

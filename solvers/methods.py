@@ -8,14 +8,14 @@ AUTO = MethodSpec(
     "auto", "solvers.planners.auto:auto",
     several=True, rules=ALL_RULES | {EXCEPTIONS}, starts=True, uses_cores=True,
     shows_evidence=True, bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
-    orders_all=True,
+    orders_all=True, practice=Practice(more="solvers.labels.practice:practise"),
 )  # fmt: skip
 
 EXACT = MethodSpec(
     "exact", "solvers.planners.exact:exact",
     several=True, rules=ALL_RULES, starts=True, uses_cores=True, shows_evidence=True,
     bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
-    practice=Practice(rounds=12),
+    practice=Practice(rounds=12, more="solvers.labels.practice:practise"),
 )  # fmt: skip
 
 GREEDY = MethodSpec(

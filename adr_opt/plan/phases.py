@@ -34,6 +34,8 @@ class Phase:
 _known = [
     Phase("wait", "wait", "#8490a0", ""),
     Phase("hohmann-1", "first Hohmann", "#d4553f"),
+    # An arc of low thrust.
+    Phase("thrust", "thrust", "#e0641e", ""),
     Phase("drift", "drift orbit", "#9c6b4a"),
     Phase("phasing", "phasing", "#3f7fc4"),
     Phase("co-elliptic", "to co-elliptic", "#1f9687"),

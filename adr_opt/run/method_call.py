@@ -20,7 +20,7 @@ from ..mission.tours import tour_obstacle
 from ..plan.cargo import loads_of, what_counts
 from ..problem.tour_rules import tour_rule
 from ..sources.generator import LARGEST_SEED
-from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec
+from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec, named
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .start_plan import legal_beginning
 from .warm_up import USUAL, PracticeKind, PracticeStop
@@ -423,6 +423,8 @@ def warm_up(
             options=read(type(given), chosen),
         )  # fmt: skip
         _check_result(method, result)
+        if habit.more:
+            named(habit.more)(problem)
     except Exception as error:
         return error
     return None

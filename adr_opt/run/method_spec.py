@@ -26,10 +26,20 @@ class Practice:
         How often it may ask whether it is enough.
     options : mapping
         Numbers that it is called with.
+    more : str
+        ``module:function`` that compiles, for a problem, what a short run need not reach.
     """
 
     rounds: int = 3
     options: Mapping[str, Any] = field(default_factory=dict)
+    more: str = ""
+
+
+def named(reference: str) -> Callable[..., Any]:
+    """The function of a ``module:function``."""
+    module, _, function = reference.partition(":")
+    found: Callable[..., Any] = getattr(import_module(module), function)
+    return found
 
 
 @dataclass(frozen=True)
@@ -98,8 +108,7 @@ class MethodSpec:
         """
         if not isinstance(self.function, str):
             return self.function
-        module, _, function = self.function.partition(":")
-        return getattr(import_module(module), function)
+        return named(self.function)
 
     def needs_table(self, options: object) -> bool:
         """Whether a method with some options needs all pairs in the timetable."""

@@ -16,6 +16,7 @@ from ..problem.instance import Instance
 from ..problem.settings import Objective
 from ..problem.transfer_sizes import transfers_for
 from ..sources.generator import generate
+from .practice_fields import PRIZES, electric_instance, timed_instance
 
 LONGEST_S = 10.0
 """Limit for methods that ask for the time alone, without compiling [s]."""
@@ -36,6 +37,10 @@ class PracticeKind(NamedTuple):
         Whether rows of the timetable are worked out on demand.
     tours : bool
         Whether it is a tour through time.
+    thrusts : bool
+        Whether chasers have low thrust.
+    timed : bool
+        Whether arrivals are functions of time.
     """
 
     starts: bool = False
@@ -43,9 +48,15 @@ class PracticeKind(NamedTuple):
     several: bool = False
     asks: bool = False
     tours: bool = False
+    thrusts: bool = False
+    timed: bool = False
 
     def problem(self) -> Problem:
         """The practice mission."""
+        if self.thrusts:
+            return thrusting_problem(self.several)
+        if self.timed:
+            return timed_problem(self.tours)
         if self.tours:
             return tour_problem()
         if self.asks:
@@ -67,7 +78,7 @@ def practice_mission(drifts: bool = False) -> Mission:
         Whether nodes drift, and the chaser may wait for it.
     """
     field = _drifting() if drifts else generate("reduced-time", 0, targets=16, zones=2)
-    prizes = cycle((1.0, 1.1, 1.2))
+    prizes = cycle(PRIZES)
     return Mission(
         field.replace(
             targets=tuple(
@@ -95,6 +106,18 @@ def practice_problem(drifts: bool = False, several: bool = False) -> Problem:
     field = mission.instance
     second = field.chaser.replace(name=f"{field.chaser.name}-2", max_targets=8)
     return Problem(field.replace(chasers=(field.chaser, second)))
+
+
+@cache
+def thrusting_problem(several: bool = False) -> Problem:
+    """A mission of low thrust, with one chaser or two."""
+    return Problem(electric_instance(several))
+
+
+@cache
+def timed_problem(required: bool = False) -> Problem:
+    """A mission whose arrivals are functions of time; with all targets required or with none."""
+    return Problem(timed_instance(required))
 
 
 @cache

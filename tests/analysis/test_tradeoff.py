@@ -19,7 +19,7 @@ from two_chasers import campaign
 
 import adr_opt
 from adr_opt.analysis import Axis, parse_axis, tradeoff
-from adr_opt.analysis.trade.axes import Tanks, grid
+from adr_opt.analysis.trade.axes import PointLimits, Tanks, grid
 from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
@@ -76,10 +76,10 @@ def test_tanks_share_a_timetable_exactly() -> None:
     instance = adr_opt.generate("tiny", 1)
     shared = Shared(instance, instance.mission.duration_s, tanks=IN_DELTA_V)
     duration = instance.mission.duration_s
-    first = shared.problem((900.0, duration))
+    first = shared.problem(PointLimits(900.0, duration))
     first = first.missions[0]
     assert first.timetable is first.timetable
-    other = shared.problem((400.0, duration)).missions[0]
+    other = shared.problem(PointLimits(400.0, duration)).missions[0]
     assert other.timetable is first.timetable
     for value in (75.0, 300.0):
         alone = adr_opt.Mission(other.instance, threads=1).with_time_value(value)
@@ -122,11 +122,13 @@ def test_larger_tanks_may_leave_out_connections_where_planes_drift() -> None:
     assert ConnectionFinder(field).depends_on_tank
     assert slack_m_s(field) == pytest.approx(10.0 * field.transfer.delta_v_resolution_m_s)
     assert slack_m_s(hand_made()) == 0.0
-    board = KnownPoints([(100.0, 1.0), (105.0, 1.0), (200.0, 1.0)], slack_m_s=10.0)
+    board = KnownPoints(
+        [PointLimits(100.0, 1.0), PointLimits(105.0, 1.0), PointLimits(200.0, 1.0)], slack_m_s=10.0
+    )
     board.add(Point(200.0, 1.0, 5.0, 6.0))
     board.add(Point(105.0, 1.0, 4.0, 5.0))
-    assert board.points[100.0, 1.0].upper_bound == 6.0
-    assert board.points[200.0, 1.0].prize == 5.0
+    assert board.points[PointLimits(100.0, 1.0)].upper_bound == 6.0
+    assert board.points[PointLimits(200.0, 1.0)].prize == 5.0
 
 
 def test_a_drifting_field_is_traded_too() -> None:
@@ -156,11 +158,11 @@ def test_campaigns_are_traded_over_durations() -> None:
 
 def test_a_plan_above_a_bound_is_an_error() -> None:
     """Points that contradict each other are not stored: a method is broken."""
-    board = KnownPoints([(100.0, 1.0), (200.0, 1.0)])
+    board = KnownPoints([PointLimits(100.0, 1.0), PointLimits(200.0, 1.0)])
     board.add(Point(200.0, 1.0, 3.0, 3.0))
     with pytest.raises(Impossible):
         board.add(Point(100.0, 1.0, 4.0, 9.0))
-    board = KnownPoints([(100.0, 1.0), (200.0, 1.0)])
+    board = KnownPoints([PointLimits(100.0, 1.0), PointLimits(200.0, 1.0)])
     board.add(Point(200.0, 1.0, upper_bound=-math.inf))
     with pytest.raises(Impossible):
         board.add(Point(100.0, 1.0, 0.0, 9.0))
@@ -168,10 +170,10 @@ def test_a_plan_above_a_bound_is_an_error() -> None:
 
 def test_of_a_plateau_the_largest_is_run_first() -> None:
     """Its bound counts for all of them."""
-    board = KnownPoints([(100.0, 1.0), (200.0, 1.0), (300.0, 1.0)])
+    board = KnownPoints([PointLimits(100.0, 1.0), PointLimits(200.0, 1.0), PointLimits(300.0, 1.0)])
     board.add(Point(100.0, 1.0, 3.0, 9.0))
-    assert next(board.open({})) == (300.0, 1.0)
-    board.add(replace(board.points[300.0, 1.0], upper_bound=3.0))
+    assert next(board.open({})) == PointLimits(300.0, 1.0)
+    board.add(replace(board.points[PointLimits(300.0, 1.0)], upper_bound=3.0))
     assert list(board.open({})) == []
 
 
@@ -298,7 +300,9 @@ def test_a_tank_by_mass_with_kits_has_no_budget(cli: Cli) -> None:
     chaser = instance.chaser.replace(tank=tank, kits=2, kit_mass_kg=5.0)
     instance.replace(chasers=(chaser,)).save("h.json")
     outcome = cli("tradeoff", "h.json", "--vary", "delta-v=100,200")
-    refused(outcome, "is one by mass, and masses count (kit_mass_kg, tows or expense); vary propel")
+    refused(
+        outcome, "is one by mass, and masses count (kit_mass_kg, tows, expense or low thrust); vary"
+    )
 
 
 def test_propellant_is_varied_where_masses_count(cli: Cli) -> None:
@@ -338,7 +342,11 @@ def test_propellant_is_not_varied_where_a_station_has_little() -> None:
 
 def test_points_stand_alone_where_planes_drift_and_masses_count() -> None:
     """No plan of a smaller tank is taken for one of a larger tank there, and no bound back."""
-    points = [(1000.0, DAY_S), (2000.0, DAY_S), (2000.0, 2.0 * DAY_S)]
+    points = [
+        PointLimits(1000.0, DAY_S),
+        PointLimits(2000.0, DAY_S),
+        PointLimits(2000.0, 2.0 * DAY_S),
+    ]
     board = KnownPoints(points, slack_m_s(towed("j2")))
     assert not board.counts(points[0], points[1])
     assert board.counts(points[1], points[2])

@@ -30,6 +30,7 @@ SHORTER = {
         "1461": "60", "365": "15", "548": "30", "--kits 6": "--kits 2",
         "--time-limit 60": "--time-limit 8",
     },
+    "chemical-or-electric": {"--time-limit 60": "--time-limit 4", "0.05,0.1,0.4": "0.1,0.4"},
     "own-cost": {},
     "own-policy": {
         "generate nominal": "generate tiny",

@@ -1,4 +1,4 @@
-"""The example that goes from the upper stages of a catalogue to a campaign that removes them."""
+"""The examples that remove the upper stages of a catalogue: a campaign, and drives compared."""
 
 from __future__ import annotations
 
@@ -94,16 +94,83 @@ def test_what_is_wrong_is_said_in_one_sentence(
     assert not (tmp_path / "made").exists()
 
 
+COMPARED = re.compile(
+    r"^(chemical|electric)[^:]*: removes (\d+) of (\d+) \(\d+ SL-16 R/B, \d+ SL-8 R/B\), "
+    r"at most (\d+); (\d+) kg of propellant, [\d.]+ removals per 100 kg; on days [\d, ]+, "
+    r"[\d.]+ a year; 0 violations$",
+    re.MULTILINE,
+)
+
+
+@pytest.fixture
+def compare() -> Callable[..., int]:
+    """The comparison of drives, called with its arguments."""
+    main: Any = runpy.run_path(str(FOLDER / "chemical_or_electric.py"))["main"]
+    return lambda *arguments: main([str(argument) for argument in arguments])
+
+
+def test_drives_are_compared_on_the_same_stages(
+    compare: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of four drives each has a checked plan below its bound, and thrust removes the most."""
+    options = ("--days", 730, "--time-limit", 20, "--out", tmp_path / "drives")
+    assert compare(FOLDER / "bodies.tle", *options) == 0
+    found = COMPARED.findall(capsys.readouterr().out)
+    assert [kind for kind, *_ in found] == ["chemical", "chemical", "electric", "electric"]
+    removed = [int(each[1]) for each in found]
+    for at, (_, count, targets, most, used_kg) in enumerate(found):
+        instance = adr_opt.load(tmp_path / f"drives/mission-{at}.json")
+        plan = adr_opt.load_plan(tmp_path / f"drives/plan-{at}.json")
+        assert adr_opt.check(instance, plan) == ()
+        assert plan.objective == int(count) <= int(most) <= int(targets) == len(instance.targets)
+        assert {target.removal for target in instance.targets} == {"tow"}
+        assert int(used_kg) <= instance.chasers[0].tank.propellant_kg
+        assert (instance.chasers[0].thrust_n is None) == (at < 2)
+    assert max(removed[2:]) > removed[0]
+
+
+def test_a_comparison_of_nothing_is_refused(
+    compare: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No such file, or no such object: one sentence, exit status 2, and nothing is made."""
+    for file, named in (
+        (tmp_path / "none", "no such file"),
+        (FOLDER.parent / "catalogue/cloud.tle", "no object is left"),
+    ):
+        assert compare(file, "--out", tmp_path / "drives") == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        assert named in said
+    assert not (tmp_path / "drives").exists()
+
+
+def catalogues() -> list[Path]:
+    """Files under tle/ that have some SL-16 stages."""
+    return [
+        path
+        for path in sorted((DATA / "tle").glob("*"))
+        if sum("SL-16 R/B" in record.name for record in read(path, skip_bad=True)) >= 5
+    ]
+
+
+@pytest.mark.external
+@pytest.mark.skipif(not catalogues(), reason=f"no file with SL-16 R/B in {DATA / 'tle'}")
+def test_drives_are_compared_on_a_real_catalogue(
+    compare: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With as much propellant electric chasers remove at least twice as many real stages."""
+    assert compare(catalogues()[0], "--out", tmp_path / "drives") == 0
+    removed = [int(each[1]) for each in COMPARED.findall(capsys.readouterr().out)]
+    assert len(removed) == 4
+    assert min(removed[2:]) >= 2 * removed[0]
+
+
 @pytest.mark.external
 def test_a_real_catalogue_becomes_a_campaign(
     plan_removal: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Stages of a catalogue under tle/, if one of the files there has them, are removed too."""
-    files = [
-        path
-        for path in sorted((DATA / "tle").glob("*"))
-        if sum("SL-16 R/B" in record.name for record in read(path, skip_bad=True)) >= 5
-    ]
+    files = catalogues()
     if not files:
         pytest.skip(f"no file with SL-16 R/B in {DATA / 'tle'} (ADR_OPT_EXTERNAL_DATA)")
     options = [*SHORT, "--propellant", 150]

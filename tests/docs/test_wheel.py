@@ -235,7 +235,7 @@ def test_the_wheel_brings_kernels(programs: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 @needs_level
 def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) -> None:
-    """With it no planner and no bound compiles for six kinds of missions."""
+    """With it no planner and no bound compiles for eight kinds of missions."""
     file = tmp_path / "compiled.zip"
     make_archive(file)
     where = (
@@ -243,7 +243,10 @@ def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) 
         f"archive.FILE = Path({str(file)!r})\n"
     )
     one = [["nominal", {}], ["reduced-time", {"zones": 3}], ["rocket-bodies", {"targets": 6}]]
-    several = [["campaign", {"targets": 10}], ["removal", {"targets": 4}]]
+    several = [
+        ["campaign", {"targets": 10}], ["removal", {"targets": 4}],
+        ["electric", {"targets": 8, "chasers": 1}], ["electric", {"targets": 8, "chasers": 2}],
+    ]  # fmt: skip
     for method in dict.fromkeys((*names(PLANNERS), *names(BOUNDS))):
         groups = [group for group in (PLANNERS, BOUNDS) if method in names(group)]
         able = spec_of(method, groups[0])

@@ -39,7 +39,7 @@ def stated(name: str) -> str:
 
 def test_all_families_that_drift_are_looked_at() -> None:
     """The families of the generator whose nodes drift are those of this file."""
-    looked_at = {*DRIFTING, "removal", "fragment-cloud"}
+    looked_at = {*DRIFTING, "removal", "electric", "fragment-cloud"}
     assert looked_at == {family.name for family in FAMILIES.values() if family.drifts}
 
 

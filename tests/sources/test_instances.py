@@ -213,7 +213,7 @@ def test_the_library_is_what_the_generator_gives():
     assert {name: len(library.of_family(name)) for name in FAMILIES} == {
         "tiny": 10, "nominal": 100, "reduced-time": 100, "reduced-fuel": 100, "cloud": 20,
         "large": 35, "rocket-bodies": 20, "sso": 20, "campaign": 20, "removal": 20,
-        "fragment-cloud": 5,
+        "electric": 20, "fragment-cloud": 5,
     }  # fmt: skip
     for entry in library.instances:
         assert entry.generate().name == entry.name

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import NamedTuple
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
@@ -15,8 +16,22 @@ from ...problem.instance import Instance
 MOST_POINTS = 10_000
 """Maximum number of points; more are taken for a typing error."""
 
-Limits = tuple[float, float]
-"""ΔV of a full tank [m/s], duration [s]."""
+
+class PointLimits(NamedTuple):
+    """Position of a point in the grid.
+
+    Attributes
+    ----------
+    delta_v_m_s, duration_s : float
+        Of a full tank, and of the mission.
+    thrust_n, isp_s : float or None
+        Of chasers with low thrust; None where that is not varied.
+    """
+
+    delta_v_m_s: float
+    duration_s: float
+    thrust_n: float | None = None
+    isp_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -45,6 +60,8 @@ KINDS = {
         AxisKind("delta-v", "m/s", 1.0, "ΔV of a full tank [m/s]"),
         AxisKind("propellant", "kg", 1.0, "propellant of a full tank [kg]"),
         AxisKind("duration", "days", DAY_S, "duration [days]"),
+        AxisKind("thrust", "N", 1.0, "thrust [N]"),
+        AxisKind("isp", "s", 1.0, "specific impulse [s]"),
     )
 }
 
@@ -76,9 +93,9 @@ class Axis:
 
     Attributes
     ----------
-    kind : {"delta-v", "propellant", "duration"}
+    kind : {"delta-v", "propellant", "duration", "thrust", "isp"}
     values : tuple of float
-        [m/s], [kg] or [s].
+        [m/s], [kg], [s], [N] or [s].
     """
 
     kind: str
@@ -126,13 +143,14 @@ def _range(text: str, low: float, high: float, step: float) -> list[float]:
     return [round(low + number * step, 9) for number in range(count)]
 
 
-def grid(instance: Instance, axes: Sequence[Axis]) -> list[Limits]:
+def grid(instance: Instance, axes: Sequence[Axis]) -> list[PointLimits]:
     """All combinations of the axes' values, ascending.
 
     Raises
     ------
     InputError
-        No axis, one twice, too many points, or a tank that has no one ΔV is varied.
+        No axis, one twice, too many points, or what is varied is not there: a tank that has one ΔV,
+        or low thrust.
     """
     by_kind = {axis.kind: axis for axis in axes}
     if not axes:
@@ -140,14 +158,58 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[Limits]:
     if len(by_kind) < len(axes):
         raise InputError("one limit is varied twice; give its values in one list")
     tanks = tanks_of(instance, axes)
-    # Where tanks stay, nothing is read off this number but that all points have the same.
-    delta_vs = tuple(value for value, _ in tanks.values) or (instance.largest_tank_m_s,)
     durations = (
         by_kind["duration"].values if "duration" in by_kind else (instance.mission.duration_s,)
     )
-    if len(delta_vs) * len(durations) > MOST_POINTS:
-        raise InputError(f"{len(delta_vs) * len(durations)} points, more than {MOST_POINTS}")
-    return list(product(delta_vs, durations))
+    found = []
+    for thrust_n, isp_s in _drives(instance, by_kind):
+        # Where tanks stay, points are not told apart by this number.
+        held = with_drive(instance, thrust_n, isp_s).largest_tank_m_s
+        delta_vs = tuple(value for value, _ in tanks.values) or (held,)
+        found += [PointLimits(*each, thrust_n, isp_s) for each in product(delta_vs, durations)]
+    if len(found) > MOST_POINTS:
+        raise InputError(f"{len(found)} points, more than {MOST_POINTS}")
+    return sorted(found)
+
+
+def _drives(
+    instance: Instance, by_kind: dict[str, Axis]
+) -> Iterator[tuple[float | None, float | None]]:
+    """All combinations of thrust and specific impulse; None for what stays."""
+    varied = [kind for kind in ("thrust", "isp") if kind in by_kind]
+    if varied and not instance.has_low_thrust:
+        raise InputError(
+            f"vary {varied[0]}: no chaser of {instance.name!r} has low thrust; give one a thrust_n"
+        )
+    if "isp" in by_kind and "propellant" in by_kind:
+        raise InputError(
+            "vary isp or propellant: points are told apart by the ΔV of a tank, which both change"
+        )
+    thrusts, impulses = (
+        by_kind[kind].values if kind in by_kind else (None,) for kind in ("thrust", "isp")
+    )
+    return product(thrusts, impulses)
+
+
+def with_drive(instance: Instance, thrust_n: float | None, isp_s: float | None) -> Instance:
+    """The instance with another thrust and specific impulse of all chasers with low thrust.
+
+    Raises
+    ------
+    InputError
+        One of them is not valid.
+    """
+    if thrust_n is None and isp_s is None:
+        return instance
+    chasers = []
+    for chaser in instance.chasers:
+        if chaser.thrust_n is not None:
+            if thrust_n is not None:
+                chaser = chaser.replace(thrust_n=thrust_n)
+            if isp_s is not None:
+                chaser = chaser.replace(tank=chaser.tank.replace(isp_s=isp_s))
+        chasers.append(chaser)
+    return instance.replace(chasers=tuple(chasers))
 
 
 def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
@@ -166,7 +228,7 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
             if counts_masses(instance) and isinstance(chaser.tank, TankByMass):
                 raise InputError(
                     f"vary delta-v: the tank of {chaser.name!r} is one by mass, and masses count "
-                    "(kit_mass_kg, tows or expense); vary propellant, in kg"
+                    "(kit_mass_kg, tows, expense or low thrust); vary propellant, in kg"
                 )
         values = by_kind["delta-v"].values
         return Tanks("delta_v_m_s", tuple(zip(values, values, strict=True)))
@@ -184,6 +246,8 @@ def tanks_of(instance: Instance, axes: Sequence[Axis]) -> Tanks:
 
 def counts_masses(instance: Instance) -> bool:
     """Whether a chaser's mass matters beyond the ΔV of its tank without cargo."""
-    return any(target.service.is_flown for target in instance.targets) or any(
-        chaser.kit_mass_kg > 0.0 or chaser.priced.counts_mass for chaser in instance.chasers
+    return (
+        instance.has_low_thrust
+        or any(target.service.is_flown for target in instance.targets)
+        or any(chaser.kit_mass_kg > 0.0 or chaser.priced.counts_mass for chaser in instance.chasers)
     )

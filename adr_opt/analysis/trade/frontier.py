@@ -12,7 +12,7 @@ import io
 import json
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -26,7 +26,7 @@ from ...common.stop import Stop
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
 from ...run.front import solve
-from .axes import tanks_of
+from .axes import Axis, PointLimits, tanks_of
 from .points import Point, Routes, Tradeoff
 from .shared import Shared, variant
 
@@ -70,14 +70,21 @@ class Ending:
         return {**asdict(self), "routes": [list(route) for route in self.routes]}
 
 
-def check_frontier(instance: Instance) -> None:
+def check_frontier(instance: Instance, axes: Sequence[Axis] = ()) -> None:
     """Refuse instances without a frontier of ΔV against the last day.
 
     Raises
     ------
     InputError
-        Another cost than ΔV counts, or less ΔV may not be enough of a reason to fly otherwise.
+        Another cost than ΔV counts, or less ΔV may not be enough of a reason to fly otherwise, or
+        chasers differ along an axis by more than their tanks.
     """
+    for axis in axes:
+        if axis.kind in ("thrust", "isp"):
+            raise InputError(
+                f"vary {axis.kind}: a frontier is one of chasers with the same drive; leave the "
+                "frontier out"
+            )
     if instance.objective.cost != "delta-v":
         raise InputError(
             f'objective.cost = "{instance.objective.cost}": a frontier is one of ΔV against the '
@@ -123,10 +130,11 @@ def frontier(
     InputError
         See :func:`check_frontier`.
     """
-    check_frontier(made.instance)
+    check_frontier(made.instance, made.axes)
     tanks = tanks_of(made.instance, made.axes)
     found: list[Ending] = []
-    for tank_m_s, row in made.along("duration").items():
+    for row in made.along("duration").values():
+        tank_m_s = row[0].delta_v_m_s
         prize = max(point.prize for point in row)
         best = [point for point in row if point.prize == prize and any(point.routes)]
         if not best:
@@ -141,7 +149,7 @@ def frontier(
             if routes is not None:
                 orders[routes] = None
                 told(f"{point.duration_s / DAY_S:g} d: asked for the least cost")
-        problem = problem_of(variant(made.instance, (tank_m_s, longest_s), tanks=tanks))
+        problem = problem_of(variant(made.instance, PointLimits(tank_m_s, longest_s), tanks=tanks))
         ends = sorted(
             (ending for order in orders for ending in _endings(problem, tank_m_s, prize, order)),
             key=lambda ending: (ending.last_s, ending.delta_v_m_s),

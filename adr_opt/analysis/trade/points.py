@@ -1,7 +1,8 @@
 """Points of a trade-off: plans and bounds, and their implications for other points.
 
 With a larger tank or more time, every plan of a smaller point can be flown. So the best plan of a
-point counts for all larger ones, and a bound of a point for all smaller ones.
+point counts for all larger ones, and a bound of a point for all smaller ones. Points of different
+thrust or specific impulse say nothing of each other: times of thrust depend on both.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 from ...common.card import Shown
 from ...common.tolerance import meets, tolerance
 from ...problem.instance import Instance
-from .axes import Axis, Limits
+from .axes import Axis, PointLimits
 
 Routes = tuple[tuple[str, ...], ...]
 """Names of bodies in order, for each chaser."""
@@ -44,6 +45,8 @@ class Point(Shown):
         Wall time and processor time of these.
     propellant_kg : float or None
         Of a full tank, where that is varied; ``delta_v_m_s`` is what it is worth then.
+    thrust_n, isp_s : float or None
+        Of chasers with low thrust, where they are varied.
     """
 
     delta_v_m_s: float
@@ -57,18 +60,22 @@ class Point(Shown):
     runtime_s: float = 0.0
     cpu_s: float = 0.0
     propellant_kg: float | None = None
+    thrust_n: float | None = None
+    isp_s: float | None = None
 
     def value(self, kind: str) -> float:
         """Its limit of a kind, in SI units."""
-        if kind == "propellant":
-            assert self.propellant_kg is not None
-            return self.propellant_kg
-        return self.delta_v_m_s if kind == "delta-v" else self.duration_s
+        value = {
+            "delta-v": self.delta_v_m_s, "duration": self.duration_s,
+            "propellant": self.propellant_kg, "thrust": self.thrust_n, "isp": self.isp_s,
+        }[kind]  # fmt: skip
+        assert value is not None
+        return value
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> PointLimits:
         """Its position in the grid."""
-        return self.delta_v_m_s, self.duration_s
+        return PointLimits(self.delta_v_m_s, self.duration_s, self.thrust_n, self.isp_s)
 
     @property
     def proven(self) -> bool:
@@ -100,10 +107,11 @@ class Point(Shown):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The point as JSON data, with propellant only if varied."""
+        """The point as JSON data, with propellant, thrust and specific impulse only if varied."""
         fields = asdict(self)
-        if self.propellant_kg is None:
-            del fields["propellant_kg"]
+        for name in ("propellant_kg", "thrust_n", "isp_s"):
+            if fields[name] is None:
+                del fields[name]
         return {
             **fields,
             "status": self.status,
@@ -141,13 +149,13 @@ class Tradeoff(Shown):
         """Number of proven points."""
         return sum(point.proven for point in self.points)
 
-    def along(self, kind: str) -> dict[float, tuple[Point, ...]]:
-        """Rows of points by the value of the other limit, each ascending in this one."""
-        rows: dict[float, list[Point]] = {}
-        for point in self.points:
-            key = point.delta_v_m_s if kind == "duration" else point.duration_s
-            rows.setdefault(key, []).append(point)
-        return {key: tuple(row) for key, row in rows.items()}
+    def along(self, kind: str) -> dict[tuple[float, ...], tuple[Point, ...]]:
+        """Rows of points by the values of the other axes, each ascending in this one."""
+        others = [axis.kind for axis in self.axes if axis.kind != kind]
+        rows: dict[tuple[float, ...], list[Point]] = {}
+        for point in sorted(self.points, key=lambda each: each.value(kind)):
+            rows.setdefault(tuple(map(point.value, others)), []).append(point)
+        return {key: tuple(rows[key]) for key in sorted(rows)}
 
     def to_dict(self) -> dict[str, Any]:
         """The trade-off as JSON data."""
@@ -166,15 +174,18 @@ class KnownPoints:
 
     Parameters
     ----------
-    limits : iterable of Limits
+    limits : iterable of PointLimits
     slack_m_s : float
         A bound counts for a smaller tank only if that is smaller by this: what a plan may cost
         more on the connections of the larger one (:func:`.shared.slack_m_s`).
     """
 
-    def __init__(self, limits: Iterable[Limits], slack_m_s: float = 0.0) -> None:
+    def __init__(self, limits: Iterable[PointLimits], slack_m_s: float = 0.0) -> None:
         self._slack_m_s = slack_m_s
-        self.points: dict[Limits, Point] = {each: Point(*each) for each in limits}
+        self.points: dict[PointLimits, Point] = {
+            each: Point(each.delta_v_m_s, each.duration_s, thrust_n=each.thrust_n, isp_s=each.isp_s)
+            for each in limits
+        }
 
     def add(self, found: Point) -> None:
         """Add the results of a run, and apply them to the other points.
@@ -202,13 +213,15 @@ class KnownPoints:
                     f"{point.upper_bound!r}: a method is broken, please report it"
                 )
 
-    def counts(self, smaller: Limits, larger: Limits) -> bool:
+    def counts(self, smaller: PointLimits, larger: PointLimits) -> bool:
         """Whether every plan of the smaller point is also one of the larger."""
+        if smaller[2:] != larger[2:]:
+            return False
         if smaller[0] == larger[0]:
             return smaller[1] <= larger[1]
         return smaller[0] + self._slack_m_s <= larger[0] and smaller[1] <= larger[1]
 
-    def open(self, ran: Container[Limits]) -> Iterator[Limits]:
+    def open(self, ran: Container[PointLimits]) -> Iterator[PointLimits]:
         """Points worth a run, most informative first.
 
         On a plateau, where points have equally good plans, the largest comes first: if nothing
@@ -216,7 +229,7 @@ class KnownPoints:
 
         Parameters
         ----------
-        ran : container of Limits
+        ran : container of PointLimits
             Points that have had theirs.
         """
         waiting = [

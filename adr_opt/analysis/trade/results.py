@@ -12,11 +12,13 @@ import io
 import json
 import math
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import write_text
+from .axes import Axis
 from .points import Point, Routes, Tradeoff
 
 COLUMNS = (
@@ -24,8 +26,19 @@ COLUMNS = (
     "status", "visits", "cost", "runtime_s", "cpu_s", "routes",
 )  # fmt: skip
 
+OF_DRIVES = {"thrust": "thrust_n", "isp": "isp_s"}
+"""Further columns, of files in which these are varied, by the kind of axis."""
+
 LONGEST_SHOWN = 100
 """Length beyond which values from a file are cut in error messages."""
+
+
+def columns_for(axes: Iterable[Axis]) -> tuple[str, ...]:
+    """Columns of a file: those of all files, and where each point stands on these axes."""
+    kinds = {axis.kind for axis in axes}
+    more = (column for kind, column in OF_DRIVES.items() if kind in kinds)
+    at = COLUMNS.index("method")
+    return (*COLUMNS[:at], *more, *COLUMNS[at:])
 
 
 class ResultsFile:
@@ -41,6 +54,8 @@ class ResultsFile:
         Of the instance.
     settings : str
         What the results depend on besides.
+    columns : tuple of str
+        Its columns, the first of them the digest and the last the routes.
 
     Raises
     ------
@@ -48,19 +63,25 @@ class ResultsFile:
         It is there and is not such a file, or one of another instance or of other settings.
     """
 
-    def __init__(self, path: str | os.PathLike[str], sha256: str, settings: str) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        sha256: str,
+        settings: str,
+        columns: tuple[str, ...] = COLUMNS,
+    ) -> None:
         self._path, self._sha256, self._settings = Path(path), sha256, settings
+        self._columns = columns
         self.found = self._read()
 
     def append(self, point: Point, method: str) -> None:
         """Write the results of a run immediately."""
-        self._write(_line(_row(point, method, self._sha256, self._settings)))
+        self._write(_line(self._row(point, method)))
 
     def finish(self, tradeoff: Tradeoff) -> None:
         """Rewrite the file with a row for each point, in order."""
-        rows = [COLUMNS] + [
-            _row(point, "+".join(point.methods), self._sha256, self._settings)
-            for point in tradeoff.points
+        rows = [self._columns] + [
+            self._row(point, "+".join(point.methods)) for point in tradeoff.points
         ]
         write_text(self._path, "".join(_line(row) for row in rows))
 
@@ -70,7 +91,7 @@ class ResultsFile:
             try:
                 size = os.fstat(handle).st_size
                 if size == 0:
-                    text = _line(COLUMNS) + text
+                    text = _line(self._columns) + text
                 else:
                     os.lseek(handle, size - 1, os.SEEK_SET)
                     if os.read(handle, 1) != b"\n":
@@ -99,7 +120,7 @@ class ResultsFile:
             ) from None
         lines = content.split(b"\n")
         torn = lines.pop()  # what follows the last line feed, mostly nothing
-        header = _line(COLUMNS).rstrip().encode()
+        header = _line(self._columns).rstrip().encode()
         if not lines and header.startswith(torn):
             self._empty()
             return ()
@@ -130,8 +151,8 @@ class ResultsFile:
         """
         begin = line.rfind(self._sha256.encode() + b",")
         cells = _cells(line[max(begin, 0) :])
-        if cells is not None and len(cells) == len(COLUMNS) and not _is_cut_off(cells[-1]):
-            return dict(zip(COLUMNS, cells, strict=True))
+        if cells is not None and len(cells) == len(self._columns) and not _is_cut_off(cells[-1]):
+            return dict(zip(self._columns, cells, strict=True))
         first = line.partition(b",")[0]
         if begin < 0 and not self._sha256.encode().startswith(first):
             raise InputError(f"{where}: not a row of results; name another file")
@@ -151,12 +172,15 @@ class ResultsFile:
                 float(row["upper_bound"]), int(row["visits"]), float(row["cost"]),
                 _routes(row["routes"]), tuple(filter(None, row["method"].split("+"))),
                 float(row["runtime_s"]), float(row["cpu_s"]),
+                **{name: float(row[name]) for name in OF_DRIVES.values() if name in row},
             )  # fmt: skip
         except (ValueError, TypeError, RecursionError):
             raise InputError(f"{where}: not a row of results; name another file") from None
         for name, value, holds in (
             ("delta_v_m_s", point.delta_v_m_s, 0.0 < point.delta_v_m_s < math.inf),
             ("duration_s", point.duration_s, 0.0 < point.duration_s < math.inf),
+            ("thrust_n", point.thrust_n, 0.0 < (point.thrust_n or 1.0) < math.inf),
+            ("isp_s", point.isp_s, 0.0 < (point.isp_s or 1.0) < math.inf),
             ("prize", point.prize, point.prize < math.inf),
             ("upper_bound", point.upper_bound, not math.isnan(point.upper_bound)),
             ("runtime_s", point.runtime_s, 0.0 <= point.runtime_s < math.inf),
@@ -165,6 +189,16 @@ class ResultsFile:
             if not holds:
                 raise InputError(f"{where}: {name} = {value!r} is not a result; name another file")
         return point
+
+    def _row(self, point: Point, method: str) -> tuple[Any, ...]:
+        drive = [getattr(point, name) for name in OF_DRIVES.values() if name in self._columns]
+        cost = "nan" if math.isnan(point.cost) else repr(point.cost)
+        return (
+            self._sha256, self._settings, repr(point.delta_v_m_s), repr(point.duration_s),
+            *map(repr, drive), method, repr(point.prize), repr(point.upper_bound), point.status,
+            point.visits, cost, f"{point.runtime_s:.3f}", f"{point.cpu_s:.3f}",
+            json.dumps(point.routes, ensure_ascii=False),
+        )  # fmt: skip
 
 
 def _write_all(handle: int, content: bytes) -> None:
@@ -209,16 +243,6 @@ def _shown(text: str) -> str:
     """Text from a file, as far as it is printable."""
     cut = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 1] + "…"
     return cut if cut.isprintable() else repr(cut)
-
-
-def _row(point: Point, method: str, sha256: str, settings: str) -> tuple[Any, ...]:
-    cost = "nan" if math.isnan(point.cost) else repr(point.cost)
-    return (
-        sha256, settings, repr(point.delta_v_m_s), repr(point.duration_s), method,
-        repr(point.prize), repr(point.upper_bound), point.status, point.visits, cost,
-        f"{point.runtime_s:.3f}", f"{point.cpu_s:.3f}",
-        json.dumps(point.routes, ensure_ascii=False),
-    )  # fmt: skip
 
 
 def _line(row: tuple[Any, ...]) -> str:

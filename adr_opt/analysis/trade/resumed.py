@@ -18,7 +18,7 @@ from ...mission.build_legs import legs
 from ...mission.problem import Problem
 from ...plan.expense import cost_of_routes
 from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
-from .axes import Limits
+from .axes import PointLimits
 from .points import Impossible, KnownPoints, Point
 
 METHOD = "from-file"
@@ -28,9 +28,9 @@ METHOD = "from-file"
 def take_in(
     board: KnownPoints,
     rows: Iterable[tuple[str, Point]],
-    problem: Callable[[Limits], Problem],
+    problem: Callable[[PointLimits], Problem],
     methods: Collection[str],
-) -> dict[Limits, set[str]]:
+) -> dict[PointLimits, set[str]]:
     """Add the rows of a file to the known points.
 
     Parameters
@@ -46,7 +46,7 @@ def take_in(
 
     Returns
     -------
-    dict of Limits to set of str
+    dict of PointLimits to set of str
         The methods that were run for each point.
 
     Raises
@@ -54,7 +54,7 @@ def take_in(
     InputError
         A row cannot be true; the sentence says which and why.
     """
-    ran: dict[Limits, set[str]] = {}
+    ran: dict[PointLimits, set[str]] = {}
     for where, point in sorted(rows, key=lambda row: row[1].limits):
         if point.limits not in board.points:
             continue
@@ -111,7 +111,7 @@ def _plan(point: Point, problem: Problem) -> Plan:
     instance = problem.instance
     priced = []
     for mission, route in zip(problem.missions, point.routes, strict=True):
-        if instance.given is None and not mission.has_timetable:
+        if problem.connecting.may_be_on_demand and not mission.has_timetable:
             mission.ask(neighbours(instance, 1))  # a few pairs do not need all of a timetable
         moves = mission.numbers(route).tolist()
         priced.append(Route(chaser=mission.chaser.name, legs=legs(mission, moves)))

@@ -19,9 +19,9 @@ from ...mission.problem import Problem
 from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, solve
 from ...run.method_call import refuse_unable, spec_of
-from .axes import Axis, Limits, Tanks, grid, tanks_of
+from .axes import Axis, PointLimits, Tanks, grid, tanks_of
 from .points import Impossible, KnownPoints, Point, Tradeoff
-from .results import ResultsFile
+from .results import ResultsFile, columns_for
 from .resumed import take_in
 from .shared import Shared, slack_m_s, variant
 
@@ -128,12 +128,16 @@ def tradeoff(  # noqa: PLR0913
     tanks = tanks_of(instance, axes)
     for each in limits:
         variant(instance, each, tanks=tanks)  # what is not valid is refused before any work
-    shared = Shared(instance, max(duration for _, duration in limits), tanks=tanks)
+    shared = Shared(instance, max(each.duration_s for each in limits), tanks=tanks)
     problem = shared.problem(limits[0])
     refuse_unable(problem, spec_of(method))
     settings = Settings(method, time_limit, seed, _quick(problem, method))
-    file = None if path is None else ResultsFile(path, instance.sha256, str(settings))
-    board, ran = KnownPoints(limits, slack_m_s(instance)), dict[Limits, set[str]]()
+    file = (
+        None
+        if path is None
+        else ResultsFile(path, instance.sha256, str(settings), columns_for(axes))
+    )
+    board, ran = KnownPoints(limits, slack_m_s(instance)), dict[PointLimits, set[str]]()
     if file is not None and file.found:
         known = Shared(instance, shared.longest_s, tanks=tanks)
         ran = take_in(board, file.found, known.problem, {method, QUICK})
@@ -162,7 +166,9 @@ def tradeoff(  # noqa: PLR0913
                     file.append(point, used)
                 told(point, board)
     held = dict(tanks.values) if tanks.limit == "propellant_kg" else {}
-    points = tuple(replace(board.points[each], propellant_kg=held.get(each[0])) for each in limits)
+    points = tuple(
+        replace(board.points[each], propellant_kg=held.get(each.delta_v_m_s)) for each in limits
+    )
     cpu_s = time.process_time() - cpu_began + runner.elsewhere_s
     made = Tradeoff(instance, tuple(axes), points, time.perf_counter() - began, cpu_s)
     if file is not None and not _is_over(stop):
@@ -185,8 +191,8 @@ def _is_over(stop: Stop | None) -> bool:
 
 
 def _next(
-    board: KnownPoints, ran: dict[Limits, set[str]], method: str, quick: bool
-) -> Limits | None:
+    board: KnownPoints, ran: dict[PointLimits, set[str]], method: str, quick: bool
+) -> PointLimits | None:
     """The next point to run; None if none is left."""
     done = {limits for limits, methods in ran.items() if method in methods}
     if not quick:
@@ -240,7 +246,8 @@ def run_point(
     elif result.status == "optimal":
         upper_bound = result.objective  # to what can be told apart
     return Point(
-        *known.limits,
+        known.delta_v_m_s,
+        known.duration_s,
         prize=result.objective,
         upper_bound=min(upper_bound, problem.total_prize),
         visits=sum(name not in stations for route in routes for name in route),
@@ -249,6 +256,8 @@ def run_point(
         methods=(method,),
         runtime_s=time.perf_counter() - began,
         cpu_s=time.process_time() - cpu_began,
+        thrust_n=known.thrust_n,
+        isp_s=known.isp_s,
     )
 
 
@@ -267,7 +276,12 @@ class _Here:
         return None
 
     def run(
-        self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+        self,
+        board: KnownPoints,
+        ran: dict[PointLimits, set[str]],
+        *,
+        quick: bool,
+        stop: Stop | None,
     ) -> Iterator[tuple[Point, str]]:
         """Runs of a pass, each chosen after the previous one is recorded."""
         method = self._settings.quick if quick else self._settings.method
@@ -323,7 +337,12 @@ class _Beside:
         self._calls.close()
 
     def run(
-        self, board: KnownPoints, ran: dict[Limits, set[str]], *, quick: bool, stop: Stop | None
+        self,
+        board: KnownPoints,
+        ran: dict[PointLimits, set[str]],
+        *,
+        quick: bool,
+        stop: Stop | None,
     ) -> Iterator[tuple[Point, str]]:
         """Runs of a pass, the next one starting as soon as one has ended."""
         settings = self._work.settings

@@ -16,16 +16,16 @@ import math
 from ...legs.connection_finder import ConnectionFinder
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
-from .axes import Limits, Tanks, counts_masses
+from .axes import PointLimits, Tanks, counts_masses, with_drive
 
 
-def variant(instance: Instance, limits: Limits, *, tanks: Tanks) -> Instance:
+def variant(instance: Instance, limits: PointLimits, *, tanks: Tanks) -> Instance:
     """The instance of a point; tanks that are not varied stay unchanged.
 
     ``tanks`` says what of them is.
     """
-    delta_v_m_s, duration_s = limits
-    return instance.with_limits(duration_s, **tanks.changes(delta_v_m_s))
+    changed = with_drive(instance, limits.thrust_n, limits.isp_s)
+    return changed.with_limits(limits.duration_s, **tanks.changes(limits.delta_v_m_s))
 
 
 def slack_m_s(instance: Instance) -> float:
@@ -55,19 +55,20 @@ class Shared:
 
     def __init__(self, instance: Instance, longest_s: float, *, tanks: Tanks) -> None:
         self._instance, self.longest_s, self._tanks = instance, longest_s, tanks
-        self._of_tank: dict[float, Problem] = {}
+        self._of_tank: dict[PointLimits | None, Problem] = {}
 
-    def problem(self, limits: Limits) -> Problem:
+    def problem(self, limits: PointLimits) -> Problem:
         """The problem of a point, reusing what is known of its timetable."""
-        delta_v_m_s, duration_s = limits
-        return self._longest(limits).with_limits(duration_s, **self._tanks.changes(delta_v_m_s))
+        changes = self._tanks.changes(limits.delta_v_m_s)
+        return self._longest(limits).with_limits(limits.duration_s, **changes)
 
-    def _longest(self, limits: Limits) -> Problem:
+    def _longest(self, limits: PointLimits) -> Problem:
         """Longest mission with the same tank, or with any if tanks make no difference."""
-        instance = variant(self._instance, (limits[0], self.longest_s), tanks=self._tanks)
-        key = limits[0] if ConnectionFinder(instance).depends_on_tank else 0.0
+        longest = limits._replace(duration_s=self.longest_s)
+        instance = variant(self._instance, longest, tanks=self._tanks)
+        key = longest if ConnectionFinder(instance).depends_on_tank else None
         if key not in self._of_tank:
-            if key:
+            if key is not None:
                 self._of_tank.clear()  # they are large, and tanks come one after the other
             self._of_tank[key] = problem_of(instance)
         return self._of_tank[key]

@@ -11,7 +11,7 @@ from ...common.errors import InputError
 from ...problem.chasers import Chaser
 from ...problem.orbit import Orbit
 from ...problem.settings import TransferSettings
-from . import belt, cloud, fragments, removal, rocket_bodies, sso
+from . import belt, cloud, electric, fragments, removal, rocket_bodies, sso
 from .stream import Uniform
 
 
@@ -45,8 +45,10 @@ class Family:
         How many; all alike.
     draw_chaser : callable, optional
         From a number, counted from 0, to the chaser, where they are not alike.
-    removal : {"visit", "kit"}
+    removal : {"visit", "kit", "tow"}
         Of all targets.
+    disposal_altitude_m : float, optional
+        Of the circle that targets are towed to [m].
     mass_kg : callable, optional
         From the orbit of a target to its mass [kg].
     """
@@ -65,7 +67,8 @@ class Family:
     service_s: float | None = None
     chasers: int = 1
     draw_chaser: Callable[[int], Chaser] | None = None
-    removal: Literal["visit", "kit"] = "visit"
+    removal: Literal["visit", "kit", "tow"] = "visit"
+    disposal_altitude_m: float | None = None
     mass_kg: Callable[[Orbit], float] | None = None
 
 
@@ -102,6 +105,14 @@ FAMILIES = {
             removal.TANK.delta_v_m_s, None, removal.draw_target, purpose=5, drifts=True,
             service_s=10.0 * DAY_S, chasers=removal.CHASERS, draw_chaser=removal.chaser,
             removal="kit", mass_kg=removal.mass_kg,
+        ),
+        Family(
+            "electric", "60 rocket bodies, 3 electric chasers, 1,826 days, tows",
+            (removal.TARGETS, removal.TARGETS), removal.DURATION_S,
+            electric.TANK.delta_v_m_s, None, removal.draw_target, purpose=5, drifts=True,
+            transfer=electric.TRANSFER, service_s=electric.SERVICE_S, chasers=electric.CHASERS,
+            draw_chaser=electric.chaser, removal="tow",
+            disposal_altitude_m=electric.DISPOSAL_ALTITUDE_M, mass_kg=removal.mass_kg,
         ),
         Family(
             "fragment-cloud", "1900 fragments, 60 days, 4 km/s",

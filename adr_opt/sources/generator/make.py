@@ -142,8 +142,9 @@ def _mission(kind: Family) -> MissionSettings:
     if kind.service_s is None:
         return MissionSettings(duration_s=kind.duration_s)
     return MissionSettings(
-        duration_s=kind.duration_s, service_revolutions=None, service_s=kind.service_s
-    )
+        duration_s=kind.duration_s, service_revolutions=None, service_s=kind.service_s,
+        disposal_altitude_m=kind.disposal_altitude_m,
+    )  # fmt: skip
 
 
 def family_of(name: str) -> str:

@@ -22,6 +22,9 @@ MENDED = {
 }
 MOST_MENDINGS = 3
 
+DRIVES = {"thrust": "N", "isp": "Isp s"}
+"""Headings of further columns of a trade-off, where they are varied."""
+
 
 def of_tradeoff(made: Tradeoff) -> Card:
     """The card of a trade-off; on a page, with its points and their orders."""
@@ -32,14 +35,19 @@ def of_tradeoff(made: Tradeoff) -> Card:
         varied, counted(len(made.points), "point"), f"{made.proven} proven",
         f"{made.runtime_s:.3g} s",
     )  # fmt: skip
+    drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
     rows = [
         (
+            *(f"{point.value(kind):g}" for kind in drives),
             f"{point.delta_v_m_s:,.6g}", days(point.duration_s), *_prizes(point), f"{point.visits}",
             f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–", point.status,
         )
         for point in made.points
     ]  # fmt: skip
-    heads = ("ΔV m/s", "days", "prize", "at most", "visits", "cost", "status")
+    heads = (
+        *(DRIVES[kind] for kind in drives),
+        "ΔV m/s", "days", "prize", "at most", "visits", "cost", "status",
+    )  # fmt: skip
     return Card(
         "Tradeoff", f"of {made.instance.name!r}", facts, (), (CardTable(heads, rows, texts=0),)
     )
@@ -58,6 +66,8 @@ def of_point(point: Point) -> Card:
     if len(point.routes) == 1 and point.routes[0]:
         facts.append(order_words(point.routes[0]))
     said = f"at {point.delta_v_m_s:g} m/s and {days_words(point.duration_s)}"
+    said += f", {point.thrust_n:g} N" if point.thrust_n is not None else ""
+    said += f", {point.isp_s:g} s" if point.isp_s is not None else ""
     return Card("Point", said, tuple(facts))
 
 

@@ -18,7 +18,7 @@ Complete = Callable[[click.Context, click.Parameter, str], list[Any]]
 
 FAMILIES = (
     "tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "cloud", "large", "sso",
-    "rocket-bodies", "removal", "fragment-cloud",
+    "rocket-bodies", "removal", "electric", "fragment-cloud",
 )  # fmt: skip
 """Families of the generator, which takes a second to import."""
 

@@ -39,8 +39,8 @@ def command(
     """Draw an instance of FAMILY.
 
     FAMILY is tiny, nominal, reduced-time, reduced-fuel, campaign, cloud, large, sso,
-    rocket-bodies, removal or fragment-cloud. With other tanks, kits or tows the same field is
-    drawn, and its name ends in -fitted.
+    rocket-bodies, removal, electric or fragment-cloud. With other tanks, kits or tows the same
+    field is drawn, and its name ends in -fitted.
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass

@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from ...common.stop import Stop
 
 
-@click.command("tradeoff", short_help="Plans and bounds over budgets and durations.")
+@click.command("tradeoff", short_help="Plans and bounds over budgets, durations and drives.")
 @take.instance
 @take.many(
     "--vary",
     "NAME=LO:HI:STEP",
-    "Range of delta-v [m/s], propellant [kg] or duration [d]; or VALUE,VALUE...; repeatable.",
+    "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s]; or "
+    "VALUE,VALUE...; repeatable.",
     name="varied",
 )
 @take.file(
@@ -59,10 +60,11 @@ def command(
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Plan INSTANCE for a range of budgets or durations, and prove bounds.
+    """Plan INSTANCE for a range of budgets, durations or drives, and prove bounds.
 
-    Plans also count for all larger points, and bounds for all smaller ones. Ctrl-C stops with the
-    results so far; with --out the same call resumes later. Exit status 1: a point has no plan.
+    Plans also count for all points with more ΔV and time, and bounds for those with less. Ctrl-C
+    stops with the results so far; with --out the same call resumes later. Exit status 1: a point
+    has no plan.
     """
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.frontier import check_frontier, write_frontier
@@ -77,7 +79,7 @@ def command(
     axes = [parse_axis(text) for text in varied]
     instance = load(instance_path)
     if frontier_path is not None:
-        check_frontier(instance)
+        check_frontier(instance, axes)
         check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
     check_out(out, instance_path)
@@ -134,7 +136,9 @@ def command(
 def _called(point: Point) -> str:
     from ...common.constants import DAY_S
 
-    return f"{point.delta_v_m_s:g} m/s, {point.duration_s / DAY_S:g} d"
+    drive = f", {point.thrust_n:g} N" if point.thrust_n is not None else ""
+    drive += f", {point.isp_s:g} s" if point.isp_s is not None else ""
+    return f"{point.delta_v_m_s:g} m/s, {point.duration_s / DAY_S:g} d{drive}"
 
 
 def _check_plot(path: str) -> None:
@@ -162,15 +166,11 @@ def _draw(made: Tradeoff, path: str) -> None:
 
 
 def _table(made: Tradeoff) -> Table:
-    from ..report.traded import HEADINGS, cells
+    from ..report.traded import cells, headings
     from .tables import number_table
 
-    with_propellant = any(axis.kind == "propellant" for axis in made.axes)
     title = f"{made.instance.name}: {made.proven} of {counted(len(made.points), 'point')} proven"
-    if not with_propellant:
-        return number_table(title, HEADINGS, map(cells, made.points))
-    rows = ((f"{point.propellant_kg:,.6g}", *cells(point)) for point in made.points)
-    return number_table(title, ("kg", *HEADINGS), rows)
+    return number_table(title, headings(made), (cells(made, point) for point in made.points))
 
 
 def _frontier_table(endings: tuple[Ending, ...]) -> Table:

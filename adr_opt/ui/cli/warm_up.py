@@ -89,11 +89,12 @@ def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 
 def _common() -> dict[str, Any]:
-    """Compile the timetable, the rules, the burns, the check and the flight in mean motion."""
+    """Compile timetables, rules, burns and low thrust, the check and the flight in mean motion."""
     from ...fly.flight.aimed import practise
     from ...judge.check.verdict import check
+    from ...legs.least_thrust import too_weak
     from ...mission.certified import certify
-    from ...run.warm_up import practice_mission
+    from ...run.warm_up import practice_mission, thrusting_problem
 
     for drifts in (False, True):
         mission = practice_mission(drifts)
@@ -102,6 +103,11 @@ def _common() -> dict[str, Any]:
             check(mission.instance, plan)
             practise(mission.instance, plan.legs[0])
         mission.timetable.matrices([0.0])
+    electric = thrusting_problem()
+    too_weak(electric.instance)
+    plan = certify(electric.missions[0], "practice", (1,), seed=0, runtime_s=0.0).plan
+    if plan is not None:
+        check(electric.instance, plan)
     return _row("(all)")
 
 
@@ -122,12 +128,16 @@ def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 
 def _is_for(kind: PracticeKind, spec: MethodSpec) -> bool:
-    """Whether a method takes a start, plans for several chasers or tours, or works on demand."""
+    """Whether a method is for missions of a kind, and takes a start where there is one."""
+    from ...run.method_spec import LOADS
+
     return (
         spec.starts >= kind.starts
         and spec.several >= kind.several
         and spec.on_demand >= kind.asks
         and spec.tours >= kind.tours
+        and spec.functions >= kind.timed
+        and (not kind.thrusts or LOADS in spec.rules)
     )
 
 
@@ -146,6 +156,11 @@ def _kinds() -> tuple[PracticeKind, ...]:
         PracticeKind(several=True, drifts=True),
         PracticeKind(several=True, asks=True),
         PracticeKind(tours=True),
+        PracticeKind(thrusts=True),
+        PracticeKind(thrusts=True, starts=True),
+        PracticeKind(thrusts=True, several=True),
+        PracticeKind(timed=True),
+        PracticeKind(timed=True, tours=True),
     )
 
 

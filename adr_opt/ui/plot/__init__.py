@@ -21,12 +21,13 @@ from __future__ import annotations
 from ...plan.phases import COLOURS, LABELS, PHASES
 from .budget import delta_v_left
 from .costs import leg_delta_v
+from .courses import altitude, nodes, path
 from .fields import matrix, planes
 from .gantt import gantt
-from .heights import altitude, keep_out_zones
-from .nodes import nodes
+from .heights import keep_out_zones
+from .mass import mass
 from .segments import Segment, segments
-from .space import earth, orbits, path
+from .space import earth, orbits
 from .tradeoff import tradeoff
 
 __all__ = [
@@ -40,6 +41,7 @@ __all__ = [
     "gantt",
     "keep_out_zones",
     "leg_delta_v",
+    "mass",
     "matrix",
     "nodes",
     "orbits",

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from ...fly.flight.flyable import refuse_foreign
-from ...plan.leg_kinds import GIVEN
+from ...plan.leg_kinds import GIVEN, LOW_THRUST
 from ...plan.phases import COLOURS
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
@@ -17,13 +17,20 @@ from .draw import draw
 PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
 
 
+def has_burns(plan: Plan) -> bool:
+    """Whether burns of a plan can be set against its costs: it has some, or no leg at all."""
+    kinds = {leg.kind for leg in plan.legs}
+    without = {GIVEN.name, LOW_THRUST.name} & kinds
+    return not without or any(leg.burns for leg in plan.legs)
+
+
 def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
     """ΔV [m/s] of each leg: planned, in burns and, for a refined plan, as flown.
 
-    Where connections are given there are no burns to be shown.
+    Burns are left out where the plan has none.
     """
     shown = [("planned", PLANNED, [leg.delta_v_m_s for leg in plan.legs])]
-    if not any(leg.kind == GIVEN.name for leg in plan.legs):
+    if has_burns(plan):
         shown.append(("burns", BURNED, [leg.burns_delta_v_m_s for leg in plan.legs]))
     numbers = range(1, len(plan.legs) + 1)
     if refined is not None:
@@ -40,7 +47,8 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     """Add two bars per leg: its planned ΔV and the sum of its burns [m/s].
 
     They differ by what is set aside for eccentricity, and where a leg drifts: then the plan counts
-    with a closed form. Where connections are given there are no burns to be shown.
+    with a closed form. Where connections are given or legs are of low thrust, there are no burns to
+    be shown.
 
     Raises
     ------

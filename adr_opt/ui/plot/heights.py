@@ -13,17 +13,17 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .chart import DAYS, KM_M, Box, Chart, ChartAxis, days
 from .draw import draw
-from .tracks import Track, strands, tracks
+from .strands import DrawnArc, strands
 
 ALTITUDES = ChartAxis("altitude [km]")
 
 
 def altitude_chart(
-    instance: Instance, plan: Plan, tracks: tuple[Track, ...], *, by_chaser: bool
+    instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...], *, by_chaser: bool
 ) -> Chart:
     """Altitudes of flown arcs [km] against days; ``by_chaser`` as in :func:`.strands`."""
 
-    def course(track: Track) -> Array:
+    def course(track: DrawnArc) -> Array:
         return np.column_stack([days(track.times_s), track.altitudes_m / KM_M])
 
     lines = strands(instance, plan, tracks, course, 1.8, by_chaser=by_chaser)
@@ -40,18 +40,6 @@ def zones(instance: Instance) -> tuple[Box, ...]:
         )
         for zone in instance.keep_out_zones
     )  # fmt: skip
-
-
-def altitude(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the chaser's altitude [km] against time [days], one colour per phase.
-
-    Raises
-    ------
-    InputError
-        The plan belongs to another instance or cannot be flown.
-    """
-    found = tracks(instance, plan)
-    return draw(ax, altitude_chart(instance, plan, found, by_chaser=False))
 
 
 def keep_out_zones(ax: Any, instance: Instance) -> Any:

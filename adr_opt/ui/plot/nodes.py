@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from ...common.constants import DAY_S
-from ...fly.flight.flyable import refuse_foreign
 from ...fly.trajectory.kepler import Array
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
@@ -16,9 +14,8 @@ from ...plan.palette import STATION, UNVISITED, VISITED
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .chart import DAYS, Chart, ChartAxis, Line, days
-from .draw import draw
 from .fields import raan_deg
-from .tracks import Track, joined, strands, tracks
+from .strands import DrawnArc, joined, strands
 
 TURN_DEG = 360.0
 
@@ -81,13 +78,13 @@ def of_body(instance: Instance, shown: Nodes, body: int, until_s: float) -> tupl
     return shown.line(ends, np.degrees(elements.nodes(row, ends)))
 
 
-def of_track(shown: Nodes, track: Track) -> tuple[Array, Array]:
+def of_track(shown: Nodes, track: DrawnArc) -> tuple[Array, Array]:
     """Node of the chaser's orbit on an arc, as from :meth:`Nodes.line`."""
     return shown.line(track.times_s[[0, -1]], track.nodes_deg)
 
 
 def nodes_chart(
-    instance: Instance, plan: Plan | None, tracks: tuple[Track, ...], *, by_chaser: bool
+    instance: Instance, plan: Plan | None, tracks: tuple[DrawnArc, ...], *, by_chaser: bool
 ) -> Chart:
     """RAAN [°] against days, relative to the common drift: bodies thin, flown arcs thick."""
     shown = nodes_of(instance)
@@ -109,7 +106,7 @@ def nodes_chart(
         names = [instance.names[body] for body, times, _ in found for _ in range(times.size + 1)]
         return Line(name=kind, colour=colours[kind], x=x, y=y, width=1.0, of=names)
 
-    def course(track: Track) -> Array:
+    def course(track: DrawnArc) -> Array:
         times_s, angles = of_track(shown, track)
         return np.column_stack([days(times_s), angles])
 
@@ -119,20 +116,3 @@ def nodes_chart(
     rate = f"{shown.common_deg_s * DAY_S:+.3f}".replace("-", "−")
     title = f"RAAN less {rate}°/day [°]" if shown.common_deg_s else "RAAN [°]"
     return Chart(tuple(lines), DAYS, ChartAxis(title, 4))
-
-
-def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
-    """Add RAAN [deg] against time [days], relative to the bodies' common drift.
-
-    Targets are thin lines. With a plan, those that it visits differ from the others, and thick
-    lines, one colour per phase, follow the chaser: on a drift orbit its node crosses to the next.
-
-    Raises
-    ------
-    InputError
-        The plan belongs to another instance or cannot be flown.
-    """
-    if plan is not None:
-        refuse_foreign(instance, plan)
-    found = () if plan is None else tracks(instance, plan)
-    return draw(ax, nodes_chart(instance, plan, found, by_chaser=False))

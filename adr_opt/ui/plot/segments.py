@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from ...fly.flight.flyable import refuse_foreign
 from ...legs.service_limits import service_begins
-from ...plan.plan import Leg, Plan
+from ...plan.plan import Leg, LowThrustArc, Plan
 from ...problem.instance import Instance
 
 
@@ -41,9 +41,10 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     """Phases of a plan in time order, without those of zero duration.
 
     Read off the plan as it is: a burn begins its phase, which lasts until the next burn; without
-    burns, where connections are given, the transfer is one phase. A chaser that has docked before a
-    window opens, or before the stated arrival, waits at its destination; so does one that tows it,
-    and the next leg follows upon the tow without a wait.
+    burns, where connections are given, the transfer is one phase. A leg of low thrust has two arcs
+    of thrust and the drift orbit in between. A chaser that has docked before a window opens, or
+    before the stated arrival, waits at its destination; so does one that tows it, and the next leg
+    follows upon the tow without a wait.
 
     Parameters
     ----------
@@ -52,13 +53,15 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
         Need not be free of violations.
     """
     refuse_foreign(instance, plan)
-    lead_ins = plan.lead_ins
-    return tuple(
-        segment
-        for number, leg in enumerate(plan.legs, start=1)
-        for segment in _of_leg(instance, number, leg, waits=number not in lead_ins)
-        if segment.duration_s > 0.0
-    )
+    found: list[Segment] = []
+    number = 0
+    for route in plan.routes:
+        waits = True
+        for leg in route.legs:
+            number += 1
+            found += _of_leg(instance, number, leg, waits=waits)
+            waits = leg.tow is None
+    return tuple(segment for segment in found if segment.duration_s > 0.0)
 
 
 def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterator[Segment]:
@@ -68,10 +71,21 @@ def _of_leg(instance: Instance, number: int, leg: Leg, *, waits: bool) -> Iterat
         yield Segment(number, "wait", leg.ready_s, leg.leaves_s)
     for burn, after in pairwise(leg.burns):
         yield Segment(number, burn.phase, burn.time_s, after.time_s)
-    if not (leg.traits.has_burns or leg.traits.from_nowhere):
+    if leg.manoeuvres is not None and len(leg.manoeuvres) == 2:
+        yield from _of_thrust(number, leg, *leg.manoeuvres)
+    elif not (leg.traits.has_burns or leg.traits.from_nowhere):
         yield Segment(number, "transfer", leg.leaves_s, leg.docked_s)
     yield Segment(number, "wait", leg.docked_s, begins)
     yield Segment(number, stay, begins, leg.end_s)
     if leg.tow is not None:
         yield Segment(number, "wait", leg.end_s, leg.tow.start_s)
         yield Segment(number, "tow", leg.tow.start_s, leg.tow.end_s)
+
+
+def _of_thrust(
+    number: int, leg: Leg, first: LowThrustArc, second: LowThrustArc
+) -> Iterator[Segment]:
+    yield Segment(number, "thrust", first.start_s, first.end_s)
+    yield Segment(number, "drift", first.end_s, second.start_s)
+    yield Segment(number, "thrust", second.start_s, second.end_s)
+    yield Segment(number, "approach", second.end_s, leg.docked_s)

@@ -15,7 +15,8 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .chart import KM_M, Line
 from .draw import add, label
-from .tracks import Track, joined, ring, strands, tracks
+from .strands import DrawnArc, joined, strands
+from .tracks import ring
 
 
 def earth(ax: Any) -> Any:
@@ -25,7 +26,7 @@ def earth(ax: Any) -> Any:
         np.linspace(-np.pi / 2, np.pi / 2, 19), np.linspace(0.0, 2.0 * np.pi, 37), indexing="ij"
     )
     ax.plot_surface(*on_earth(latitude, longitude), color="#9db4c8", alpha=0.5, linewidth=0)
-    return _drawn(ax, ())
+    return drawn_in_space(ax, ())
 
 
 def on_earth(latitude_rad: Array, longitude_rad: Array) -> Array:
@@ -43,7 +44,7 @@ def orbits(ax: Any, instance: Instance) -> Any:
         rings_of(instance, "targets", [target.name for target in instance.targets], UNVISITED, 0.5),
         rings_of(instance, "station", list(instance.station_names), STATION, 1.6),
     )
-    return _drawn(ax, rings)
+    return drawn_in_space(ax, rings)
 
 
 def rings_of(instance: Instance, title: str, names: list[str], colour: str, width: float) -> Line:
@@ -58,7 +59,7 @@ def in_km(points_m: Array) -> Array:
 
 
 def path_lines(
-    instance: Instance, plan: Plan, tracks: tuple[Track, ...], width: float, *, by_chaser: bool
+    instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...], width: float, *, by_chaser: bool
 ) -> list[Line]:
     """Flown arcs in space [km], at most one revolution of each."""
     return strands(
@@ -67,24 +68,19 @@ def path_lines(
     )  # fmt: skip
 
 
-def path(ax: Any, instance: Instance, plan: Plan) -> Any:
-    """Add the chaser's path in the inertial frame [km], one colour per phase.
-
-    Raises
-    ------
-    InputError
-        The plan belongs to another instance or cannot be flown.
-    """
-    found = tracks(instance, plan)
-    return _drawn(ax, path_lines(instance, plan, found, 1.1, by_chaser=False))
-
-
 def _check_three(ax: Any) -> None:
     if not hasattr(ax, "set_zlabel"):
         raise InputError("the axis is flat; make it with projection='3d'")
 
 
-def _drawn(ax: Any, lines: Iterable[Line]) -> Any:
+def drawn_in_space(ax: Any, lines: Iterable[Line]) -> Any:
+    """Add lines to an axis, which must be one in space.
+
+    Raises
+    ------
+    InputError
+        It is flat.
+    """
     _check_three(ax)
     for line in lines:
         if np.size(line.x):

@@ -1,9 +1,8 @@
-"""The flown plan, thinned out for drawing, and its lines."""
+"""The flown plan, thinned out for drawing."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,50 +11,27 @@ from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.kepler import Array, drift, revolution
 from ...fly.trajectory.sampling import LONG_STEP_S, Arc, LegPath, sample
 from ...kernels.orbits.ephemeris import period
-from ...plan.palette import chaser_colours
-from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Plan
-from ...plan.routes import owners, several
 from ...problem.instance import Instance
-from .chart import Line
+from .strands import POINTS_OF_A_RING, DrawnArc
 
 MOST_STEPS = 1e6
 LEVEL_M = 1.0
 """Change of altitude below which an arc is drawn as a level line."""
 
-POINTS_OF_A_RING = 91
-
 
 @dataclass(frozen=True)
-class Track:
-    """An arc, ready to be drawn.
+class Track(DrawnArc):
+    """A flown arc.
 
     Attributes
     ----------
-    leg : int
-        Number of the leg, from 1.
-    phase : str
-        One of :data:`.PHASES`.
-    times_s : (n,) float64
-        Since the epoch [s].
-    altitudes_m : (n,) float64
-        Distances from the centre of the Earth, less its radius [m].
-    around_m : (m, 3) float64
-        Positions over at most one revolution: the next would be drawn over them [m].
-    nodes_deg : (2,) float64
-        RAAN of the orbit at the first and the last of the times, without a jump [deg].
     first_m, first_m_s : (3,) float64
         Position [m] and velocity within the plane [m/s] at the first of the times.
     pace, node_rate_rad_s : float
         How the orbit goes on from there, as :class:`adr_opt.fly.trajectory.Arc` has it.
     """
 
-    leg: int
-    phase: str
-    times_s: Array
-    altitudes_m: Array
-    around_m: Array
-    nodes_deg: Array
     first_m: Array
     first_m_s: Array
     pace: float
@@ -108,58 +84,3 @@ def ring(instance: Instance, body: str) -> Array:
     """One revolution of a body on its planning circle, shape (points, 3) [m]."""
     lap_s = period(instance.body_orbits[instance.names.index(body)].semi_major_axis_m)
     return body_states(instance, body, np.linspace(0.0, lap_s, POINTS_OF_A_RING))[0]
-
-
-def joined(parts: Iterator[Array] | list[Array]) -> Array:
-    """Arrays concatenated with a row of NaN after each: lines with gaps."""
-    rows = []
-    for part in parts:
-        rows += [part, np.full((1, *part.shape[1:]), np.nan)]
-    return np.concatenate(rows) if rows else np.empty(0)
-
-
-Course = Callable[[Track], Array]
-"""Coordinates to draw of an arc, shape (points, 2), or (points, 3) in space."""
-
-
-def strands(
-    instance: Instance,
-    plan: Plan,
-    tracks: Iterable[Track],
-    course: Course,
-    width: float,
-    *,
-    by_chaser: bool,
-    in_space: bool = False,
-) -> list[Line]:
-    """A line for each phase, in its colour, ``width`` px wide.
-
-    With ``by_chaser`` each of several chasers has lines and a colour of its own. Its entry in the
-    legend is a line of no points, which stays when phases are switched off.
-    """
-    if not (by_chaser and several(instance)):
-        return list(_by_phase(tuple(tracks), course, width))
-    whose, gap = owners(instance, plan), (np.nan,)
-    entries, lines = [], []
-    for name, colour in chaser_colours(instance).items():
-        height = gap if in_space else None
-        entry = Line(name=name, colour=colour, width=3, in_legend=True, x=gap, y=gap, z=height)
-        entries.append(entry)
-        mine = tuple(track for track in tracks if whose[track.leg] == name)
-        lines += [
-            replace(line, name=name, colour=colour, in_legend=False)
-            for line in _by_phase(mine, course, width)
-        ]
-    return [*entries, *lines]
-
-
-def _by_phase(tracks: tuple[Track, ...], course: Course, width: float) -> Iterator[Line]:
-    for phase in PHASES:
-        arcs = [(track.leg, course(track)) for track in tracks if track.phase == phase]
-        if arcs:
-            x, y, *z = joined([points for _, points in arcs]).T
-            yield Line(
-                name=LABELS[phase], colour=COLOURS[phase], phase=phase, width=width,
-                legs=[leg for leg, points in arcs for _ in range(len(points) + 1)],
-                x=x, y=y, z=z[0] if z else None,
-            )  # fmt: skip

@@ -25,9 +25,11 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan, reference
 from ...plan.routes import several
 from ...problem.instance import Instance
+from ..plot.courses import arcs_of
 from ..plot.segments import segments
-from ..plot.tracks import Track, tracks
-from . import burns, controls, figures, flights, sections, space, standing, tables
+from ..plot.strands import DrawnArc
+from ..plot.tracks import Track
+from . import burns, controls, figures, flights, sections, space, standing, tables, thrust
 from .assets import asset, chart_library, page_script, policy
 from .facts import facts
 from .figures.parts import leg_title
@@ -132,7 +134,7 @@ class _Found(NamedTuple):
 
     violations: tuple[Violation, ...]
     flight: Flight | str | None
-    drawn: tuple[Track, ...]
+    drawn: tuple[DrawnArc, ...]
     trouble: str | None
     refined: RefinedPlan | None
     refined_flight: RefinedFlight | None
@@ -170,18 +172,18 @@ def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
         return str(error)
 
 
-def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[Track, ...], str | None]:
-    if not instance.has_trajectories:
+def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[DrawnArc, ...], str | None]:
+    if not (instance.has_trajectories or instance.has_low_thrust):
         return (), None
     try:
-        return tracks(instance, plan), None
+        return arcs_of(instance, plan), None
     except InputError as error:  # a plan so wrong that it leads nowhere; the check says more
         return (), str(error)
 
 
 def _page(instance: Instance, plan: Plan, known: _Found) -> str:
     found, refined, trouble = facts(instance, plan), known.refined, known.trouble
-    burned = burns.impulses(plan, known.drawn, refined)
+    burned = burns.impulses(plan, _flown_arcs(known), refined)
     library, script = chart_library(), page_script()
     done = {segment.phase for segment in segments(instance, plan)}
     epoch = instance.epoch.astimezone(UTC)
@@ -222,10 +224,12 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         timebar=controls.timebar(),
         phases=controls.phases([phase for phase in PHASES if phase in done]),
         trouble="" if trouble is None else sections.not_drawn(space.path_of(instance), trouble),
+        mass=space.mass(instance),
         nodes=space.nodes(instance),
         costs_note=sections.costs_note(plan, refined),
         planes=space.planes(instance),
         legs=tables.legs(instance, plan, refined),
+        thrust=thrust.section(instance, plan, known.drawn),
         burns=burns.section(instance, plan, burned),
         flown=standing.paragraph(instance, plan, refined)
         + flights.section(instance, known.flight, refined, known.refined_flight),
@@ -236,6 +240,11 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         library=library,
         script=script,
     )
+
+
+def _flown_arcs(known: _Found) -> tuple[Track, ...]:
+    """What is drawn and has been flown, so that it can be moved along."""
+    return tuple(arc for arc in known.drawn if isinstance(arc, Track))
 
 
 def _data(
@@ -249,9 +258,11 @@ def _data(
         "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
-    if is_flown:
+    if is_flown or instance.has_low_thrust:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
         charts["orbits"] = figures.orbits(instance, plan, drawn)
+    if instance.has_low_thrust:
+        charts["mass"] = figures.mass(instance, plan)
     if instance.has_orbits:
         charts["planes"] = figures.planes(instance, plan)
     if several(instance):
@@ -262,7 +273,7 @@ def _data(
     return {
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
-        "motion": motion(instance, plan, drawn) if is_flown else None,
+        "motion": motion(instance, plan, _flown_arcs(known)) if is_flown else None,
         "coast": json.loads(asset("coast/coastline.json")) if is_flown else None,
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,

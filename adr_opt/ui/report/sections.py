@@ -17,6 +17,7 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.instance import Instance
+from ..plot.costs import has_burns
 from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number
@@ -189,6 +190,8 @@ def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
     """Explanation of the bars of legs."""
     if any(leg.kind == GIVEN.name for leg in plan.legs):
         return "What is given of each leg."
+    if not has_burns(plan):
+        return "What the plan counts with."
     said = "What the plan counts with, and what the burns of the leg add up to"
     if any(leg.traits.on_time_grid for leg in plan.legs):
         said += "; of a leg that drifts the first comes from a closed form"

@@ -16,6 +16,8 @@ def path_of(instance: Instance) -> str:
 
 def flight(instance: Instance, plan: Plan) -> str:
     """Sections with the path of the chaser."""
+    if instance.has_low_thrust:
+        return _thrust(instance)
     if not instance.has_trajectories:
         return ""
     flies = "the chasers fly" if several(instance) else "the chaser flies"
@@ -29,6 +31,33 @@ def flight(instance: Instance, plan: Plan) -> str:
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
         '<div class="chart" id="altitude"></div>\n</section>'
+    )
+
+
+def _thrust(instance: Instance) -> str:
+    """The same of chasers with low thrust, which are drawn by their arcs."""
+    others = any(chaser.thrust_n is None for chaser in instance.chasers)
+    missing = " Chasers without low thrust are left out." if others else ""
+    return (
+        f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
+        "<p>To scale, in the inertial frame of the elements: visited and unvisited targets, drift "
+        "orbits and tows, of each at most one revolution, and along arcs of thrust the windows in "
+        "which it is on, shadow or not, as they turn with the node. Drag to turn, pinch or scroll "
+        f"to come nearer.{missing}</p>\n"
+        '<div class="chart tall" id="orbits"></div>\n</section>\n'
+        f"<section>\n<h2>Altitude</h2>\n<p>Between its arcs of thrust a leg is on its drift "
+        f"orbit. {_altitude_note(instance)}</p>\n"
+        '<div class="chart" id="altitude"></div>\n</section>'
+    )
+
+
+def mass(instance: Instance) -> str:
+    """The section with the chart of masses, if some chaser has low thrust."""
+    if not instance.has_low_thrust:
+        return ""
+    return (
+        "<section><h2>Mass</h2><p>With propellant and kits. It falls along arcs of thrust and "
+        'tows.</p><div class="chart" id="mass"></div></section>'
     )
 
 

@@ -96,7 +96,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             ("n", clock(leg.departure_s)),
             ("n", str(leg.phasing_revolutions) if leg.traits.counts_laps else NOTHING),
             ("n", fixed(leg.delta_v_m_s, 1)),
-            *([("n", fixed(leg.burns_delta_v_m_s, 1))] if drifts else []),
+            *([("n", _burned(leg))] if drifts else []),
             *([("n", fixed(flown[at], 1) if at in flown else NOTHING)] if refined else []),
             ("n", told(leg.arrival_s - leg.departure_s)),
             ("n", clock(leg.arrival_s)),
@@ -191,6 +191,10 @@ def loads(instance: Instance, plan: Plan) -> str:
         *([("least aboard kg", "n"), ("expense", "n")] if by_expense else []),
     )  # fmt: skip
     return table("What chasers carry", headings, rows)
+
+
+def _burned(leg: Leg) -> str:
+    return fixed(leg.burns_delta_v_m_s, 1) if leg.manoeuvres is None else NOTHING
 
 
 def _kg(mass_kg: float | None) -> str:

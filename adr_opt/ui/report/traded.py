@@ -62,9 +62,26 @@ def traded_page(tradeoff: Tradeoff, endings: Sequence[Ending] = ()) -> str:
 
 HEADINGS = ("ΔV m/s", "days", "prize", "bound", "gap", "status", "visits", "cost", "by", "s")
 
+VARIED = {"propellant": "kg", "thrust": "N", "isp": "Isp s"}
+"""Headings of further columns, of what is varied besides."""
 
-def cells(point: Point) -> tuple[str, ...]:
-    """A point as texts, under :data:`HEADINGS`."""
+
+def headings(tradeoff: Tradeoff) -> tuple[str, ...]:
+    """Headings of a table of points: of what is varied besides, and :data:`HEADINGS`."""
+    return (*(VARIED[kind] for kind in _varied(tradeoff)), *HEADINGS)
+
+
+def cells(tradeoff: Tradeoff, point: Point) -> tuple[str, ...]:
+    """A point as texts, under :func:`headings`."""
+    return (*(number(point.value(kind), 4) for kind in _varied(tradeoff)), *_results(point))
+
+
+def _varied(tradeoff: Tradeoff) -> list[str]:
+    kinds = {axis.kind for axis in tradeoff.axes}
+    return [kind for kind in VARIED if kind in kinds]
+
+
+def _results(point: Point) -> tuple[str, ...]:
     there, bounded = math.isfinite(point.prize), math.isfinite(point.upper_bound)
     gap = NOTHING
     if there and bounded:
@@ -84,9 +101,10 @@ def cells(point: Point) -> tuple[str, ...]:
 
 
 def _table(tradeoff: Tradeoff) -> str:
-    kinds = ("n", "n", "n", "n", "n", "", "n", "n", "", "n")
-    rows = (row(zip(kinds, cells(point), strict=True)) for point in tradeoff.points)
-    return table("Points", zip(HEADINGS, kinds, strict=True), rows)
+    titles = headings(tradeoff)
+    kinds = ["" if title in ("status", "by") else "n" for title in titles]
+    rows = (row(zip(kinds, cells(tradeoff, point), strict=True)) for point in tradeoff.points)
+    return table("Points", zip(titles, kinds, strict=True), rows)
 
 
 FRONTIER_HEADINGS = ("tank m/s", "prize", "last day", "ΔV m/s", "cost")

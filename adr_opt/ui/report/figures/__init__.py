@@ -11,7 +11,7 @@ the page, which knows whether it is light or dark.
 from .costs import costs
 from .lanes import lanes
 from .orbits import orbits
-from .over_time import altitude, budget, gantt, nodes
+from .over_time import altitude, budget, gantt, mass, nodes
 from .planes import planes
 
-__all__ = ["altitude", "budget", "costs", "gantt", "lanes", "nodes", "orbits", "planes"]
+__all__ = ["altitude", "budget", "costs", "gantt", "lanes", "mass", "nodes", "orbits", "planes"]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from ....plan.leg_kinds import GIVEN
 from ....plan.plan import Leg, Plan
 from ....plan.refined_plan import RefinedPlan
 from ...plot.chart import Series
-from ...plot.costs import costs_chart
+from ...plot.costs import costs_chart, has_burns
 from ..text import number
 from .parts import Figure, figure, leg_title, said
 
@@ -17,11 +16,10 @@ MOST_TICKS = 20
 
 
 def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
-    """Two bars per leg in m/s; one for given connections, which have no burns.
+    """Two bars per leg in m/s; one where plans have no burns.
 
     With the plan refined, a third one is what the leg takes then.
     """
-    is_given = any(leg.kind == GIVEN.name for leg in plan.legs)
     count = len(plan.legs)
 
     def more(one: Series) -> dict[str, Any]:
@@ -33,14 +31,14 @@ def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
 
     ticks = {"dtick": 1} if count <= MOST_TICKS else {}
     return figure(
-        costs_chart(plan, refined), more, barmode="group", showlegend=not is_given,
+        costs_chart(plan, refined), more, barmode="group", showlegend=has_burns(plan),
         xaxis={"range": [0.4, max(count, 1) + 0.6], **ticks}, yaxis={"rangemode": "tozero"},
     )  # fmt: skip
 
 
 def _words(leg: Leg) -> str:
-    if leg.kind == GIVEN.name:
-        return f"given, {number(leg.delta_v_m_s)} m/s"
+    if not (leg.traits.has_burns or leg.traits.from_nowhere):
+        return f"{leg.kind}, {number(leg.delta_v_m_s)} m/s"
     aside = ""
     if leg.eccentricity_delta_v_m_s > 0.0:
         aside = f", {number(leg.eccentricity_delta_v_m_s)} of them for eccentricity"

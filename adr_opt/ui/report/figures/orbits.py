@@ -15,7 +15,7 @@ from ....plan.routes import owners
 from ....problem.instance import Instance
 from ...plot.chart import KM_M, Chart, ChartAxis, Line, Marks
 from ...plot.space import in_km, on_earth, path_lines, rings_of
-from ...plot.tracks import POINTS_OF_A_RING, Track
+from ...plot.strands import POINTS_OF_A_RING, DrawnArc
 from ..text import clock, in_chart
 from .parts import Figure, column, leg_title, named, of_arcs, said, trace
 
@@ -28,7 +28,7 @@ WINDOW_FILL = 1.6
 SPACE = Chart((), ChartAxis("x [km]", 1), ChartAxis("y [km]", 1))
 
 
-def orbits(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
+def orbits(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> Figure:
     """The Earth, the orbits of all bodies and the chaser's path, in km and to scale.
 
     The frame is the inertial one of the elements. Orbits are the circles that are planned with;
@@ -60,10 +60,10 @@ def kinds_shown(instance: Instance, plan: Plan) -> tuple[tuple[str, list[str]], 
     )
 
 
-def _arrivals(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Marks:
+def _arrivals(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> Marks:
     """Positions of the chaser on docking after each leg."""
     whose, colours = owners(instance, plan), chaser_colours(instance)
-    docked: dict[int, Track] = {}
+    docked: dict[int, DrawnArc] = {}
     for track in tracks:
         if track.times_s[0] >= plan.legs[track.leg - 1].docked_s - SHORTEST_ARC_S:
             docked.setdefault(track.leg, track)
@@ -118,7 +118,7 @@ def _earth() -> dict[str, Any]:
     }
 
 
-def _scene(instance: Instance, tracks: tuple[Track, ...]) -> dict[str, Any]:
+def _scene(instance: Instance, tracks: tuple[DrawnArc, ...]) -> dict[str, Any]:
     """View at 55° to the normal of the first chaser's initial plane, slightly from the north.
 
     Without perspective, or a low orbit's near half hides behind the Earth's rim.

@@ -1,4 +1,4 @@
-"""Charts over time: altitude, remaining ΔV, nodes, and the timeline."""
+"""Charts over time: altitude, remaining ΔV, mass, nodes, and the timeline."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from ...plot.budget import budget_chart
 from ...plot.chart import Box, Marks, Series
 from ...plot.gantt import gantt_chart
 from ...plot.heights import altitude_chart, zones
+from ...plot.mass import mass_chart
 from ...plot.nodes import nodes_chart
-from ...plot.tracks import Track
+from ...plot.strands import DrawnArc
 from ..text import clock, in_chart, number
 from .parts import (  # fmt: skip
     FRAME_PX,
@@ -35,7 +36,7 @@ LEAST_ROOM_DEG = 0.05
 ROW_PX = 19
 
 
-def altitude(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
+def altitude(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> Figure:
     """Altitude of the chaser in km against days, one trace per phase; zones as boxes beneath.
 
     Where there are several chasers, each has traces and a colour of its own.
@@ -72,7 +73,19 @@ def budget(instance: Instance, plan: Plan) -> Figure:
     )  # fmt: skip
 
 
-def nodes(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> Figure:
+def mass(instance: Instance, plan: Plan) -> Figure:
+    """Mass in kg against days, per chaser."""
+
+    def more(one: Series) -> dict[str, Any]:
+        texts = [f"{leg_title(plan, leg)}<br>{clock(time_s)}" for leg, time_s in one.of]
+        return said("%{text}<br>%{y:.1f} kg", texts)
+
+    return figure(
+        mass_chart(instance, plan), more, xaxis=time_axis(instance, plan), **named(instance, True)
+    )
+
+
+def nodes(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> Figure:
     """RAAN in degrees against days, relative to the common drift; bodies thin, chaser thick."""
 
     def more(one: Series) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 // What the page knows and what the reader has chosen.
 const mission = JSON.parse(document.getElementById("mission").textContent);
 const { figures, titles, windows } = mission;
-const timed = ["lanes", "altitude", "budget", "nodes", "gantt"].filter((name) => name in figures);
+const timed = ["lanes", "altitude", "budget", "mass", "nodes", "gantt"].filter((name) => name in figures);
 // The first share their time axis.
 const quick = [...timed, "costs", "planes"].filter((name) => name in figures);
 const box = (name) => document.getElementById(name);

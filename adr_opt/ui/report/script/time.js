@@ -168,7 +168,7 @@ function listenToTime() {
   for (const name of timed) {
     box(name).on("plotly_afterplot", () => line(name));
   }
-  for (const name of ["altitude", "budget", "nodes"].filter((name) => name in figures)) {
+  for (const name of ["altitude", "budget", "mass", "nodes"].filter((name) => name in figures)) {
     box(name).on("plotly_click", (event) => setTime(event.points[0].x * DAY_S));
   }
   const near = new IntersectionObserver((entries) => {

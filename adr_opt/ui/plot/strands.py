@@ -1,0 +1,103 @@
+"""Parts of chasers' courses, ready to be drawn, and their lines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ...plan.palette import chaser_colours
+from ...plan.phases import COLOURS, LABELS, PHASES
+from ...plan.plan import Plan
+from ...plan.routes import owners, several
+from ...problem.instance import Instance
+from .chart import Line
+
+Array = npt.NDArray[np.float64]
+
+POINTS_OF_A_RING = 91
+
+
+@dataclass(frozen=True)
+class DrawnArc:
+    """A part of a chaser's course, ready to be drawn.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg, from 1.
+    phase : str
+        One of :data:`.PHASES`.
+    times_s : (n,) float64
+        Since the epoch [s].
+    altitudes_m : (n,) float64
+        Distances from the centre of the Earth, less its radius [m].
+    around_m : (m, 3) float64
+        Positions over at most one revolution: the next would be drawn over them; NaN for gaps [m].
+    nodes_deg : (2,) float64
+        RAAN of the orbit at the first and the last of the times, without a jump [deg].
+    """
+
+    leg: int
+    phase: str
+    times_s: Array
+    altitudes_m: Array
+    around_m: Array
+    nodes_deg: Array
+
+
+def joined(parts: Iterator[Array] | list[Array]) -> Array:
+    """Arrays concatenated with a row of NaN after each: lines with gaps."""
+    rows = []
+    for part in parts:
+        rows += [part, np.full((1, *part.shape[1:]), np.nan)]
+    return np.concatenate(rows) if rows else np.empty(0)
+
+
+Course = Callable[[DrawnArc], Array]
+"""Coordinates to draw of an arc, shape (points, 2), or (points, 3) in space."""
+
+
+def strands(
+    instance: Instance,
+    plan: Plan,
+    arcs: Iterable[DrawnArc],
+    course: Course,
+    width: float,
+    *,
+    by_chaser: bool,
+    in_space: bool = False,
+) -> list[Line]:
+    """A line for each phase, in its colour, ``width`` px wide.
+
+    With ``by_chaser`` each of several chasers has lines and a colour of its own. Its entry in the
+    legend is a line of no points, which stays when phases are switched off.
+    """
+    if not (by_chaser and several(instance)):
+        return list(_by_phase(tuple(arcs), course, width))
+    whose, gap = owners(instance, plan), (np.nan,)
+    entries, lines = [], []
+    for name, colour in chaser_colours(instance).items():
+        height = gap if in_space else None
+        entry = Line(name=name, colour=colour, width=3, in_legend=True, x=gap, y=gap, z=height)
+        entries.append(entry)
+        mine = tuple(arc for arc in arcs if whose[arc.leg] == name)
+        lines += [
+            replace(line, name=name, colour=colour, in_legend=False)
+            for line in _by_phase(mine, course, width)
+        ]
+    return [*entries, *lines]
+
+
+def _by_phase(found: tuple[DrawnArc, ...], course: Course, width: float) -> Iterator[Line]:
+    for phase in PHASES:
+        arcs = [(arc.leg, course(arc)) for arc in found if arc.phase == phase]
+        if arcs:
+            x, y, *z = joined([points for _, points in arcs]).T
+            yield Line(
+                name=LABELS[phase], colour=COLOURS[phase], phase=phase, width=width,
+                legs=[leg for leg, points in arcs for _ in range(len(points) + 1)],
+                x=x, y=y, z=z[0] if z else None,
+            )  # fmt: skip
