@@ -10,6 +10,9 @@ from .result import ChaserFlight, TankFlight, chasers_of
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
 
+MOST_SHADOW_S = 1.0
+"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
+
 
 @dataclass(frozen=True)
 class RefinedLegFlight:
@@ -36,6 +39,9 @@ class RefinedLegFlight:
     towing_m_s : float
         What towing it takes, and after a launch what towing the origin took; 0 if neither is
         towed [m/s].
+    planned_propellant_kg, flown_propellant_kg, shadow_s : float or None
+        Of a leg of low thrust: what its planned ΔV would take, what it took, and how long thrust
+        was on in the Earth's shadow; None of any other.
     """
 
     leg: int
@@ -51,13 +57,20 @@ class RefinedLegFlight:
     arrival_miss_m_s: float
     tow_miss_m: float | None = None
     towing_m_s: float = 0.0
+    planned_propellant_kg: float | None = None
+    flown_propellant_kg: float | None = None
+    shadow_s: float | None = None
 
     @property
     def arrives(self) -> bool:
-        """Whether it hits its stand-off, its target and, with a tow, the release point."""
+        """Whether it hits its stand-off, its target and, with a tow, the release point.
+
+        And whether low thrust is off in the shadow.
+        """
         return (
             max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0) <= MOST_MISS_M
             and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
+            and (self.shadow_s or 0.0) <= MOST_SHADOW_S
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -67,6 +80,9 @@ class RefinedLegFlight:
             del content["tow_miss_m"]
         if not self.towing_m_s:
             del content["towing_m_s"]
+        if self.shadow_s is None:
+            for name in ("planned_propellant_kg", "flown_propellant_kg", "shadow_s"):
+                del content[name]
         return content
 
 

@@ -1,0 +1,165 @@
+"""Programmes of thrust that lead to the goal of a leg, by averaged motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.optimize import minimize
+
+from ...plan.plan import LowThrustArc
+from .short_periods import Array
+from .thrust_guess import first_guess, matched
+from .thrust_task import Programme, ThrustTask
+
+STEP_M_S = 0.02
+"""Step of the differences by which derivatives are taken."""
+
+CLOSED_M_S, NEAR_M_S, EXACT_M_S = 1e-2, 5e-2, 1e-5
+"""Misses below which a prediction leads to its goal, is nearly there, and needs no more steps."""
+
+MOST_STEPS, MOST_ROUNDS, MOST_HALVINGS = 10, 3, 6
+"""Maximum numbers of Newton's steps, of matchings of the thresholds, and of halvings of a step."""
+
+LEAST_STEPS = 60
+"""Maximum number of steps towards the least ΔV."""
+
+SPARE, SPARE_S = 0.03, 9000.0
+"""Time between the second arc and the end, as a share of the arc, and at least [s]."""
+
+WIDER = 0.75
+"""Share of their thresholds that wider windows have."""
+
+SCALE = 100.0
+"""Unit of laws in the search for the least ΔV [m/s]."""
+
+RANK = 1e-6
+"""Relative size of singular values that are taken for 0."""
+
+
+def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Programme]:
+    """Programmes that meet the goal by averaged motion, the cheapest first.
+
+    Those of the two numbers of laps next to the plan's; after them the same with wider windows, and
+    with thrust wherever there is sunlight.
+    """
+    guess = first_guess(task, arcs)
+    laps = task.laps_to(task.predict(guess).mean)
+    nearer = float(round(laps))
+    found = []
+    for number in (nearer, nearer + 1.0 if laps > nearer else nearer - 1.0):
+        made = _led(task, guess, arcs, number)
+        if made is not None:
+            found.append(made)
+    yield from sorted(found, key=_cost)
+    for share in (WIDER, 0.0):
+        wider = Programme(guess.steered, share * guess.thresholds, guess.second_s)
+        made = _led(task, wider, None, nearer)
+        if made is not None:
+            yield made
+
+
+def minimum_norm(derivative: Array, wanted: Array) -> Array:
+    """The smallest change of laws that changes a miss as wanted, shape (10,) [m/s]."""
+    step: Array = np.asarray(np.linalg.lstsq(derivative, wanted, rcond=RANK)[0], dtype=np.float64)
+    return step
+
+
+def derivative_of(task: ThrustTask, programme: Programme, laps: float) -> Array:
+    """Derivative of the predicted miss by the laws, shape (6, 10)."""
+    found = np.empty((6, 10))
+    for column in range(10):
+        change = np.zeros(10)
+        change[column] = STEP_M_S
+        above, below = (
+            task.off(task.predict(programme.steered_by(programme.steered + side)).mean, laps)
+            for side in (change, -change)
+        )
+        found[:, column] = (above - below) / (2.0 * STEP_M_S)
+    return found
+
+
+def _cost(programme: Programme) -> float:
+    return float(programme.costs_m_s.sum())
+
+
+def _led(
+    task: ThrustTask, guess: Programme, arcs: tuple[LowThrustArc, ...] | None, laps: float
+) -> Programme | None:
+    """A programme that meets the goal, near the cheapest one; None if there is none."""
+    now = guess
+    for _ in range(MOST_ROUNDS):
+        now = _closed(task, _in_time(task, now), laps)
+        if arcs is not None:
+            now = matched(task, now, arcs)
+    now = _closed(task, _in_time(task, now), laps)
+    least = _least(task, now, laps)
+    off = np.abs(task.off(task.predict(least).mean, laps)).max()
+    if off < NEAR_M_S and _cost(least) < _cost(now):
+        now = least
+    for _ in range(2):
+        now = _closed(task, _in_time(task, now), laps)
+    end = task.predict(now)
+    if not np.abs(task.off(end.mean, laps)).max() < CLOSED_M_S or end.left_s > 1.0:
+        return None
+    return now
+
+
+def _in_time(task: ThrustTask, programme: Programme) -> Programme:
+    """The same with a second arc that ends some time before the goal."""
+    told = task.predict(programme)
+    lasts = (told.ends_s[1] - programme.second_s) * (1.1 if told.left_s > 0.0 else 1.0)
+    begins = task.end_s - lasts - max(SPARE * lasts, SPARE_S)
+    return Programme(
+        programme.steered, programme.thresholds, max(begins, float(told.ends_s[0]) + 60.0)
+    )
+
+
+def _closed(task: ThrustTask, programme: Programme, laps: float) -> Programme:
+    """The programme after Newton's steps of least change."""
+    off = task.off(task.predict(programme).mean, laps)
+    for _ in range(MOST_STEPS):
+        if np.abs(off).max() < EXACT_M_S or not np.isfinite(off).all():
+            break
+        step = minimum_norm(derivative_of(task, programme, laps), -off)
+        for _ in range(MOST_HALVINGS):
+            tried = programme.steered_by(programme.steered + step)
+            found = task.off(task.predict(tried).mean, laps)
+            if np.linalg.norm(found) < np.linalg.norm(off):
+                programme, off = tried, found
+                break
+            step = 0.5 * step
+        else:
+            break
+    return programme
+
+
+def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
+    """A programme of less ΔV that meets the goal, by sequential quadratic programming."""
+
+    def made(unknown: Array) -> Programme:
+        return programme.steered_by(SCALE * unknown)
+
+    def slope(unknown: Array) -> Array:
+        arcs = unknown.reshape(2, 5)
+        sizes = np.maximum(np.linalg.norm(arcs, axis=1), 1e-12)
+        found: Array = (arcs / sizes[:, None]).ravel()
+        return found
+
+    reach = 0.5 * np.abs(programme.steered).max() / SCALE + 0.1
+    began = programme.steered / SCALE
+    found = minimize(
+        lambda unknown: _cost(made(unknown)) / SCALE,
+        began,
+        jac=slope,
+        method="SLSQP",
+        bounds=[(one - reach, one + reach) for one in began],
+        constraints={
+            "type": "eq",
+            "fun": lambda unknown: task.off(task.predict(made(unknown)).mean, laps) / 10.0,
+            "jac": lambda unknown: derivative_of(task, made(unknown), laps) * (SCALE / 10.0),
+        },
+        options={"maxiter": LEAST_STEPS, "ftol": 1e-7},
+    )
+    return made(found.x) if math.isfinite(float(found.fun)) else programme
