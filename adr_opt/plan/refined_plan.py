@@ -280,6 +280,11 @@ class RefinedPlan(Shown, Record):
         """ΔV of the refined legs and their tows [m/s]."""
         return math.fsum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in self.legs)
 
+    @property
+    def has_thrust(self) -> bool:
+        """Whether some leg has low thrust."""
+        return any(leg.thrust is not None for leg in self.legs)
+
     def to_json(self) -> str:
         """The refined plan file."""
         return to_text(self.to_dict())

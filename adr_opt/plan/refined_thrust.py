@@ -44,11 +44,12 @@ class SteeredArc(Record):
 class RefinedThrust(Record):
     """Thrust of a leg: the force while it is on, and the arcs.
 
-    ``force_n`` is the mean over the duty cycle. ``mass_kg`` is the chaser at the beginning;
-    ``propellant_kg`` what arcs and burns of the leg take.
+    ``force_n`` is the mean over the duty cycle, ``exhaust_m_s`` g₀ Isp. ``mass_kg`` is the chaser
+    at the beginning; ``propellant_kg`` what arcs and burns of the leg take.
     """
 
     force_n: Positive
+    exhaust_m_s: Positive
     mass_kg: Positive
     propellant_kg: NonNegative
     arcs: Annotated[tuple[SteeredArc, ...], Field(strict=False, min_length=1)]

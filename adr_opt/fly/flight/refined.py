@@ -18,7 +18,6 @@ from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
-from ...problem.chasers import Chaser
 from ...problem.instance import Instance
 from .flyable import refuse_foreign
 from .propagation import advance, elements_of, state_of
@@ -67,12 +66,9 @@ def fly_refined(
     bodies = _Ephemeris(world, refined)
     flown = []
     report(0, len(refined.legs))
-    chasers = {
-        leg.leg: chaser for chaser, legs in refined_routes(instance, refined) for leg in legs
-    }
     for leg in refined.legs:
         try:
-            flown.append(_fly_leg(world, bodies, leg, instance, chasers[leg.leg]))
+            flown.append(_fly_leg(world, bodies, leg, instance))
         except ArithmeticError as error:
             raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
         report(len(flown), len(refined.legs))
@@ -191,7 +187,7 @@ class _Ephemeris:
 
 
 def _fly_leg(
-    world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance, pilot: Chaser
+    world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance
 ) -> RefinedLegFlight:
     now = leg.states[0].time_s
     if leg.tow_before is None:
@@ -203,7 +199,7 @@ def _fly_leg(
     at_standoff = None
     thrust = None
     if leg.thrust is not None:
-        thrust = fly_thrust(instance, leg, pilot, chaser[:, 0], world.zonals)
+        thrust = fly_thrust(instance, leg, chaser[:, 0], world.zonals)
         chaser, now = thrust.state[:, None], leg.standoff_s
     for burn in leg.burns:
         if at_standoff is None and burn.phase == "approach":
@@ -239,7 +235,7 @@ def _fly_leg(
 def _propellant(leg: RefinedLeg, thrust: ThrustFlown, burnt_m_s: float) -> dict[str, float]:
     """Propellant of a leg of low thrust, planned and flown, and thrust in the shadow."""
     assert leg.thrust is not None
-    full, exhaust = leg.thrust.mass_kg, thrust.exhaust_m_s
+    full, exhaust = leg.thrust.mass_kg, leg.thrust.exhaust_m_s
     return {
         "planned_propellant_kg": full * -math.expm1(-leg.planned_delta_v_m_s / exhaust),
         "flown_propellant_kg": full - thrust.mass_kg * math.exp(-burnt_m_s / exhaust),

@@ -51,14 +51,12 @@ class ThrustFlown(NamedTuple):
     mass_kg : float
     shadow_s : float
         Time in which thrust was on in the shadow [s].
-    exhaust_m_s : float
     """
 
     state: Array
     delta_v_m_s: float
     mass_kg: float
     shadow_s: float
-    exhaust_m_s: float
 
 
 def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> None:
@@ -74,6 +72,11 @@ def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> 
             f"leg {leg.leg}: force_n = {leg.thrust.force_n!r}: {chaser.name!r} has "
             f"{drive.thrust_n!r} on average of its duty cycle"
         )
+    if abs(leg.thrust.exhaust_m_s / drive.exhaust_m_s - 1.0) > MORE_FORCE - 1.0:
+        raise InputError(
+            f"leg {leg.leg}: exhaust_m_s = {leg.thrust.exhaust_m_s!r}: {chaser.name!r} has "
+            f"{drive.exhaust_m_s!r}"
+        )
     if leg.thrust.mass_kg > drive.heaviest_kg + PROPELLANT_KG:
         raise InputError(
             f"leg {leg.leg}: mass_kg = {leg.thrust.mass_kg!r}: {chaser.name!r} has at most "
@@ -81,9 +84,7 @@ def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> 
         )
 
 
-def fly_thrust(
-    instance: Instance, leg: RefinedLeg, chaser: Chaser, state: Array, zonals: Array
-) -> ThrustFlown:
+def fly_thrust(instance: Instance, leg: RefinedLeg, state: Array, zonals: Array) -> ThrustFlown:
     """Fly the windows of a leg from its departure to its stand-off.
 
     Parameters
@@ -91,7 +92,6 @@ def fly_thrust(
     instance : Instance
     leg : RefinedLeg
         With thrust.
-    chaser : Chaser
     state : (6,) float64
         At the departure [m, m/s].
     zonals : (3,) float64
@@ -104,11 +104,11 @@ def fly_thrust(
     ArithmeticError
         The orbit is not closed.
     """
-    thrust, drive = leg.thrust, drive_of(chaser, instance.targets)
+    thrust = leg.thrust
     assert thrust is not None
-    assert drive is not None
+    exhaust = thrust.exhaust_m_s
     elements, now = elements_of(state), leg.states[0].time_s
-    flow, mass, dark = thrust.force_n / drive.exhaust_m_s, thrust.mass_kg, 0.0
+    flow, mass, dark = thrust.force_n / exhaust, thrust.mass_kg, 0.0
     epoch = since_j2000_s(instance.epoch)
     for arc in thrust.arcs:
         steering = np.array(arc.steering)
@@ -121,16 +121,16 @@ def fly_thrust(
             )
             mass -= flow * (end - start)
             now = end
-        _refuse_other_delta_v(leg, arc.delta_v_m_s, drive.exhaust_m_s * math.log(before / mass))
+        _refuse_other_delta_v(leg, arc.delta_v_m_s, exhaust * math.log(before / mass))
     advance(elements, leg.standoff_s - now, _steps(elements, leg.standoff_s - now), zonals)
     found = state_of(elements)
     if not bool(np.isfinite(found).all()):
         raise ArithmeticError("the states are no longer numbers")
     approach = math.fsum(burn.size_m_s for burn in leg.burns)
-    used = thrust.mass_kg - mass * math.exp(-approach / drive.exhaust_m_s)
+    used = thrust.mass_kg - mass * math.exp(-approach / exhaust)
     _refuse_other_propellant(leg, thrust, used)
-    delta_v = drive.exhaust_m_s * math.log(thrust.mass_kg / mass)
-    return ThrustFlown(found, delta_v, mass, float(dark), drive.exhaust_m_s)
+    delta_v = exhaust * math.log(thrust.mass_kg / mass)
+    return ThrustFlown(found, delta_v, mass, float(dark))
 
 
 def _refuse_other_delta_v(leg: RefinedLeg, stated: float, flown: float) -> None:
@@ -195,7 +195,8 @@ def is_dark(elements: Array, since_j2000: float) -> bool:
     centuries = since_j2000 / CENTURY_S
     anomaly = math.radians(357.5256 + 35999.049 * centuries)
     swing = 6892.0 * math.sin(anomaly) + 72.0 * math.sin(2.0 * anomaly)
-    longitude = math.radians(282.94 + swing / 3600.0) + anomaly
+    # From the equinox of date, as the model counts it.
+    longitude = math.radians(282.94 + 1.3972 * centuries + swing / 3600.0) + anomaly
     tilt = math.radians(23.43929111)
     x, y = math.cos(longitude), math.cos(tilt) * math.sin(longitude)
     z = math.sin(tilt) * math.sin(longitude)

@@ -15,7 +15,9 @@ from .thrust_task import Programme, ThrustTask
 FASTER = 1.02
 """Time of thrust aimed at, over that of the plan."""
 
-LARGEST_THRESHOLD = 0.9
+LEAST_THRESHOLD, LARGEST_THRESHOLD = 0.25, 0.9
+"""Limits of thresholds: where the primer vector is short it turns fast, and thrust is worth little.
+"""
 
 ALMOST_ALL = 0.9
 """Share of the sunlit revolution from which on thrust is on in all of it."""
@@ -44,7 +46,7 @@ def first_guess(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Programme:
         size = float(np.linalg.norm(law))
         law[2] = law[2] if size > 0.0 else 1.0
         law *= max(arc.delta_v_m_s, 1e-3) / max(size, 1e-9 if size > 0.0 else 1.0)
-    guess = Programme(steered.ravel(), np.zeros(2), arcs[1].start_s)
+    guess = Programme(steered.ravel(), np.full(2, LEAST_THRESHOLD), arcs[1].start_s)
     return matched(task, guess, arcs)
 
 
@@ -69,15 +71,15 @@ def matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, ..
 
 
 def _threshold(law: Array, mean: Array, wanted: float, since_j2000: float) -> float:
-    """Threshold with which thrust is on for a share of the revolution; 0 where all is wanted."""
+    """Threshold with which thrust is on for a share of the revolution, if it can be."""
     longest = float(primer.peak(law))
-    if mean_thrusting.share_on(mean, law, 0.0, since_j2000) * ALMOST_ALL <= wanted:
-        return 0.0
-    low, high = 0.0, LARGEST_THRESHOLD
+    low, high = LEAST_THRESHOLD, LARGEST_THRESHOLD
+    if mean_thrusting.share_on(mean, law, low * longest, since_j2000) * ALMOST_ALL <= wanted:
+        return low
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         share = mean_thrusting.share_on(mean, law, middle * longest, since_j2000)
         low, high = (middle, high) if share > wanted else (low, middle)
     places = np.linspace(0.0, math.tau, LENGTHS, endpoint=False)
     shortest = min(float(primer.length(law, place)) for place in places)
-    return low if low > shortest / longest + ABOVE_SHORTEST else 0.0
+    return low if low > shortest / longest + ABOVE_SHORTEST else LEAST_THRESHOLD

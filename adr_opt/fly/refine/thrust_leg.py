@@ -146,7 +146,11 @@ def _thrust(
         mass = after
     left = mass * math.exp(-approach_m_s / push.exhaust)
     return RefinedThrust(
-        force_n=push.force, mass_kg=push.mass, propellant_kg=push.mass - left, arcs=tuple(arcs)
+        force_n=push.force,
+        exhaust_m_s=push.exhaust,
+        mass_kg=push.mass,
+        propellant_kg=push.mass - left,
+        arcs=tuple(arcs),
     )
 
 

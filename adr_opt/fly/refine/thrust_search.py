@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,14 +9,14 @@ from scipy.optimize import minimize
 
 from ...plan.plan import LowThrustArc
 from .short_periods import Array
-from .thrust_guess import first_guess, matched
+from .thrust_guess import LARGEST_THRESHOLD, LEAST_THRESHOLD, first_guess, matched
 from .thrust_task import Programme, ThrustTask
 
 STEP_M_S = 0.02
 """Step of the differences by which derivatives are taken."""
 
-CLOSED_M_S, NEAR_M_S, EXACT_M_S = 1e-2, 5e-2, 1e-5
-"""Misses below which a prediction leads to its goal, is nearly there, and needs no more steps."""
+CLOSED_M_S, EXACT_M_S = 1e-2, 1e-5
+"""Misses below which a prediction leads to its goal, and needs no more steps."""
 
 MOST_STEPS, MOST_ROUNDS, MOST_HALVINGS = 10, 3, 6
 """Maximum numbers of Newton's steps, of matchings of the thresholds, and of halvings of a step."""
@@ -31,8 +30,11 @@ SPARE, SPARE_S = 0.03, 9000.0
 WIDER = 0.75
 """Share of their thresholds that wider windows have."""
 
-SCALE = 100.0
-"""Unit of laws in the search for the least ΔV [m/s]."""
+SCALE, SCALE_S, STEP = 100.0, 5.0 * 86400.0, 2e-4
+"""Units of laws [m/s] and times [s] in the search for the least ΔV, and step of its differences."""
+
+LATE = 2.0
+"""Time that an arc is taken to need beyond the end, over the thrust that is left undone."""
 
 RANK = 1e-6
 """Relative size of singular values that are taken for 0."""
@@ -42,7 +44,7 @@ def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Pro
     """Programmes that meet the goal by averaged motion, the cheapest first.
 
     Those of the two numbers of laps next to the plan's; after them the same with wider windows, and
-    with thrust wherever there is sunlight.
+    with thrust nearly wherever there is sunlight.
     """
     guess = first_guess(task, arcs)
     laps = task.laps_to(task.predict(guess).mean)
@@ -54,7 +56,8 @@ def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Pro
             found.append(made)
     yield from sorted(found, key=_cost)
     for share in (WIDER, 0.0):
-        wider = Programme(guess.steered, share * guess.thresholds, guess.second_s)
+        lower = np.maximum(share * guess.thresholds, LEAST_THRESHOLD)
+        wider = Programme(guess.steered, lower, guess.second_s)
         made = _led(task, wider, None, nearer)
         if made is not None:
             yield made
@@ -94,16 +97,13 @@ def _led(
         if arcs is not None:
             now = matched(task, now, arcs)
     now = _closed(task, _in_time(task, now), laps)
-    least = _least(task, now, laps)
-    off = np.abs(task.off(task.predict(least).mean, laps)).max()
-    if off < NEAR_M_S and _cost(least) < _cost(now):
-        now = least
-    for _ in range(2):
-        now = _closed(task, _in_time(task, now), laps)
-    end = task.predict(now)
-    if not np.abs(task.off(end.mean, laps)).max() < CLOSED_M_S or end.left_s > 1.0:
-        return None
-    return now
+    ways = (_closed(task, _least(task, now, laps), laps), now)
+    return min((way for way in ways if _is_closed(task, way, laps)), key=_cost, default=None)
+
+
+def _is_closed(task: ThrustTask, programme: Programme, laps: float) -> bool:
+    end = task.predict(programme)
+    return end.left_s < 1.0 and bool(np.abs(task.off(end.mean, laps)).max() < CLOSED_M_S)
 
 
 def _in_time(task: ThrustTask, programme: Programme) -> Programme:
@@ -136,30 +136,72 @@ def _closed(task: ThrustTask, programme: Programme, laps: float) -> Programme:
 
 
 def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
-    """A programme of less ΔV that meets the goal, by sequential quadratic programming."""
+    """A programme of less ΔV that meets the goal, by sequential quadratic programming.
+
+    Thresholds and the beginning of the second arc are free, too: where a shadow leaves thrust on
+    one side of the orbit alone, narrower windows that keep it round cost time in place of ΔV.
+    """
+    began = np.r_[
+        programme.steered / SCALE, programme.thresholds,
+        (programme.second_s - task.start_s) / SCALE_S,
+    ]  # fmt: skip
 
     def made(unknown: Array) -> Programme:
-        return programme.steered_by(SCALE * unknown)
+        return Programme(SCALE * unknown[:10], unknown[10:12], task.start_s + SCALE_S * unknown[12])
 
-    def slope(unknown: Array) -> Array:
-        arcs = unknown.reshape(2, 5)
+    def told(unknown: Array) -> Array:
+        """Misses, and the time that is left after both arcs."""
+        tried = made(unknown)
+        found = task.predict(tried)
+        late = found.ends_s + LATE * found.left_s
+        spare = max(SPARE * float(late[1] - tried.second_s), SPARE_S)
+        rest = np.array([tried.second_s - late[0], task.end_s - spare - late[1]])
+        both: Array = np.r_[task.off(found.mean, laps) / 10.0, rest / SCALE_S]
+        return both
+
+    known: dict[bytes, tuple[Array, Array]] = {}
+
+    def linear(unknown: Array) -> tuple[Array, Array]:
+        """Those and their derivatives, by differences."""
+        key = unknown.tobytes()
+        if key not in known:
+            here, slope = told(unknown), np.empty((8, began.size))
+            for column in range(began.size):
+                moved = unknown.copy()
+                moved[column] += STEP
+                slope[:, column] = (told(moved) - here) / STEP
+            known.clear()
+            known[key] = here, slope
+        return known[key]
+
+    def cost_slope(unknown: Array) -> Array:
+        arcs = unknown[:10].reshape(2, 5)
         sizes = np.maximum(np.linalg.norm(arcs, axis=1), 1e-12)
-        found: Array = (arcs / sizes[:, None]).ravel()
-        return found
+        slopes: Array = np.r_[(arcs / sizes[:, None]).ravel(), np.zeros(3)]
+        return slopes
 
     reach = 0.5 * np.abs(programme.steered).max() / SCALE + 0.1
-    began = programme.steered / SCALE
+    limits = [(one - reach, one + reach) for one in began[:10]]
+    limits += [(LEAST_THRESHOLD, LARGEST_THRESHOLD)] * 2
+    limits.append((0.0, (task.end_s - task.start_s) / SCALE_S))
     found = minimize(
         lambda unknown: _cost(made(unknown)) / SCALE,
         began,
-        jac=slope,
+        jac=cost_slope,
         method="SLSQP",
-        bounds=[(one - reach, one + reach) for one in began],
-        constraints={
-            "type": "eq",
-            "fun": lambda unknown: task.off(task.predict(made(unknown)).mean, laps) / 10.0,
-            "jac": lambda unknown: derivative_of(task, made(unknown), laps) * (SCALE / 10.0),
-        },
-        options={"maxiter": LEAST_STEPS, "ftol": 1e-7},
+        bounds=limits,
+        constraints=(
+            {
+                "type": "eq",
+                "fun": lambda unknown: told(unknown)[:6],
+                "jac": lambda unknown: linear(unknown)[1][:6],
+            },
+            {
+                "type": "ineq",
+                "fun": lambda unknown: told(unknown)[6:],
+                "jac": lambda unknown: linear(unknown)[1][6:],
+            },
+        ),
+        options={"maxiter": LEAST_STEPS, "ftol": 1e-6},
     )
-    return made(found.x) if math.isfinite(float(found.fun)) else programme
+    return made(found.x) if np.isfinite(found.x).all() else programme

@@ -18,14 +18,14 @@ from .gravity import pull
 from .primer import length, pushed
 from .sunlight import sun_direction
 
-STEP_RAD = 0.7
-"""Longest step."""
+STEP_RAD, PUSHED_STEP_RAD = 0.7, 0.35
+"""Longest steps without and with thrust, whose direction turns faster than the orbit."""
 
 MOST_ROUNDS = 12
 """Maximum number of iterations for the stages; four to five are needed."""
 
 SCAN_RAD = 2.0 * math.pi / 90.0
-"""Distance of places at which it is asked whether thrust is on; shorter windows are overlooked."""
+"""Distance of places at which it is asked whether thrust is on."""
 
 CLEAR_M = 15e3
 """Clearance from the shadow: an osculating orbit half a revolution on differs by ten kilometres
@@ -146,7 +146,8 @@ def _rates(of, longitude, acceleration, law, zonals):
 def _advance(now, end, engine, zonals, work, rates):
     """Integrate elements and time, ``now``, to a longitude, in place; the mass there [kg]."""
     mass, flow, force, law = engine.mass, engine.flow, engine.force, engine.law
-    steps = max(1, math.ceil(abs(end - now[6]) / STEP_RAD))
+    longest = PUSHED_STEP_RAD if force > 0.0 else STEP_RAD
+    steps = max(1, math.ceil(abs(end - now[6]) / longest))
     step = (end - now[6]) / steps
     began = now[5]
     for _ in range(steps):
@@ -221,12 +222,25 @@ def _is_on(now, longitude, law, least, sun):
     return length(law, u) >= least and _is_lit(now, longitude, sun)
 
 
+@inlined
+def _darkest(now, sun):
+    """The next longitude that is farthest from the Sun."""
+    x, y, z, _, _, _ = _frame(now[3], now[4], 1.0, 0.0)
+    along = x * sun[0] + y * sun[1] + z * sun[2]
+    x, y, z, _, _, _ = _frame(now[3], now[4], 0.0, 1.0)
+    ahead = x * sun[0] + y * sun[1] + z * sun[2]
+    return now[6] + (math.atan2(-ahead, -along) - now[6]) % (2.0 * math.pi)
+
+
 @kernel
 def _next_switch(now, is_on, law, least, sun):
     """Longitude at which thrust is switched next, at most half a revolution on; whether it is."""
     before = now[6]
-    here = before + 0.5 * SCAN_RAD
+    here, darkest = before + 0.5 * SCAN_RAD, _darkest(now, sun)
     while here < now[6] + math.pi:
+        # The shortest shadow has a place that is asked for.
+        if before < darkest < here:
+            here = darkest
         if _is_on(now, here, law, least, sun) != is_on:
             low, high = before, here
             while high - low > 1e-13 * max(1.0, abs(high)):
@@ -305,6 +319,42 @@ def fly(now, until, push, arcs, zonals, windows):
         missing += max(left, 0.0)
     _land(now, until, Engine(mass, 0.0, 0.0, off), zonals, work, rates)
     return count, mass, missing
+
+
+@kernel
+def follow(now, times, windows, laws, push, zonals):
+    """States at times of a flight with known windows of thrust, shape (times, 6) [m, m/s].
+
+    Parameters
+    ----------
+    now : (7,) float64
+        As of :func:`fly`; written to.
+    times : (times,) float64
+        In order, not before the first [s].
+    windows : (windows, 3) float64
+        As :func:`fly` writes them.
+    laws : (arcs, 5) float64
+    push : Push
+    zonals : (3,) float64
+    """
+    work, rates, found = np.empty((STAGES, 6)), np.empty((STAGES, 6)), np.empty((times.size, 6))
+    off = np.zeros(5)
+    mass, flow, window = push.mass, push.force / push.exhaust, 0
+    for at in range(times.size):
+        while now[5] < times[at]:
+            end, engine = times[at], Engine(mass, 0.0, 0.0, off)
+            if window < windows.shape[0]:
+                if now[5] < windows[window, 0]:
+                    end = min(end, windows[window, 0])
+                else:
+                    end = min(end, windows[window, 1])
+                    engine = Engine(mass, flow, push.force, laws[int(windows[window, 2])])
+            mass = _land(now, end, engine, zonals, work, rates)
+            now[5] = end
+            if window < windows.shape[0] and end >= windows[window, 1]:
+                window += 1
+        found[at] = state_of(now)
+    return found
 
 
 @kernel
