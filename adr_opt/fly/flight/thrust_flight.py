@@ -3,8 +3,8 @@
 Written apart from :mod:`adr_opt.kernels.orbits.thrusting`, which found the windows: that integrates
 along the longitude by an implicit method, this along the time by an explicit one
 (:mod:`.propagation`), with the thrust of the file's windows and steering. How long thrust is on in
-the Earth's shadow, a cylinder, is counted with another formula for the Sun (O. Montenbruck and E.
-Gill, Satellite Orbits, 2000, section 3.3.2).
+the Earth's shadow, a cylinder, is counted with other formulas for the Sun (J. Meeus, Astronomical
+Algorithms, 2nd edition, 1998, chapter 25).
 """
 
 from __future__ import annotations
@@ -193,11 +193,11 @@ def _push(elements: Array, steering: Array, acceleration: float, rates: Array) -
 def is_dark(elements: Array, since_j2000: float) -> bool:
     """Whether a place is in the Earth's shadow, a cylinder, at seconds since J2000."""
     centuries = since_j2000 / CENTURY_S
-    anomaly = math.radians(357.5256 + 35999.049 * centuries)
-    swing = 6892.0 * math.sin(anomaly) + 72.0 * math.sin(2.0 * anomaly)
-    # From the equinox of date, as the model counts it.
-    longitude = math.radians(282.94 + 1.3972 * centuries + swing / 3600.0) + anomaly
-    tilt = math.radians(23.43929111)
+    anomaly = math.radians(357.52911 + 35999.05029 * centuries)
+    longitude = 280.46646 + 36000.76983 * centuries
+    longitude += 1.914602 * math.sin(anomaly) + 0.019993 * math.sin(2.0 * anomaly)
+    # Without the aberration, 20″.
+    longitude, tilt = math.radians(longitude), math.radians(23.439291)
     x, y = math.cos(longitude), math.cos(tilt) * math.sin(longitude)
     z = math.sin(tilt) * math.sin(longitude)
     state = state_of(elements)

@@ -27,9 +27,11 @@ MOST_ROUNDS = 12
 SCAN_RAD = 2.0 * math.pi / 90.0
 """Distance of places at which it is asked whether thrust is on."""
 
-CLEAR_M = 15e3
-"""Clearance from the shadow: an osculating orbit half a revolution on differs by ten kilometres
-[m]."""
+NEAR_RAD = 0.05
+"""Distance before a switch at which its place is found once more."""
+
+CLEAR_M = 5e3
+"""Clearance from the shadow: by how much an osculating orbit changes over that distance [m]."""
 
 MOST_LANDINGS = 30
 """Maximum number of steps to a given time."""
@@ -251,10 +253,13 @@ def _next_switch(now, is_on, law, least, sun):
                     low = middle
                 else:
                     high = middle
-            return high, True
+            # From afar it is known to some kilometres only.
+            far = high - now[6] > 2.0 * NEAR_RAD
+            return (high - NEAR_RAD, False) if far else (high, True)
         before = here
         here += SCAN_RAD
-    return here, False
+    # No place beyond the last one that was asked for.
+    return before, False
 
 
 @kernel
