@@ -63,15 +63,16 @@ class RefinedLegFlight:
 
     @property
     def arrives(self) -> bool:
-        """Whether it hits its stand-off, its target and, with a tow, the release point.
-
-        And whether low thrust is off in the shadow.
-        """
+        """Whether it hits its stand-off, its target and, with a tow, the release point."""
         return (
             max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0) <= MOST_MISS_M
             and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
-            and (self.shadow_s or 0.0) <= MOST_SHADOW_S
         )
+
+    @property
+    def is_in_shadow(self) -> bool:
+        """Whether low thrust is on in the Earth's shadow."""
+        return (self.shadow_s or 0.0) > MOST_SHADOW_S
 
     def to_dict(self) -> dict[str, Any]:
         """The flight as plain data, with its tow if there is one."""
@@ -123,6 +124,11 @@ class RefinedFlight:
         return tuple(leg for leg in self.legs if not leg.arrives)
 
     @property
+    def in_shadow(self) -> tuple[RefinedLegFlight, ...]:
+        """Legs with low thrust in the Earth's shadow."""
+        return tuple(leg for leg in self.legs if leg.is_in_shadow)
+
+    @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
         """Tanks that do not suffice."""
         return tuple(tank for tank in self.tanks if not tank.holds)
@@ -134,8 +140,8 @@ class RefinedFlight:
 
     @property
     def holds(self) -> bool:
-        """Whether every leg is present and arrives, and every tank suffices."""
-        return not (self.missing or self.strayed or self.broken_tanks)
+        """Whether every leg is present and arrives without thrust in the shadow, and tanks suffice."""
+        return not (self.missing or self.strayed or self.in_shadow or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:
