@@ -140,7 +140,7 @@ class RefinedFlight:
 
     @property
     def holds(self) -> bool:
-        """Whether every leg is present and arrives without thrust in the shadow, and tanks suffice."""
+        """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice."""
         return not (self.missing or self.strayed or self.in_shadow or self.broken_tanks)
 
     @property

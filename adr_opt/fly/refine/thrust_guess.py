@@ -47,10 +47,10 @@ def first_guess(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Programme:
         law[2] = law[2] if size > 0.0 else 1.0
         law *= max(arc.delta_v_m_s, 1e-3) / max(size, 1e-9 if size > 0.0 else 1.0)
     guess = Programme(steered.ravel(), np.full(2, LEAST_THRESHOLD), arcs[1].start_s)
-    return matched(task, guess, arcs)
+    return _matched(task, guess, arcs)
 
 
-def matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, ...]) -> Programme:
+def _matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, ...]) -> Programme:
     """The same with thresholds with which arcs take about as long as in the plan.
 
     Where thrust is on at the best places only, it is as slow as windows of the plan are, and

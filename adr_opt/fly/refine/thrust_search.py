@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 
 from ...plan.plan import LowThrustArc
 from .short_periods import Array
-from .thrust_guess import LARGEST_THRESHOLD, LEAST_THRESHOLD, first_guess, matched
+from .thrust_guess import LARGEST_THRESHOLD, LEAST_THRESHOLD, first_guess
 from .thrust_task import Programme, ThrustTask
 
 STEP_M_S = 0.02
@@ -19,7 +19,7 @@ CLOSED_M_S, EXACT_M_S = 1e-2, 1e-5
 """Misses below which a prediction leads to its goal, and needs no more steps."""
 
 MOST_STEPS, MOST_ROUNDS, MOST_HALVINGS = 10, 3, 6
-"""Maximum numbers of Newton's steps, of matchings of the thresholds, and of halvings of a step."""
+"""Maximum numbers of Newton's steps, of rounds of them, and of halvings of a step."""
 
 LEAST_STEPS = 60
 """Maximum number of steps towards the least ΔV."""
@@ -43,7 +43,7 @@ RANK = 1e-6
 def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Programme]:
     """Programmes that meet the goal by averaged motion, the cheapest first.
 
-    Those of the two numbers of laps next to the plan's; after them the same with wider windows, and
+    Those of the two numbers of laps next to that of the first guess; after them the same with wider windows, and
     with thrust nearly wherever there is sunlight.
     """
     guess = first_guess(task, arcs)
@@ -51,14 +51,14 @@ def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Pro
     nearer = float(round(laps))
     found = []
     for number in (nearer, nearer + 1.0 if laps > nearer else nearer - 1.0):
-        made = _led(task, guess, arcs, number)
+        made = _led(task, guess, number)
         if made is not None:
             found.append(made)
     yield from sorted(found, key=_cost)
     for share in (WIDER, 0.0):
         lower = np.maximum(share * guess.thresholds, LEAST_THRESHOLD)
         wider = Programme(guess.steered, lower, guess.second_s)
-        made = _led(task, wider, None, nearer)
+        made = _led(task, wider, nearer)
         if made is not None:
             yield made
 
@@ -87,17 +87,18 @@ def _cost(programme: Programme) -> float:
     return float(programme.costs_m_s.sum())
 
 
-def _led(
-    task: ThrustTask, guess: Programme, arcs: tuple[LowThrustArc, ...] | None, laps: float
-) -> Programme | None:
+def _led(task: ThrustTask, guess: Programme, laps: float) -> Programme | None:
     """A programme that meets the goal, near the cheapest one; None if there is none."""
-    now = guess
+    begun = _in_time(task, guess)
+    direct = _closed(task, _least(task, begun, laps), laps)
+    if _is_closed(task, direct, laps):
+        return direct
+    # Not from so far: first to the goal, and then to the least ΔV.
+    near = begun
     for _ in range(MOST_ROUNDS):
-        now = _closed(task, _in_time(task, now), laps)
-        if arcs is not None:
-            now = matched(task, now, arcs)
-    now = _closed(task, _in_time(task, now), laps)
-    ways = (_closed(task, _least(task, now, laps), laps), now)
+        near = _in_time(task, _closed(task, near, laps))
+    near = _closed(task, near, laps)
+    ways = (_closed(task, _least(task, near, laps), laps), near)
     return min((way for way in ways if _is_closed(task, way, laps)), key=_cost, default=None)
 
 
