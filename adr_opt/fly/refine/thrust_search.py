@@ -43,8 +43,8 @@ RANK = 1e-6
 def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Programme]:
     """Programmes that meet the goal by averaged motion, the cheapest first.
 
-    Those of the two numbers of laps next to that of the first guess; after them the same with wider windows, and
-    with thrust nearly wherever there is sunlight.
+    Those of the two numbers of laps next to that of the first guess; after them the same with wider
+    windows, and with thrust nearly wherever there is sunlight.
     """
     guess = first_guess(task, arcs)
     laps = task.laps_to(task.predict(guess).mean)
