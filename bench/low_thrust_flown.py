@@ -108,6 +108,9 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--legs", type=int, default=30, help="drawn legs of each kind")
+    parser.add_argument(
+        "--eccentricities", type=float, nargs="+", default=[0.0, 0.005], help="largest of each kind"
+    )
     options = parser.parse_args()
     print(heading())
     print(
@@ -115,7 +118,7 @@ def main() -> None:
         "| range | worst stand-off | worst arrival | thrust in the shadow | refined in |"
     )
     print("|---|---|---|---|---|---|---|---|---|---|---|")
-    for eccentricity in (0.0, 0.005):
+    for eccentricity in options.eccentricities:
         print_row(options.legs, eccentricity)
 
 

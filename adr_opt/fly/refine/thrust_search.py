@@ -58,9 +58,10 @@ def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Pro
     for share in (WIDER, 0.0):
         lower = np.maximum(share * guess.thresholds, LEAST_THRESHOLD)
         wider = Programme(guess.steered, lower, guess.second_s)
-        made = _led(task, wider, nearer)
-        if made is not None:
-            yield made
+        for way in (_led, _led_in_steps):
+            made = way(task, wider, nearer)
+            if made is not None:
+                yield made
 
 
 def minimum_norm(derivative: Array, wanted: Array) -> Array:
@@ -93,8 +94,12 @@ def _led(task: ThrustTask, guess: Programme, laps: float) -> Programme | None:
     direct = _closed(task, _least(task, begun, laps), laps)
     if _is_closed(task, direct, laps):
         return direct
-    # Not from so far: first to the goal, and then to the least ΔV.
-    near = begun
+    return _led_in_steps(task, guess, laps)
+
+
+def _led_in_steps(task: ThrustTask, guess: Programme, laps: float) -> Programme | None:
+    """The same from farther: first to the goal, and then to the least ΔV."""
+    near = _in_time(task, guess)
     for _ in range(MOST_ROUNDS):
         near = _in_time(task, _closed(task, near, laps))
     near = _closed(task, near, laps)
