@@ -29,32 +29,44 @@ FIELDS = {
     "campaign": "generate campaign --seed 0 --targets 8 --out campaign.json",
     "removal": "generate removal --seed 0 --targets 4 --out removal.json",
     "electric": "generate electric --seed 3 --targets 6 --chasers 1 --out electric.json",
+    "thrusting": f"import {ROOT}/examples/catalogue/cloud.tle --thrust 0.2 --dry-mass 400 "
+    "--propellant 60 --isp 1500 --duration-days 180 --max-targets 4 --out thrusting.json",
 }
-"""Small missions of five kinds."""
-
-CAMPAIGNS = ("campaign", "removal")
-
-NOT_FLOWN = ("electric",)
-"""Those that no verb flies or refines."""
+"""Small missions of six kinds."""
 
 VERBS = (
     "solve {}.json --time-limit 5 --bound exact --out plan.json --certificate proof.json",
     "check {}.json plan.json",
     "verify {}.json plan.json proof.json",
-    "fly {}.json plan.json",
     "replan {}.json plan.json --at 1 --time-limit 2 --out rest.json",
     "tradeoff {}.json --vary duration=1:2:1 --time-limit 2 --out curve.csv",
 )
 """Verbs that call kernels."""
 
+FLOWN = ("fly {}.json plan.json",)
+
 ONE_CHASER = (
+    *FLOWN,
     "refine {}.json plan.json --out refined.json",
     "fly {}.json refined.json --samples 3",
     "price {}.json debris-001 debris-002",
     "matrix {}.json --every 43200 --out costs.npz",
     "export {}.json plan.json --out mission.oem",
 )
-"""Those that take a mission of one chaser alone."""
+
+OTHERS = {
+    "field": ONE_CHASER,
+    "drifting": ONE_CHASER,
+    "campaign": FLOWN,
+    "removal": FLOWN,
+    "electric": (),
+    "thrusting": (
+        "refine {}.json plan.json --out refined.json",
+        "fly {}.json refined.json",
+        "export {}.json refined.json --out mission.oem",
+    ),
+}
+"""Verbs that not all of the missions are for."""
 
 
 def main() -> int:
@@ -116,9 +128,7 @@ def run_verbs(field: str) -> set[Path]:
     folder = Path(tempfile.mkdtemp())
     try:
         os.chdir(folder)
-        verbs = VERBS if field in CAMPAIGNS or field in NOT_FLOWN else (*VERBS, *ONE_CHASER)
-        if field in NOT_FLOWN:
-            verbs = tuple(verb for verb in verbs if not verb.startswith("fly "))
+        verbs = (*VERBS, *OTHERS[field])
         for line in (FIELDS[field], *(verb.format(field) for verb in verbs)):
             if adr_opt(line.split()) == 2:
                 raise SystemExit(f"{line}: exit status 2")

@@ -39,6 +39,8 @@ class LegKind:
     on_time_grid : bool
         Whether it is planned between times of a grid, at the ΔV of a closed form: then it may
         leave later and arrive earlier, and costs what its burns add up to.
+    has_arcs : bool
+        Whether plans state arcs of low thrust in place of burns.
     """
 
     name: str
@@ -48,6 +50,7 @@ class LegKind:
     from_nowhere: bool = False
     counts_laps: bool = False
     on_time_grid: bool = False
+    has_arcs: bool = False
 
 
 SHORT = LegKind("short", "short leg", "short", counts_laps=True)
@@ -56,7 +59,7 @@ LAUNCH = LegKind("launch", "launch", "launched", has_burns=False, from_nowhere=T
 GIVEN = LegKind("given", "given leg", "given", has_burns=False)
 
 LOW_THRUST = LegKind(
-    "low-thrust", "low-thrust leg", "low-thrust", has_burns=False, on_time_grid=True
+    "low-thrust", "low-thrust leg", "low-thrust", has_burns=False, on_time_grid=True, has_arcs=True
 )
 
 _known = {kind.name: kind for kind in (SHORT, DRIFT, LAUNCH, GIVEN, LOW_THRUST)}
@@ -152,5 +155,10 @@ def flown_kind_names() -> tuple[str, ...]:
     return tuple(kind.name for kind in leg_kinds() if kind.has_burns)
 
 
+def refined_kind_names() -> tuple[str, ...]:
+    """Names of the kinds whose legs are refined: those with burns or arcs."""
+    return tuple(kind.name for kind in leg_kinds() if kind.has_burns or kind.has_arcs)
+
+
 KindName = Annotated[str, OneOf(kind_names)]
-FlownKindName = Annotated[str, OneOf(flown_kind_names)]
+RefinedKindName = Annotated[str, OneOf(refined_kind_names)]

@@ -18,9 +18,10 @@ from pydantic import (
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
-from .leg_kinds import FlownKindName, OneOf
+from .leg_kinds import OneOf, RefinedKindName, leg_kind
 from .phases import refined_phases
 from .plan import InstanceReference, Plan, Vector
+from .refined_thrust import RefinedThrust
 
 FORMAT: Literal["adr-opt-refined/1"] = "adr-opt-refined/1"
 
@@ -122,12 +123,14 @@ class RefinedLeg(Record):
     service, ``tow_before`` that of the origin, from whose end the leg begins; their burns count
     in neither sum. Where there are none, files say nothing of them. ``after_launch`` says that the
     chaser was launched onto the origin and towed it: a launch is no refined leg, so that this one
-    counts what ``tow_before`` takes.
+    counts what ``tow_before`` takes. ``thrust`` is that of a leg of low thrust before the
+    stand-off; its ΔV counts in ``flown_delta_v_m_s``, and its ``burns`` are those of the approach
+    alone.
     """
 
     leg: Annotated[int, Field(ge=1)]
     chaser: Name | None = None
-    kind: FlownKindName
+    kind: RefinedKindName
     origin: Name
     destination: Name
     ready_s: Time
@@ -145,6 +148,13 @@ class RefinedLeg(Record):
     tow_before: RefinedTow | None = None
     after_launch: Literal[True] | None = None
     tow: RefinedTow | None = None
+    thrust: RefinedThrust | None = None
+
+    @property
+    def spent_m_s(self) -> float:
+        """ΔV of burns and arcs, whatever ΔV is stated [m/s]."""
+        arcs = 0.0 if self.thrust is None else self.thrust.delta_v_m_s
+        return math.fsum((arcs, *(burn.size_m_s for burn in self.burns)))
 
     @property
     def removal_m_s(self) -> float:
@@ -175,7 +185,7 @@ class RefinedLeg(Record):
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        for name in ("chaser", "tow_before", "after_launch", "tow"):
+        for name in ("chaser", "tow_before", "after_launch", "tow", "thrust"):
             if getattr(self, name) is None:
                 content.pop(name, None)
         return content
@@ -190,10 +200,18 @@ class RefinedLeg(Record):
                 f"field standoff_s = {self.standoff_s!r}: must lie between the first burn and "
                 "arrival_s, and no burn after that"
             )
-        total = math.fsum(burn.size_m_s for burn in self.burns)
+        if leg_kind(self.kind).has_arcs != (self.thrust is not None):
+            wrong = "needs it" if self.thrust is None else "has none"
+            raise ValueError(f"field thrust: a leg of kind {self.kind!r} {wrong}")
+        if self.thrust is not None and any(
+            not self.states[0].time_s <= start <= end <= self.standoff_s
+            for start, end in self.thrust.windows_s
+        ):
+            raise ValueError("field thrust: a window is not between the departure and standoff_s")
+        total = self.spent_m_s
         if abs(total - self.flown_delta_v_m_s) > ADDS_UP_M_S:
             raise ValueError(
-                f"field flown_delta_v_m_s = {self.flown_delta_v_m_s!r}: the burns add up to "
+                f"field flown_delta_v_m_s = {self.flown_delta_v_m_s!r}: burns and arcs add up to "
                 f"{total!r}; write that"
             )
         if self.tow_before is not None and self.tow_before.released.time_s > times[0]:
@@ -261,6 +279,11 @@ class RefinedPlan(Shown, Record):
     def flown_delta_v_m_s(self) -> float:
         """ΔV of the refined legs and their tows [m/s]."""
         return math.fsum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in self.legs)
+
+    @property
+    def has_thrust(self) -> bool:
+        """Whether some leg has low thrust."""
+        return any(leg.thrust is not None for leg in self.legs)
 
     def to_json(self) -> str:
         """The refined plan file."""

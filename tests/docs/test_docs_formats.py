@@ -11,7 +11,7 @@ from conftest import Cli
 from pages import ROOT, read, tables
 
 from adr_opt.kernels.legs.burns import PHASES
-from adr_opt.plan import certificate, plan
+from adr_opt.plan import certificate, plan, refined_thrust
 from adr_opt.plan import refined_plan as refined
 from adr_opt.problem import bodies, chasers, instance, orbit, settings
 from adr_opt.sources.library import Library
@@ -49,6 +49,8 @@ def described(caption: str) -> dict[str, str]:
         ("**`manoeuvres[]`**", plan.LowThrustArc),
         ("Defined in `adr_opt/plan/refined_plan.py`", refined.RefinedPlan),
         ("**A refined leg**", refined.RefinedLeg),
+        ("**`thrust`**", refined_thrust.RefinedThrust),
+        ("**`arcs[]`**", refined_thrust.SteeredArc),
         ("is packed by gzip", certificate.Certificate),
         ("**`walks[]`**", certificate.ProvenWalks),
         ("says how to get the files", Library),

@@ -75,6 +75,10 @@ def write_refined(
     axes = axes_in(format, instance, frame)
     if format != "oem" and body is not None:
         raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
+    if format != "oem" and refined.has_thrust:
+        raise InputError(
+            f".{format} files have impulses only, and the plan has low thrust; write .oem"
+        )
     name = _whose(instance, refined, chaser, leg, body)
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
     said = [*_origin(instance, refined, axes), *who(instance, name)]
@@ -138,6 +142,7 @@ def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[st
     yield (
         "Osculating states of numerically integrated motion with GM = 398600.4418 km**3/s**2"
         + (f", R = {EARTH_RADIUS_M / 1e3:.3f} km, {terms}" if terms else "")
-        + "; impulsive burns."
+        + ("; low thrust, and " if refined.has_thrust else "; ")
+        + "impulsive burns."
     )
     yield axes.said

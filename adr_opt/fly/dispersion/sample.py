@@ -97,6 +97,8 @@ def sample_flights(  # noqa: PLR0913
     if not 0.0 < share < 1.0:
         raise InputError(f"share = {share:g}: must lie between 0 and 1")
     refuse_strangers(instance, refined)
+    if refined.has_thrust:
+        raise InputError("the refined plan has low thrust, which is not flown with errors")
     if not refined.legs:
         raise InputError("the refined plan has no legs: there is nothing to fly")
 

@@ -24,6 +24,19 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     missing, or one too many.
     """
     refuse_without_burns(instance)
+    _refuse_wrong_legs(instance, plan)
+
+
+def refuse_what_cannot_be_refined(instance: Instance, plan: Plan) -> None:
+    """Raise :class:`InputError` for a plan that cannot be refined over an instance.
+
+    As :func:`refuse_what_cannot_be_flown` does, but legs of low thrust may have their arcs.
+    """
+    refuse_given(instance)
+    _refuse_wrong_legs(instance, plan)
+
+
+def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
     refuse_foreign(instance, plan)
     routes_of(instance, plan)
     bodies = set(instance.names)
@@ -44,9 +57,14 @@ def refuse_without_burns(instance: Instance) -> None:
     """Raise :class:`InputError` for an instance whose plans have no burns."""
     if instance.has_low_thrust:
         raise InputError(
-            f"{instance.name!r} has chasers with low thrust, whose legs are planned in closed form "
-            "and not flown yet"
+            f"{instance.name!r} has chasers with low thrust, whose plans have no burns; refine the "
+            "plan, and take the refined one"
         )
+    refuse_given(instance)
+
+
+def refuse_given(instance: Instance) -> None:
+    """Raise :class:`InputError` for an instance whose costs are given."""
     if instance.transfer.given is not None:
         raise InputError(
             f"the connections of {instance.name!r} are given, with nothing but times and costs: "
@@ -103,6 +121,11 @@ def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
         )
     if leg.tow is None:
         return
+    if leg.traits.has_arcs:
+        raise InputError(
+            f"leg {number}: {leg.destination!r} is towed by a spiral of low thrust, which is not "
+            "refined yet"
+        )
     times = [burn.time_s for burn in leg.tow.burns]
     if len(times) != 2 or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[1]:
         raise InputError(
@@ -115,6 +138,8 @@ def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
     for name in (leg.origin, leg.destination):
         if name not in bodies:
             raise InputError(f"leg {number}: {name!r} is not a body of the instance")
+    if leg.traits.has_arcs:
+        _refuse_arcs(number, leg)
     if not leg.traits.has_burns:
         if leg.burns:
             raise InputError(f"leg {number}: a {leg.traits.noun} has no burns; take them out")
@@ -128,4 +153,19 @@ def _refuse_leg(number: int, leg: Leg, bodies: set[str]) -> None:
         raise InputError(
             f"leg {number}: arrival_s = {leg.arrival_s!r} is before the last burn at "
             f"{times[-1]!r}; it must be the end of the approach"
+        )
+
+
+def _refuse_arcs(number: int, leg: Leg) -> None:
+    arcs = leg.manoeuvres or ()
+    if len(arcs) != 2:
+        raise InputError(
+            f"leg {number}: a {leg.traits.noun} has two arcs; state both in manoeuvres"
+        )
+    times = [time for arc in arcs for time in (arc.start_s, arc.end_s)]
+    whole = [leg.departure_s - TIME_TOLERANCE_S, *times, leg.arrival_s]
+    if whole != sorted(whole):
+        raise InputError(
+            f"leg {number}: its arcs are not in time order between departure_s and arrival_s; "
+            "correct their times"
         )

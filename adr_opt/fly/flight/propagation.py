@@ -31,7 +31,7 @@ for _array in (BEFORE, WEIGHTS):
 
 
 @kernel
-def _rates(elements: Array, zonals: Array, rates: Array) -> None:
+def rates_of(elements: Array, zonals: Array, rates: Array) -> None:
     """Rates of change of the elements."""
     p, f, g, h, k, longitude = (
         elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
@@ -96,7 +96,7 @@ def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None
                 for before in range(at):
                     total += BEFORE[at, before] * rates[before, axis]
                 stage[axis] = elements[axis] + (lost[axis] + step * total)
-            _rates(stage, zonals, rates[at])
+            rates_of(stage, zonals, rates[at])
         for axis in range(6):
             total = 0.0
             for at in range(STAGES):

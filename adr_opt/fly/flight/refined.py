@@ -23,6 +23,7 @@ from .flyable import refuse_foreign
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .tanks import refined_routes, tanks_of
+from .thrust_flight import ThrustFlown, fly_thrust, refuse_wrong_thrust
 
 Array = npt.NDArray[np.float64]
 
@@ -67,7 +68,7 @@ def fly_refined(
     report(0, len(refined.legs))
     for leg in refined.legs:
         try:
-            flown.append(_fly_leg(world, bodies, leg, instance.transfer.standoff_m))
+            flown.append(_fly_leg(world, bodies, leg, instance))
         except ArithmeticError as error:
             raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
         report(len(flown), len(refined.legs))
@@ -85,7 +86,9 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
     Or for one that lacks a tow, or has one too many.
     """
     refuse_foreign(instance, refined)
-    refined_routes(instance, refined)
+    for chaser, legs in refined_routes(instance, refined):
+        for leg in legs:
+            refuse_wrong_thrust(instance, leg, chaser)
     towed = {target.name for target in instance.targets if target.service.is_flown}
     for leg in refined.legs:
         for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
@@ -100,7 +103,7 @@ class _World:
     """Free motion of many states at once, as columns of shape (6, n) [m, m/s]."""
 
     def __init__(self, gravity: str) -> None:
-        self._zonals = FIELDS[gravity]
+        self.zonals = FIELDS[gravity]
 
     def coast(self, states: Array, start_s: float, end_s: float) -> Array:
         """The states after a coast.
@@ -119,7 +122,7 @@ class _World:
             retrograde = state[0] * state[4] < state[1] * state[3]
             sides = MIRROR if retrograde else np.ones(6)
             elements = elements_of(sides * state)
-            advance(elements, end_s - start_s, steps, self._zonals)
+            advance(elements, end_s - start_s, steps, self.zonals)
             found[:, at] = sides * state_of(elements)
         if not bool(np.isfinite(found).all()):
             raise ArithmeticError("the states are no longer numbers")
@@ -184,7 +187,7 @@ class _Ephemeris:
 
 
 def _fly_leg(
-    world: _World, bodies: _Ephemeris, leg: RefinedLeg, length_m: float
+    world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance
 ) -> RefinedLegFlight:
     now = leg.states[0].time_s
     if leg.tow_before is None:
@@ -194,6 +197,10 @@ def _fly_leg(
         chaser = world.coast(_towed(world, bodies, leg.origin, leg.tow_before), end_s, now)
     begin, begun = leg.states[0], chaser[:3, 0]
     at_standoff = None
+    thrust = None
+    if leg.thrust is not None:
+        thrust = fly_thrust(instance, leg, chaser[:, 0], world.zonals)
+        chaser, now = thrust.state[:, None], leg.standoff_s
     for burn in leg.burns:
         if at_standoff is None and burn.phase == "approach":
             chaser, now = world.coast(chaser, now, leg.standoff_s), leg.standoff_s
@@ -204,7 +211,8 @@ def _fly_leg(
     if at_standoff is None:
         raise ArithmeticError("no burn begins the approach; add the approach burns")
     chaser = world.coast(chaser, now, leg.arrival_s)
-    behind = bodies.following(leg.destination, leg.standoff_s, length_m)
+    burnt = math.fsum(burn.size_m_s for burn in leg.burns)
+    behind = bodies.following(leg.destination, leg.standoff_s, instance.transfer.standoff_m)
     target = bodies.state(leg.destination, leg.arrival_s)
     return RefinedLegFlight(
         leg=leg.leg,
@@ -212,7 +220,7 @@ def _fly_leg(
         destination=leg.destination,
         kind=leg.kind,
         planned_delta_v_m_s=leg.planned_delta_v_m_s,
-        flown_delta_v_m_s=math.fsum(burn.size_m_s for burn in leg.burns),
+        flown_delta_v_m_s=burnt + (0.0 if thrust is None else thrust.delta_v_m_s),
         departure_miss_m=math.dist(begin.position_m, begun),
         standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
@@ -220,7 +228,19 @@ def _fly_leg(
         arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
         tow_miss_m=None if leg.tow is None else _tow_miss_m(world, bodies, leg),
         towing_m_s=leg.removal_m_s,
+        **({} if thrust is None else _propellant(leg, thrust, burnt)),
     )
+
+
+def _propellant(leg: RefinedLeg, thrust: ThrustFlown, burnt_m_s: float) -> dict[str, float]:
+    """Propellant of a leg of low thrust, planned and flown, and thrust in the shadow."""
+    assert leg.thrust is not None
+    full, exhaust = leg.thrust.mass_kg, leg.thrust.exhaust_m_s
+    return {
+        "planned_propellant_kg": full * -math.expm1(-leg.planned_delta_v_m_s / exhaust),
+        "flown_propellant_kg": full - thrust.mass_kg * math.exp(-burnt_m_s / exhaust),
+        "shadow_s": thrust.shadow_s,
+    }
 
 
 def _towed(world: _World, bodies: _Ephemeris, name: str, tow: RefinedTow) -> Array:

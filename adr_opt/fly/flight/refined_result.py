@@ -10,6 +10,9 @@ from .result import ChaserFlight, TankFlight, chasers_of
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
 
+MOST_SHADOW_S = 1.0
+"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
+
 
 @dataclass(frozen=True)
 class RefinedLegFlight:
@@ -36,6 +39,9 @@ class RefinedLegFlight:
     towing_m_s : float
         What towing it takes, and after a launch what towing the origin took; 0 if neither is
         towed [m/s].
+    planned_propellant_kg, flown_propellant_kg, shadow_s : float or None
+        Of a leg of low thrust: what its planned ΔV would take, what it took, and how long thrust
+        was on in the Earth's shadow; None of any other.
     """
 
     leg: int
@@ -51,6 +57,9 @@ class RefinedLegFlight:
     arrival_miss_m_s: float
     tow_miss_m: float | None = None
     towing_m_s: float = 0.0
+    planned_propellant_kg: float | None = None
+    flown_propellant_kg: float | None = None
+    shadow_s: float | None = None
 
     @property
     def arrives(self) -> bool:
@@ -60,6 +69,11 @@ class RefinedLegFlight:
             and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
         )
 
+    @property
+    def is_in_shadow(self) -> bool:
+        """Whether low thrust is on in the Earth's shadow."""
+        return (self.shadow_s or 0.0) > MOST_SHADOW_S
+
     def to_dict(self) -> dict[str, Any]:
         """The flight as plain data, with its tow if there is one."""
         content = asdict(self) | {"arrives": self.arrives}
@@ -67,6 +81,9 @@ class RefinedLegFlight:
             del content["tow_miss_m"]
         if not self.towing_m_s:
             del content["towing_m_s"]
+        if self.shadow_s is None:
+            for name in ("planned_propellant_kg", "flown_propellant_kg", "shadow_s"):
+                del content[name]
         return content
 
 
@@ -107,6 +124,11 @@ class RefinedFlight:
         return tuple(leg for leg in self.legs if not leg.arrives)
 
     @property
+    def in_shadow(self) -> tuple[RefinedLegFlight, ...]:
+        """Legs with low thrust in the Earth's shadow."""
+        return tuple(leg for leg in self.legs if leg.is_in_shadow)
+
+    @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
         """Tanks that do not suffice."""
         return tuple(tank for tank in self.tanks if not tank.holds)
@@ -118,8 +140,8 @@ class RefinedFlight:
 
     @property
     def holds(self) -> bool:
-        """Whether every leg is present and arrives, and every tank suffices."""
-        return not (self.missing or self.strayed or self.broken_tanks)
+        """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice."""
+        return not (self.missing or self.strayed or self.in_shadow or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:

@@ -82,11 +82,6 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     return found
 
 
-def _burnt_m_s(leg: RefinedLeg) -> float:
-    """Sum of its burns, whatever ΔV it states [m/s]."""
-    return math.fsum(burn.size_m_s for burn in leg.burns)
-
-
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
     """Tanks of a refined plan, with planned and flown ΔV of each."""
     return tuple(
@@ -99,7 +94,7 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
                 leg.planned_delta_v_m_s + leg.removal_m_s for leg in one.legs
             ),
             flown_delta_v_m_s=math.fsum(
-                part for leg in one.legs for part in (_burnt_m_s(leg), leg.removal_m_s)
+                part for leg in one.legs for part in (leg.spent_m_s, leg.removal_m_s)
             ),
             chaser=one.chaser.name if several(instance) else None,
         )

@@ -25,9 +25,11 @@ from ...plan.refined_plan import (
 )
 from ...plan.routes import owners
 from ...problem.instance import AnyInstance, Instance, instance_of
-from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_flown
+from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import TrueBodies
 from .one_leg import refine_leg
+from .propelled import propelled_by_leg
+from .thrust_leg import refine_thrust_leg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
@@ -100,23 +102,30 @@ def refine(
         raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
     if jobs is not None and cluster is not None:
         raise InputError("jobs and a cluster exclude each other; leave one of them out")
-    refuse_what_cannot_be_flown(instance, plan)
+    refuse_what_cannot_be_refined(instance, plan)
     refuse_broken_chain(instance, plan)
     began = now_s()
     numbered = list(enumerate(plan.legs, start=1))
-    legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns]
+    legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns or leg.traits.has_arcs]
     after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
     whose, lead_ins = owners(instance, plan), plan.lead_ins
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
+    propelled = propelled_by_leg(instance, plan)
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, str] = {}
     report(0, len(legs))
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
-            calls.submit(
-                refine_leg, instance, bodies, number, leg, freedom, lead_ins.get(number, ()),
-                number in after_launch,
+            (
+                calls.submit(
+                    refine_thrust_leg, instance, bodies, number, leg, propelled[number]
+                )
+                if leg.traits.has_arcs
+                else calls.submit(
+                    refine_leg, instance, bodies, number, leg, freedom, lead_ins.get(number, ()),
+                    number in after_launch,
+                )
             ): number
             for number, leg in legs
         }  # fmt: skip

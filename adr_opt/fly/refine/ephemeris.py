@@ -14,6 +14,7 @@ from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S
 from .bodies import Gravity, moved
 from .short_periods import Array
 from .states import state_of
+from .thrust_states import thrust_states
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,12 @@ def _of_leg(
         parts.append(("wait", leg.ready_s, waiting, departure))
     elif leg.after_launch:
         parts += _towing(refined, states, leg.origin, leg.tow_before)
+    thrusting = _thrusting(leg, step, refined.gravity)
     state = state_of(leg.states[0])
     now, phase = departure, "transfer"
+    if thrusting is not None:
+        state = np.r_[thrusting.positions_m[-1], thrusting.velocities_m_s[-1]]
+        now = leg.standoff_s
     for burn in leg.burns:
         parts.append((phase, now, state, burn.time_s))
         state = moved(state, burn.time_s - now, refined.gravity)
@@ -103,10 +108,28 @@ def _of_leg(
         waiting = moved(states[leg.destination], leg.end_s, refined.gravity)
         parts.append(("wait", leg.end_s, waiting, leg.tow.burns[0].time_s))
         parts += _towing(refined, states, leg.destination, leg.tow)
+    if thrusting is not None:
+        phase, begin, begins, end = parts.pop(0)
+        arc = _arc(phase, begin, begins, end, step, refined.gravity)
+        if arc is not None:
+            yield EphemerisTrack(f"{name}: {phase}", arc)
+        yield EphemerisTrack(f"{name}: {thrusting.phase}, with low thrust", thrusting)
     for phase, begin, begins, end in parts:
         arc = _arc(phase, begin, begins, end, step, refined.gravity)
         if arc is not None:
             yield EphemerisTrack(f"{name}: {phase}", arc)
+
+
+def _thrusting(leg: RefinedLeg, step: float, gravity: Gravity) -> Arc | None:
+    """The way to the stand-off with low thrust, in one piece; None of a leg with impulses."""
+    if leg.thrust is None:
+        return None
+    begin, end = leg.states[0].time_s, leg.standoff_s
+    times = np.linspace(begin, end, max(FEWEST_INTERVALS, math.ceil((end - begin) / step)) + 1)
+    states = thrust_states(leg, times, gravity)
+    for array in (times, states):
+        array.setflags(write=False)
+    return Arc("transfer", times, states[:, :3], states[:, 3:])
 
 
 def _towing(

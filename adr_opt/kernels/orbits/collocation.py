@@ -85,3 +85,4 @@ with localcontext() as _context:
     SQUARED, SQUARED_SHORT = _split(_product(_a, _a))
     SQUARED_WEIGHTS, SQUARED_WEIGHTS_SHORT = (each[0] for each in _split(_product([_weights], _a)))
     AHEAD = _split(_ahead)[0]
+    BEFORE = _split(_a)[0]

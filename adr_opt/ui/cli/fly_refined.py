@@ -11,7 +11,10 @@ from .output import emit, emit_json, say
 from .parameters import about
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from ...fly.flight import RefinedFlight
+    from ...fly.flight.refined_result import RefinedLegFlight
 
 FLOWN = "flown in true dynamics"
 """Beginning of the note written by ``--out``, which replaces an earlier one."""
@@ -67,10 +70,18 @@ def said(flight: RefinedFlight) -> str:
         f"{counted(len(flight.legs), 'leg')} in the field {flight.gravity}, planned with "
         f"{flight.planned_delta_v_m_s:.1f} and flown with {flight.flown_delta_v_m_s:.1f} m/s"
     ]
-    if flight.strayed:
-        numbers = ", ".join(str(leg.leg) for leg in flight.strayed)
-        kind = "leg" if len(flight.strayed) == 1 else "legs"
-        parts.append(f"{kind} {numbers} missed by more than 1 m or 1 mm/s")
+    for legs, wrong in (
+        (flight.strayed, "missed by more than 1 m or 1 mm/s"),
+        (flight.in_shadow, "thrust in the Earth's shadow"),
+    ):
+        if legs:
+            numbers = ", ".join(str(leg.leg) for leg in legs)
+            parts.append(f"{'leg' if len(legs) == 1 else 'legs'} {numbers} {wrong}")
+    propellant = [leg for leg in flight.legs if leg.flown_propellant_kg is not None]
+    if propellant:
+        planned = sum(leg.planned_propellant_kg or 0.0 for leg in propellant)
+        flown = sum(leg.flown_propellant_kg or 0.0 for leg in propellant)
+        parts.append(f"low thrust planned with {planned:.2f} and flown with {flown:.2f} kg")
     if flight.missing:
         numbers = ", ".join(map(str, flight.missing))
         parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
@@ -80,6 +91,12 @@ def said(flight: RefinedFlight) -> str:
 def _tell_legs(flight: RefinedFlight) -> None:
     from .tables import emit_legs, whose
 
+    propellant: list[tuple[str, Callable[[RefinedLegFlight], str]]] = []
+    if any(leg.flown_propellant_kg is not None for leg in flight.legs):
+        propellant = [
+            ("planned\nkg", lambda leg: _kg(leg.planned_propellant_kg)),
+            ("flown\nkg", lambda leg: _kg(leg.flown_propellant_kg)),
+        ]
     emit_legs(
         flight.legs,
         (
@@ -89,7 +106,12 @@ def _tell_legs(flight: RefinedFlight) -> None:
             ("\nm/s", lambda leg: f"{leg.arrival_miss_m_s:.2g}"),
             ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
             ("flown\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
+            *propellant,
         ),
         whose(flight.tanks),
-        bold=lambda leg: not leg.arrives,
+        bold=lambda leg: not leg.arrives or leg.is_in_shadow,
     )
+
+
+def _kg(mass: float | None) -> str:
+    return "" if mass is None else f"{mass:.3f}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -131,7 +131,8 @@ def _tell_legs(refined: RefinedPlan) -> None:
 
 
 def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
-    legs = [leg.model_dump(mode="json", exclude={"burns", "states"}) for leg in refined.legs]
+    many: Any = {"burns": True, "states": True, "thrust": {"arcs"}}
+    legs = [leg.model_dump(mode="json", exclude=many) for leg in refined.legs]
     facts = ("status", "runtime_s", "planned_delta_v_m_s", "flown_delta_v_m_s")
     return {
         "path": out,

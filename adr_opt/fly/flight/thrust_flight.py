@@ -1,0 +1,252 @@
+"""Flight of a refined leg of low thrust, for the judge: window by window, in time.
+
+Written apart from :mod:`adr_opt.kernels.orbits.thrusting`, which found the windows: that integrates
+along the longitude by an implicit method, this along the time by an explicit one
+(:mod:`.propagation`), with the thrust of the file's windows and steering. How long thrust is on in
+the Earth's shadow, a cylinder, is counted with other formulas for the Sun (J. Meeus, Astronomical
+Algorithms, 2nd edition, 1998, chapter 25).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...common.errors import InputError
+from ...kernels.core.compile import kernel
+from ...plan.refined_plan import RefinedLeg
+from ...plan.refined_thrust import RefinedThrust
+from ...problem.chasers import Chaser
+from ...problem.drives import drive_of, since_j2000_s
+from ...problem.instance import Instance
+from .propagation import BEFORE, STAGES, WEIGHTS, advance, elements_of, rates_of, state_of
+
+Array = npt.NDArray[np.float64]
+
+STEPS = 72
+"""Steps per revolution, as of coasts."""
+
+DELTA_V_M_S, PROPELLANT_KG = 1e-5, 1e-6
+"""Tolerances of what is stated of arcs against their windows."""
+
+MORE_FORCE = 1.0 + 1e-9
+"""Largest force of a leg over that of its chaser."""
+
+CENTURY_S = 36525.0 * 86400.0
+
+
+class ThrustFlown(NamedTuple):
+    """A flown leg of low thrust at its stand-off.
+
+    Attributes
+    ----------
+    state : (6,) float64
+        [m, m/s].
+    delta_v_m_s : float
+        Of all windows.
+    mass_kg : float
+    shadow_s : float
+        Time in which thrust was on in the shadow [s].
+    """
+
+    state: Array
+    delta_v_m_s: float
+    mass_kg: float
+    shadow_s: float
+
+
+def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> None:
+    """Raise :class:`InputError` for thrust that the chaser of a leg has not."""
+    drive = drive_of(chaser, instance.targets)
+    if (leg.thrust is None) != (drive is None):
+        has = "no low thrust" if drive is None else "low thrust, and the leg none"
+        raise InputError(f"leg {leg.leg}: {chaser.name!r} has {has}; refine the plan again")
+    if leg.thrust is None or drive is None:
+        return
+    if leg.thrust.force_n > MORE_FORCE * drive.thrust_n:
+        raise InputError(
+            f"leg {leg.leg}: force_n = {leg.thrust.force_n!r}: {chaser.name!r} has "
+            f"{drive.thrust_n!r} on average of its duty cycle"
+        )
+    if abs(leg.thrust.exhaust_m_s / drive.exhaust_m_s - 1.0) > MORE_FORCE - 1.0:
+        raise InputError(
+            f"leg {leg.leg}: exhaust_m_s = {leg.thrust.exhaust_m_s!r}: {chaser.name!r} has "
+            f"{drive.exhaust_m_s!r}"
+        )
+    if leg.thrust.mass_kg > drive.heaviest_kg + PROPELLANT_KG:
+        raise InputError(
+            f"leg {leg.leg}: mass_kg = {leg.thrust.mass_kg!r}: {chaser.name!r} has at most "
+            f"{drive.heaviest_kg!r}"
+        )
+
+
+def fly_thrust(instance: Instance, leg: RefinedLeg, state: Array, zonals: Array) -> ThrustFlown:
+    """Fly the windows of a leg from its departure to its stand-off.
+
+    Parameters
+    ----------
+    instance : Instance
+    leg : RefinedLeg
+        With thrust.
+    state : (6,) float64
+        At the departure [m, m/s].
+    zonals : (3,) float64
+        J2, J3 and J4.
+
+    Raises
+    ------
+    InputError
+        ΔV or propellant of the file are not those of its windows.
+    ArithmeticError
+        The orbit is not closed.
+    """
+    thrust = leg.thrust
+    assert thrust is not None
+    exhaust = thrust.exhaust_m_s
+    elements, now = elements_of(state), leg.states[0].time_s
+    flow, mass, dark = thrust.force_n / exhaust, thrust.mass_kg, 0.0
+    epoch = since_j2000_s(instance.epoch)
+    for arc in thrust.arcs:
+        steering = np.array(arc.steering)
+        before = mass
+        for start, end in arc.windows_s:
+            advance(elements, start - now, _steps(elements, start - now), zonals)
+            push = np.array([mass, thrust.force_n, flow, epoch + start])
+            dark += advance_pushed(
+                elements, end - start, _steps(elements, end - start), zonals, steering, push
+            )
+            mass -= flow * (end - start)
+            now = end
+        _refuse_other_delta_v(leg, arc.delta_v_m_s, exhaust * math.log(before / mass))
+    advance(elements, leg.standoff_s - now, _steps(elements, leg.standoff_s - now), zonals)
+    found = state_of(elements)
+    if not bool(np.isfinite(found).all()):
+        raise ArithmeticError("the states are no longer numbers")
+    approach = math.fsum(burn.size_m_s for burn in leg.burns)
+    used = thrust.mass_kg - mass * math.exp(-approach / exhaust)
+    _refuse_other_propellant(leg, thrust, used)
+    delta_v = exhaust * math.log(thrust.mass_kg / mass)
+    return ThrustFlown(found, delta_v, mass, float(dark))
+
+
+def _refuse_other_delta_v(leg: RefinedLeg, stated: float, flown: float) -> None:
+    if abs(stated - flown) > DELTA_V_M_S:
+        raise InputError(
+            f"leg {leg.leg}: an arc of {stated!r} m/s, but its windows make {flown!r}; write that"
+        )
+
+
+def _refuse_other_propellant(leg: RefinedLeg, thrust: RefinedThrust, used: float) -> None:
+    if abs(thrust.propellant_kg - used) > PROPELLANT_KG:
+        raise InputError(
+            f"leg {leg.leg}: propellant_kg = {thrust.propellant_kg!r}, but its arcs and burns "
+            f"take {used!r}; write that"
+        )
+
+
+def _steps(elements: Array, duration: float) -> int:
+    """Number of steps in a time.
+
+    Raises
+    ------
+    ArithmeticError
+        The orbit is not closed.
+    """
+    p, square = float(elements[0]), float(elements[1] ** 2 + elements[2] ** 2)
+    if not (square < 1.0 and p > 0.1 * EARTH_RADIUS_M):
+        raise ArithmeticError("the thrust leads away from the Earth or into its centre")
+    lowest = p / (1.0 + math.sqrt(square))
+    revolution = math.tau * math.sqrt(lowest**3 / MU_M3_S2)
+    return max(1, math.ceil(abs(duration) / revolution * STEPS))
+
+
+@kernel
+def _push(elements: Array, steering: Array, acceleration: float, rates: Array) -> None:
+    """Add to the rates of elements what a thrust does to them [m/s²]."""
+    p, f, g, h, k, longitude = (
+        elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
+    )  # fmt: skip
+    c, s = math.cos(longitude), math.sin(longitude)
+    latitude = longitude - math.atan2(k, h)
+    cosine, sine = math.cos(latitude), math.sin(latitude)
+    radial = steering[0] * sine - steering[1] * cosine
+    along = steering[2] + 2.0 * (steering[0] * cosine + steering[1] * sine)
+    normal = steering[3] * cosine + steering[4] * sine
+    size = acceleration / math.sqrt(radial**2 + along**2 + normal**2)
+    radial, along, normal = size * radial, size * along, size * normal
+    w = 1.0 + f * c + g * s
+    pace = math.sqrt(p / MU_M3_S2)
+    tilt, square = h * s - k * c, 1.0 + h * h + k * k
+    rates[0] += 2.0 * p / w * pace * along
+    rates[1] += pace * (radial * s + (((w + 1.0) * c + f) * along - tilt * g * normal) / w)
+    rates[2] += pace * (-radial * c + (((w + 1.0) * s + g) * along + tilt * f * normal) / w)
+    rates[3] += 0.5 * pace * square * normal / w * c
+    rates[4] += 0.5 * pace * square * normal / w * s
+    rates[5] += pace * tilt * normal / w
+
+
+@kernel
+def is_dark(elements: Array, since_j2000: float) -> bool:
+    """Whether a place is in the Earth's shadow, a cylinder, at seconds since J2000."""
+    centuries = since_j2000 / CENTURY_S
+    anomaly = math.radians(357.52911 + 35999.05029 * centuries)
+    longitude = 280.46646 + 36000.76983 * centuries
+    longitude += 1.914602 * math.sin(anomaly) + 0.019993 * math.sin(2.0 * anomaly)
+    # Without the aberration, 20″.
+    longitude, tilt = math.radians(longitude), math.radians(23.439291)
+    x, y = math.cos(longitude), math.cos(tilt) * math.sin(longitude)
+    z = math.sin(tilt) * math.sin(longitude)
+    state = state_of(elements)
+    towards = state[0] * x + state[1] * y + state[2] * z
+    square = state[0] ** 2 + state[1] ** 2 + state[2] ** 2
+    return bool(towards < 0.0 and square - towards * towards < EARTH_RADIUS_M**2)
+
+
+@kernel
+def advance_pushed(
+    elements: Array, duration: float, steps: int, zonals: Array, steering: Array, push: Array
+) -> float:
+    """Propagate elements in place with thrust, in equal steps; the time spent in the shadow [s].
+
+    Parameters
+    ----------
+    elements, duration, steps, zonals
+        As of :func:`.propagation.advance`.
+    steering : (5,) float64
+        A to E of docs/model.md section 11.6.
+    push : (4,) float64
+        Mass [kg], force [N] and mass flow [kg/s], and the beginning from J2000 [s].
+    """
+    mass, force, flow, since = push[0], push[1], push[2], push[3]
+    step = duration / steps
+    rates, stage, lost = np.empty((STAGES, 6)), np.empty(6), np.zeros(6)
+    dark = 0.0
+    was_dark = is_dark(elements, since)
+    for number in range(steps):
+        for at in range(STAGES):
+            share = 0.0
+            for before in range(at):
+                share += BEFORE[at, before]
+            for axis in range(6):
+                total = 0.0
+                for before in range(at):
+                    total += BEFORE[at, before] * rates[before, axis]
+                stage[axis] = elements[axis] + (lost[axis] + step * total)
+            rates_of(stage, zonals, rates[at])
+            _push(stage, steering, force / (mass - flow * step * (number + share)), rates[at])
+        for axis in range(6):
+            total = 0.0
+            for at in range(STAGES):
+                total += WEIGHTS[at] * rates[at, axis]
+            add = step * total + lost[axis]
+            found = elements[axis] + add
+            lost[axis] = add - (found - elements[axis])
+            elements[axis] = found
+        now_dark = is_dark(elements, since + step * (number + 1))
+        dark += 0.5 * step * (was_dark + now_dark)
+        was_dark = now_dark
+    return dark

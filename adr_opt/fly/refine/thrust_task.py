@@ -1,0 +1,188 @@
+"""A leg of low thrust as a task: from a state to another one, by two arcs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ...kernels.orbits import mean_thrusting, primer, thrusting
+from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.thrusting import Push, ThrustArcs
+from .bodies import Gravity
+from .near_circle import near_circle
+from .short_periods import Array
+
+NO_WINDOWS = np.empty((0, 3))
+
+
+@dataclass(frozen=True)
+class Programme:
+    """The thrust of both arcs.
+
+    Attributes
+    ----------
+    steered : (10,) float64
+        For each arc its law, as long as its ΔV [m/s].
+    thresholds : (2,) float64
+        Shortest primer vector with which thrust is on, as a share of the longest.
+    second_s : float
+        Beginning of the second arc [s].
+    """
+
+    steered: Array
+    thresholds: Array
+    second_s: float
+
+    @property
+    def costs_m_s(self) -> Array:
+        """ΔV of each arc, shape (2,) [m/s]."""
+        sizes: Array = np.linalg.norm(self.steered.reshape(2, 5), axis=1)
+        return sizes
+
+    @property
+    def laws(self) -> Array:
+        """Laws of unit length, shape (2, 5)."""
+        laws: Array = self.steered.reshape(2, 5) / np.maximum(self.costs_m_s, 1e-12)[:, None]
+        return laws
+
+    def steered_by(self, steered: Array) -> Programme:
+        """The same with other laws."""
+        return Programme(steered, self.thresholds, self.second_s)
+
+
+class Prediction(NamedTuple):
+    """Averaged flight of a programme.
+
+    Attributes
+    ----------
+    mean : (6,) float64
+        Elements near a circle at the end, with revolutions.
+    ends_s : (2,) float64
+        Ends of both arcs.
+    left_s : float
+        Time of thrust that remains undone.
+    """
+
+    mean: Array
+    ends_s: Array
+    left_s: float
+
+
+class Integration(NamedTuple):
+    """Integrated flight of a programme.
+
+    Attributes
+    ----------
+    end : (6,) float64
+        State at the end [m, m/s].
+    turned : float
+        Longitude that was run through [rad].
+    windows : (windows, 3) float64
+        Beginning [s], end [s] and arc of each window of thrust; none unless asked for.
+    mass_kg : float
+    left_s : float
+    """
+
+    end: Array
+    turned: float
+    windows: Array
+    mass_kg: float
+    left_s: float
+
+
+@dataclass(frozen=True)
+class ThrustTask:
+    """What a leg of low thrust begins with, and what it is to reach.
+
+    Attributes
+    ----------
+    start, goal : (6,) float64
+        Inertial states [m, m/s].
+    start_s, end_s : float
+        Their times since the epoch [s].
+    push : Push
+    gravity : {"two-body", "j2", "j3", "j4"}
+    """
+
+    start: Array
+    goal: Array
+    start_s: float
+    end_s: float
+    push: Push
+    gravity: Gravity
+
+    @cached_property
+    def origin(self) -> Array:
+        """Mean elements of the start."""
+        return near_circle(self.start, FIELDS[self.gravity])
+
+    @cached_property
+    def target(self) -> Array:
+        """Mean elements of the goal."""
+        return near_circle(self.goal, FIELDS[self.gravity])
+
+    @cached_property
+    def speed(self) -> float:
+        """Circular speed at the goal [m/s]."""
+        return math.sqrt(MU_M3_S2 / self.target[0])
+
+    @cached_property
+    def _scale(self) -> Array:
+        # What each element costs to change [m/s]; the longitude by a change at the beginning.
+        v, a = self.speed, self.target[0]
+        span = self.end_s - self.start_s
+        sine = math.sin(self.target[3])
+        return np.array([0.5 * v / a, 0.5 * v, 0.5 * v, v, v * sine, a / (3.0 * span)])
+
+    def arcs(self, programme: Programme) -> ThrustArcs:
+        """ThrustArcs as kernels take them."""
+        laws, costs, push = programme.laws, programme.costs_m_s, self.push
+        least = [s * primer.peak(law) for s, law in zip(programme.thresholds, laws, strict=True)]
+        mass = push.mass * np.exp(-np.array([0.0, costs[0]]) / push.exhaust)
+        spans = mass * push.exhaust / push.force * -np.expm1(-costs / push.exhaust)
+        return ThrustArcs(
+            laws, np.array(least), np.array([self.start_s, programme.second_s]), spans
+        )
+
+    def predict(self, programme: Programme) -> Prediction:
+        """Averaged flight."""
+        return Prediction(
+            *mean_thrusting.fly(
+                self.origin, self.start_s, self.end_s, self.push, self.arcs(programme)
+            )
+        )
+
+    def integrate(self, programme: Programme, room: Array = NO_WINDOWS) -> Integration:
+        """Integrated flight, with windows for as many as there is room."""
+        now = thrusting.elements_of(self.start, self.start_s)
+        began = now[6]
+        count, mass, left = thrusting.fly(
+            now, self.end_s, self.push, self.arcs(programme), FIELDS[self.gravity], room
+        )
+        return Integration(thrusting.state_of(now), now[6] - began, room[:count], mass, left)
+
+    def off(self, mean: Array, laps: float) -> Array:
+        """Miss of mean elements with revolutions, of which ``laps`` are wanted, shape (6,) [m/s].
+
+        Each of them is counted as what it costs to change.
+        """
+        miss = mean - self.target
+        miss[4] = math.remainder(miss[4], math.tau)
+        miss[5] += math.cos(self.target[3]) * miss[4] - math.tau * laps
+        scaled: Array = miss * self._scale
+        return scaled
+
+    def laps_to(self, mean: Array) -> float:
+        """Laps by which a flight with these mean elements is on time, not a whole number."""
+        return float(self.off(mean, 0.0)[5] / self._scale[5] / math.tau)
+
+    def off_integrated(self, flown: Integration, turned: float) -> Array:
+        """Miss of an integrated flight that should turn by an angle, as of :meth:`off` [m/s]."""
+        mean = near_circle(flown.end, FIELDS[self.gravity])
+        laps = round((flown.turned - turned) / math.tau - self.laps_to(mean))
+        return self.off(mean, -float(laps))
