@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from electric_fields import electric
+from seeds import over_seeds
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -48,7 +49,7 @@ def with_thrust(plan: RefinedPlan, **changes: object) -> RefinedPlan:
     return plan.replace(legs=(first.replace(thrust=first.thrust.replace(**changes)), *others))
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@over_seeds([1, 3], gate=1)
 def test_legs_arrive(seed: int) -> None:
     """Legs of weeks arrive in the other integrator, in sunlight and with the propellant stated."""
     instance, plan = mission(seed)
@@ -63,7 +64,7 @@ def test_legs_arrive(seed: int) -> None:
         assert flown.flown_propellant_kg == pytest.approx(leg.thrust.propellant_kg, abs=1e-9)
 
 
-@pytest.mark.parametrize("seed", [1, 3])
+@over_seeds([1, 3], gate=1)
 def test_legs_keep_the_plan_and_the_chaser(seed: int) -> None:
     """Legs keep the plan's times, and thrust no more than the chaser can."""
     instance, plan = mission(seed)
@@ -161,6 +162,7 @@ def test_legs_without_arcs_are_refused() -> None:
             adr_opt.refine(instance, plan.replace(routes=(broken,)))
 
 
+@pytest.mark.slow
 def test_legs_without_time_are_missing() -> None:
     """A leg that its chaser has no time for is missing, with a reason."""
     instance, plan = mission(1)
@@ -211,6 +213,9 @@ def test_commands(cli: Cli, tmp_path: Path) -> None:
     plan.save(paths[1])
     refined(1).save(paths[2])
     assert cli("fly", paths[0], paths[2]).status == 0
+    page = tmp_path / "page.html"
+    assert cli("report", *paths[:2], "--refined", paths[2], "--fly", "--out", page).status == 0
+    assert "Refined legs" in page.read_text()
     for words, said in (
         (("fly", paths[0], paths[1]), "refine the plan"),
         (("fly", paths[0], paths[2], "--samples", "10"), "with errors"),

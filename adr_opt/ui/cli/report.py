@@ -107,8 +107,14 @@ def command(
 
 def _flown(
     instance: Instance, plan: Plan, refined: RefinedPlan | None
-) -> tuple[Flight, RefinedFlight | None]:
-    """Flight of a plan, and of its refined version by another integrator."""
+) -> tuple[Flight | None, RefinedFlight | None]:
+    """Flight of a plan, and of its refined version by another integrator.
+
+    Plans of low thrust have no burns: where there is a refined one it is flown alone.
+    """
     from ...fly.flight import fly, fly_refined
 
-    return fly(instance, plan), None if refined is None else fly_refined(instance, refined)
+    refined_flight = None if refined is None else fly_refined(instance, refined)
+    if refined is not None and instance.has_low_thrust:
+        return None, refined_flight
+    return fly(instance, plan), refined_flight
