@@ -1,4 +1,4 @@
-"""`odrc` with legs of low thrust of the model, and the published plan's legs priced by them."""
+"""`odrc` with legs of low thrust of the model, flown; and the published plan by the model."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 import adr_opt
+from adr_opt.fly.flight import fly_refined
 from adr_opt.kernels.legs import low_thrust, low_thrust_windows
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust
 from adr_opt.problem.bodies import Target
@@ -34,21 +35,40 @@ DRY_KG, ISP_S = 500.0, 1e5
 """A specific impulse with which the mass hardly changes: the source's acceleration is constant."""
 
 
+class PlannedLeg(NamedTuple):
+    """A leg of a plan on legs of the model.
+
+    Attributes
+    ----------
+    origin, destination : str
+    estimate_m_s, planned_m_s, flown_m_s : float
+        By the source's estimate, the closed form, and integrated; NaN if it was not refined.
+    missed_m : float
+        Larger miss at the stand-off and the arrival, as the second integrator finds it.
+    """
+
+    origin: str
+    destination: str
+    estimate_m_s: float
+    planned_m_s: float
+    flown_m_s: float
+    missed_m: float
+
+
 class ByModel(NamedTuple):
     """A plan on legs of the model.
 
     Attributes
     ----------
     total_m_s : float
-    legs : int
-    status : str
+        Its cost, with the time that decides between equals.
+    legs : list of PlannedLeg
     violations : int
         Found by ``check``.
     """
 
     total_m_s: float
-    legs: int
-    status: str
+    legs: list[PlannedLeg]
     violations: int
 
 
@@ -90,13 +110,28 @@ def instance_of(bodies: FloatArray, chasers: int, steps: int = STEPS) -> Instanc
 
 
 def plan(bodies: FloatArray, chasers: int, time_limit_s: float, steps: int = STEPS) -> ByModel:
-    """Plan with legs of the model, and check the plan."""
+    """Plan with legs of the model, check the plan, refine its legs, and fly them."""
     instance = instance_of(bodies, chasers, steps)
-    result = adr_opt.solve(instance, time_limit=time_limit_s)
-    if result.plan is None:
-        return ByModel(math.nan, 0, result.status, 0)
-    wrong = len(adr_opt.check(instance, result.plan))
-    return ByModel(result.plan.cost, len(result.plan.legs), result.status, wrong)
+    made = adr_opt.solve(instance, time_limit=time_limit_s).plan
+    if made is None:
+        return ByModel(math.nan, [], 0)
+    refined = adr_opt.refine(instance, made)
+    flown = {leg.leg: leg for leg in fly_refined(instance, refined).legs}
+    _, estimates = matrices(bodies, np.array([leg.departure_s for leg in made.legs]))
+    row = {target.name: body for body, target in enumerate(instance.targets, start=1)}
+    legs = []
+    for number, leg in enumerate(made.legs, 1):
+        found = flown.get(number)
+        legs.append(
+            PlannedLeg(
+                leg.origin, leg.destination,
+                float(estimates[number - 1, row.get(leg.origin, 0), row[leg.destination]]),
+                leg.delta_v_m_s,
+                math.nan if found is None else found.flown_delta_v_m_s,
+                math.nan if found is None else max(found.standoff_miss_m, found.arrival_miss_m),
+            )
+        )  # fmt: skip
+    return ByModel(made.cost, legs, len(adr_opt.check(instance, made)))
 
 
 def priced(bodies: FloatArray, routes: Sequence[Route]) -> list[tuple[float, float]]:

@@ -70,11 +70,22 @@ def _by_model(bodies: FloatArray, doing: Doing) -> Iterator[str]:
     yield (
         f"\nOf the {len(legs)} legs of the published plan {len(there)} are legs of the model from "
         f"their departures to the next ones, for {cost_m_s:.1f} m/s where the estimate has "
-        f"{said_m_s:.1f} m/s. Planned on legs of the model: {ours.total_m_s:.1f} m/s, "
-        f"{ours.legs} legs, {ours.violations} violations.\n"
+        f"{said_m_s:.1f} m/s.\n"
     )
     yield "| leg | estimate [m/s] | model [m/s] |"
     yield "|---|---|---|"
     for number, (said, cost) in enumerate(legs, 1):
         shown = f"{cost:.1f}" if math.isfinite(cost) else "no leg"
         yield f"| {number} | {said:.1f} | {shown} |"
+    yield (
+        f"\nPlanned on legs of the model: {ours.total_m_s:.1f} m/s, {len(ours.legs)} legs, "
+        f"{ours.violations} violations. Refined and flown:\n"
+    )
+    yield "| leg | estimate [m/s] | planned [m/s] | flown [m/s] | miss [m] |"
+    yield "|---|---|---|---|---|"
+    for leg in ours.legs:
+        figures = leg.estimate_m_s, leg.planned_m_s, leg.flown_m_s
+        shown = " | ".join(f"{figure:.1f}" for figure in figures)
+        yield f"| {leg.origin} → {leg.destination} | {shown} | {leg.missed_m:.2g} |"
+    totals = (math.fsum(column) for column in zip(*(leg[2:5] for leg in ours.legs), strict=True))
+    yield f"| all | {' | '.join(f'{total:.1f}' for total in totals)} | |"
