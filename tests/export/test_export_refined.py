@@ -195,7 +195,7 @@ def test_the_shell_writes_refined_plans_in_three_formats(cli: Cli, tmp_path: Pat
     )  # fmt: skip
     gap.save("gap.json")
     for plan, out, more, said in (
-        ("refined.json", "b.czml", (), ".oem, .opm or .script"),
+        ("refined.json", "b.czml", (), ".oem, .opm, .ocm or .script"),
         ("refined.json", "b.opm", ("--body", one.bodies[0].name), "a body makes no burns"),
         ("refined.json", "b.script", ("--frame", "TEME"), "GMAT has no such axes"),
         ("gap.json", "b.opm", (), "what is between them is not refined"),

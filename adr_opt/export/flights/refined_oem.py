@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from ...common.constants import EARTH_RADIUS_M, J2
 from ...common.errors import InputError
-from ...common.files import check_writable, write_text
+from ...common.files import check_writable, write_both, write_text
 from ...fly.flight.flyable import refuse_foreign
 from ...fly.flight.tanks import refined_routes
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
@@ -17,12 +17,13 @@ from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
 from ...problem.instance import Instance
+from .gmat_thrust import history_path
 from .kvn import header, metadata, object_name, plain, who
 from .oem import segment
-from .refined_messages import refined_course, to_gmat, to_opm
+from .refined_messages import refined_course, to_gmat, to_ocm, to_opm
 from .write import BY_SUFFIX, FlightFile, axes_in, check_frame
 
-FORMATS = ("oem", "opm", "script")
+FORMATS = ("oem", "opm", "ocm", "script")
 """Formats of refined plans."""
 
 
@@ -75,10 +76,6 @@ def write_refined(
     axes = axes_in(format, instance, frame)
     if format != "oem" and body is not None:
         raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
-    if format != "oem" and refined.has_thrust:
-        raise InputError(
-            f".{format} files have impulses only, and the plan has low thrust; write .oem"
-        )
     name = _whose(instance, refined, chaser, leg, body)
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
     said = [*_origin(instance, refined, axes), *who(instance, name)]
@@ -86,16 +83,25 @@ def write_refined(
         called = object_name(name) if body is None else plain(body)
         about = tuple(metadata(instance, axes, called, object_id or _designator(instance, body)))
         text = "\n".join(_lines(instance, said, written, axes, about)) + "\n"
-    else:
-        legs = [
-            one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)
-        ]
-        course = refined_course(instance, refined, legs, name, said)
-        if format == "opm":
-            text = to_opm(course, refined, legs, axes, object_id)
+        write_text(path, text)
+        return written
+    legs = [one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)]
+    if format == "opm" and any(one.thrust is not None for one in legs):
+        raise InputError(
+            "a burn of .opm has one direction, and low thrust is steered; write .ocm or .oem"
+        )
+    course = refined_course(instance, refined, legs, name, said)
+    if format == "script":
+        beside = None if course.propulsion is None else history_path(path)
+        told = None if beside is None else beside.name
+        text, history = to_gmat(course, refined, legs, axes, told)
+        if beside is None:
+            write_text(path, text)
         else:
-            text = to_gmat(course, refined, legs, axes)
-    write_text(path, text)
+            write_both(path, text, beside, history)
+    else:
+        write = to_opm if format == "opm" else to_ocm
+        write_text(path, write(course, refined, legs, axes, object_id))
     return written
 
 

@@ -20,7 +20,7 @@ from .gmat import axes_in_gmat, to_gmat
 from .oem import to_oem
 from .opm import to_opm
 
-FORMATS = ("oem", "opm", "czml", "script")
+FORMATS = ("oem", "opm", "ocm", "czml", "script")
 """Formats, and with a leading dot the suffixes."""
 
 TOGETHER = ("czml",)
@@ -33,8 +33,8 @@ class FlightFile:
 
     Attributes
     ----------
-    format : {"oem", "opm", "czml", "script"}, optional
-        By default that of the file's suffix.
+    format : {"oem", "opm", "ocm", "czml", "script"}, optional
+        By default that of the file's suffix; "ocm" is for refined plans.
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
         By default the frame of the instance, and EME2000 if it names none. Where it names one,
         states and burns are turned from that to this, by astropy; else this is only a name. CZML
@@ -95,6 +95,7 @@ def write_plan(
         There is something to turn, and astropy is not installed.
     """
     kind = format_of(path, file.format)
+    refuse_refined_only(kind)
     check_frame(file.frame)
     check_writable(path)
     trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
@@ -143,6 +144,7 @@ def write_trajectory(
         Those of the file.
     """
     format, frame = format_of(path, file.format), file.frame
+    refuse_refined_only(format)
     check_frame(frame)
     axes = axes_in(format, trajectory.instance, frame)
     if format == "oem":
@@ -162,6 +164,12 @@ def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
     if format == "czml":
         return axes_of(instance, CESIUM)
     return axes_in_gmat(instance, frame) if format == "script" else axes_of(instance, frame)
+
+
+def refuse_refined_only(format: str) -> None:
+    """Raise :class:`InputError` for a format that plans have not before they are refined."""
+    if format == "ocm":
+        raise InputError(".ocm is of refined plans; refine the plan, or write .oem or .opm")
 
 
 def check_frame(frame: str | None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,14 +20,16 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 
-@click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
+@click.command(
+    "export", short_help="Write the flight of PLAN as OEM, OPM, OCM, CZML or GMAT script."
+)
 @take.instance
 @take.plan
-@take.file("--out", "File to write: .oem, .opm, .czml or .script.", required=True)
+@take.file("--out", "File to write: .oem, .opm, .ocm, .czml or .script.", required=True)
 @click.option(
     "--format",
     "format_",
-    type=click.Choice(["oem", "opm", "czml", "script"]),
+    type=click.Choice(["oem", "opm", "ocm", "czml", "script"]),
     help="Format, regardless of the file's suffix.",
 )
 @click.option(
@@ -69,8 +72,9 @@ def command(
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    A refined plan is written as an OEM, OPM or script file of its osculating states. With several
-    chasers, a file holds the flight of one; only a CZML file may hold all.
+    A refined plan is written with its osculating states, and may be an OCM file, too. A script of
+    low thrust has a second file beside it, of the suffix .thrust. With several chasers, a file
+    holds the flight of one; only a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
@@ -84,6 +88,8 @@ def command(
 
     file = FlightFile(format_of(out, format_), frame, object_id)
     check_out(out, instance_path, plan_path)
+    if file.format == "script":
+        check_out(str(Path(out).with_suffix(".thrust")), instance_path, plan_path)
     if is_refined(plan_path):
         instance, axes, told = _refined(
             instance_path, plan_path, out, file, step_s=step_s, leg=leg, body=body, chaser=chaser
@@ -149,7 +155,7 @@ def _refined(
 
     if file.format == "czml":
         raise InputError(
-            f"{out}: a refined plan is written as .oem, .opm or .script; name such a file"
+            f"{out}: a refined plan is written as .oem, .opm, .ocm or .script; name such a file"
         )
     instance, refined = load(instance_path), load_refined(refined_path)
     with about(refined_path):
