@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from datetime import UTC, datetime
 from functools import cache
+from itertools import chain, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +21,12 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.export.flights import FlightFile, write_plan
+from adr_opt.export.flights.czml_packets import rgba
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.export.flights.thrust_history import thrust_windows
 from adr_opt.fly.refine.bodies import moved
 from adr_opt.fly.refine.states import state_of
+from adr_opt.plan.phases import COLOURS
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan
 from adr_opt.problem.instance import Instance
@@ -227,6 +231,41 @@ def test_an_ocm_leads_to_every_stand_off(tmp_path: Path) -> None:
         state = moved(state, leg.arrival_s - now, "j2")
         assert np.linalg.norm(state[:3] - events(leg)["arrival"][:3]) < MISS_M
         assert mass == pytest.approx(leg.thrust.mass_kg - leg.thrust.propellant_kg, abs=1e-6)
+
+
+def spans(said: str) -> tuple[datetime, datetime]:
+    """Both ends of an interval."""
+    start, end = (datetime.fromisoformat(label.removesuffix("Z")) for label in said.split("/"))
+    return start, end
+
+
+def test_czml_has_the_path_and_the_windows(tmp_path: Path) -> None:
+    """Samples are the states of the plan; halos and colours are of the windows of thrust."""
+    instance, _, refined = mission()
+    tracks = write_refined(instance, refined, tmp_path / "a.czml", file=FlightFile("czml"))
+    packets = json.loads((tmp_path / "a.czml").read_text(encoding="utf-8"))
+    named = {packet["id"]: packet for packet in packets}
+    assert len(named) == len(packets)
+    assert {f"body/{body.name}" for body in refined.bodies} <= set(named)
+    chaser = named["chaser"]
+    assert len(chaser["position"]) == len(tracks)
+    for part, track in zip(chaser["position"], tracks, strict=True):
+        samples = np.array(part["cartesian"]).reshape(-1, 4)
+        assert np.abs(samples[:, 1:] - track.arc.positions_m).max() < 1e-3
+        assert samples[:, 0] == pytest.approx(track.arc.times_s - track.arc.start_s, abs=1e-6)
+    colours = chaser["point"]["color"]
+    for one, after in pairwise(colours):
+        assert spans(one["interval"])[1] <= spans(after["interval"])[0]
+    on = [part["interval"] for part in colours if part["rgba"] == rgba(COLOURS["thrust"])["rgba"]]
+    halos = [named[f"leg {leg.leg}/thrust"]["availability"] for leg in refined.legs]
+    assert on == list(chain.from_iterable(halos))
+    for leg, when in zip(refined.legs, halos, strict=True):
+        lasts = math.fsum((end - start).total_seconds() for start, end in map(spans, when))
+        assert lasts == pytest.approx(math.fsum(arc.on_s for arc in leg.thrust.arcs), abs=1e-3)
+    write_refined(instance, refined, tmp_path / "b.czml", file=FlightFile("czml"), leg=2)
+    shown = {packet["id"] for packet in json.loads((tmp_path / "b.czml").read_text("utf-8"))}
+    ends = {refined.legs[1].origin, refined.legs[1].destination}
+    assert {name for name in shown if name.startswith("body/")} == {f"body/{name}" for name in ends}
 
 
 def test_what_cannot_be_written_is_refused(cli: Cli, tmp_path: Path) -> None:

@@ -15,13 +15,17 @@ from ...plan.plan import Plan
 from ...plan.routes import chaser_wanted, owners
 from ...problem.frame import FRAMES as FRAMES
 from ...problem.instance import Instance
-from .czml import CESIUM, to_czml
+from .czml import to_czml
+from .czml_packets import CESIUM
 from .gmat import axes_in_gmat, to_gmat
 from .oem import to_oem
 from .opm import to_opm
 
-FORMATS = ("oem", "opm", "ocm", "czml", "script")
+FORMATS = ("oem", "opm", "czml", "script")
 """Formats, and with a leading dot the suffixes."""
+
+ALL_FORMATS = ("oem", "opm", "ocm", "czml", "script")
+"""Those of refined plans, too."""
 
 TOGETHER = ("czml",)
 """Formats that can hold the flights of several chasers."""
@@ -181,13 +185,13 @@ def check_frame(frame: str | None) -> None:
 def format_of(path: str | os.PathLike[str], format: str | None = None) -> str:
     """The requested format, by name or else by the file's suffix."""
     if format is not None:
-        if format not in FORMATS:
-            raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+        if format not in ALL_FORMATS:
+            raise InputError(f"format = {format!r}: use one of {', '.join(ALL_FORMATS)}")
         return format
     suffix = Path(path).suffix.lower()
-    if suffix.removeprefix(".") not in FORMATS or not suffix:
+    if suffix.removeprefix(".") not in ALL_FORMATS or not suffix:
         raise InputError(
             f"{path}: suffix {suffix!r} is unknown; use one of "
-            f"{', '.join('.' + name for name in FORMATS)}, or name the format"
+            f"{', '.join('.' + name for name in ALL_FORMATS)}, or name the format"
         )
     return suffix.removeprefix(".")

@@ -148,15 +148,11 @@ def _refined(
 ) -> tuple[Instance, Axes, dict[str, Any]]:
     """Write a refined plan; returns its part of --json."""
     from ...export.flights.refined_oem import write_refined
-    from ...export.flights.write import axes_in
+    from ...export.flights.write import TOGETHER, axes_in
     from ...fly.refine import load_refined
     from ...plan.routes import several
     from ...problem.instance import load
 
-    if file.format == "czml":
-        raise InputError(
-            f"{out}: a refined plan is written as .oem, .opm, .ocm or .script; name such a file"
-        )
     instance, refined = load(instance_path), load_refined(refined_path)
     with about(refined_path):
         written = write_refined(
@@ -164,9 +160,11 @@ def _refined(
         )
     whose = chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
+    everyone = file.format in TOGETHER and whose is None and leg is None
+    told_of = several(instance) and body is None and not everyone
     told = {
         "body": body,
-        **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),
+        **({"chaser": legs[0].chaser} if told_of else {}),
         "legs": len(legs),
         "dynamics": refined.gravity,
         "arcs": len(written),
