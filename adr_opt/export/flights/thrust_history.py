@@ -4,7 +4,7 @@ The law of steering is one of the place on the orbit, which no other program kno
 inertial axes at points of time anyone can fly it, without asking where the chaser is. Points are
 such that force and piecewise linear force have the same integrals against all functions that are
 linear between points. Interpolated vectors themselves would be chords of arcs, and too short by a
-part in ten thousand: hundreds of kilometres after a drift of months.
+part in ten thousand: a hundred kilometres after a drift of three months.
 """
 
 from __future__ import annotations
