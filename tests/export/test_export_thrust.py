@@ -26,9 +26,11 @@ from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.export.flights.thrust_history import thrust_windows
 from adr_opt.fly.refine.bodies import moved
 from adr_opt.fly.refine.states import state_of
+from adr_opt.fly.trajectory.axes import axes_of
 from adr_opt.plan.phases import COLOURS
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan
+from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
 
 Array = np.ndarray
@@ -354,3 +356,29 @@ def test_an_ocm_keeps_to_the_schema(tmp_path: Path) -> None:
     rows = [row for _, rows in blocks(text, "MAN") for row in rows]
     assert [line.split() for man in read.man for line in man.man_line] == rows
     assert {man.man_ref_frame for man in read.man} == {"EME2000"}
+
+
+def test_thrust_is_turned_with_the_states(tmp_path: Path) -> None:
+    """In GCRF forces are those in TEME, turned; the history of a script is in its own axes."""
+    pytest.importorskip("astropy")
+    instance, _, refined = mission()
+    instance = instance.replace(frame=Frame(name="TEME", axes_epoch=instance.epoch))
+    refined = refined.replace(instance=refined.instance.replace(sha256=instance.sha256))
+    found = {}
+    for frame in ("TEME", "GCRF"):
+        file = FlightFile("ocm", frame)
+        write_refined(instance, refined, tmp_path / "a.ocm", file=file, leg=1)
+        fields, rows = blocks((tmp_path / "a.ocm").read_text(encoding="ascii"), "MAN")[0]
+        assert fields["MAN_REF_FRAME"] == frame
+        assert ("MAN_FRAME_EPOCH" in fields) == (frame == "TEME")
+        found[frame] = np.array([row[3:6] for row in rows], dtype=float)
+    matrix = axes_of(instance, "GCRF").matrix
+    assert np.abs(found["GCRF"] - found["TEME"] @ matrix.T).max() < 1e-12
+    assert np.abs(found["GCRF"] - found["TEME"]).max() > 1e-5
+    write_refined(
+        instance, refined, tmp_path / "a.script", file=FlightFile("script", "GCRF"), leg=1
+    )
+    history = (tmp_path / "a.thrust").read_text(encoding="ascii")
+    assert "Thrust_Vector_Coordinate_System = EarthICRF" in history
+    force = np.array(history.split("ModelThrustAndMassRate\n")[1].splitlines()[1].split()[1:4])
+    assert force.astype(float) == pytest.approx(found["GCRF"][0], abs=1e-12)
