@@ -10,7 +10,7 @@ from ...fly.refine.ephemeris import EphemerisTrack, tracks
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import revolution
-from ...fly.trajectory.sampling import LONG_STEP_S, STEP_S, Arc
+from ...fly.trajectory.sampling import LONG_STEP_S, SHORTEST_ARC_S, STEP_S, Arc
 from ...plan import palette
 from ...plan.phases import COLOURS
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
@@ -189,9 +189,9 @@ def _thrust(its: _Crew, leg: RefinedLeg, clock: UtcClock) -> dict[str, Any]:
 
 
 def _windows(leg: RefinedLeg) -> tuple[tuple[float, float], ...]:
-    """Windows of thrust that take some time."""
+    """Windows of thrust, those due to rounding left out."""
     windows = () if leg.thrust is None else leg.thrust.windows_s
-    return tuple((start, end) for start, end in windows if end > start)
+    return tuple((start, end) for start, end in windows if end - start >= SHORTEST_ARC_S)
 
 
 def _colours(leg: RefinedLeg, arc: Arc, clock: UtcClock) -> Iterator[tuple[str, str]]:

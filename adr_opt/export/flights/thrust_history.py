@@ -17,6 +17,7 @@ from scipy.linalg import solveh_banded
 from ...fly.refine.bodies import Gravity
 from ...fly.refine.short_periods import Array
 from ...fly.refine.thrust_states import thrust_states
+from ...fly.trajectory.sampling import SHORTEST_ARC_S
 from ...plan.refined_plan import RefinedLeg
 from .course import ThrustWindow
 
@@ -33,7 +34,7 @@ PLACES, WEIGHTS = 0.5 * (PLACES + 1.0), 0.5 * WEIGHTS
 def thrust_windows(
     leg: RefinedLeg, gravity: Gravity, step_s: float = STEP_S
 ) -> tuple[ThrustWindow, ...]:
-    """Windows of a leg with their forces, those that take no time left out.
+    """Windows of a leg with their forces, those of less than a millisecond left out.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ def thrust_windows(
     grids, laws = [], []
     for arc in leg.thrust.arcs:
         for start, end in arc.windows_s:
-            if end > start:
+            if end - start >= SHORTEST_ARC_S:
                 count = max(1, math.ceil((end - start - SHORTEST_S) / step_s))
                 grids.append(np.append(start + step_s * np.arange(count), end))
                 laws.append(np.array(arc.steering))
