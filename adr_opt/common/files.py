@@ -169,6 +169,22 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode("utf-8"))
 
 
+def write_both(
+    path: str | os.PathLike[str], text: str, other: str | os.PathLike[str], other_text: str
+) -> None:
+    """Write two text files, of which the first refers to the other one.
+
+    The first one appears when the other is complete, and neither where one cannot be written to.
+    """
+    check_writable(other)
+
+    def write(temporary: Path) -> None:
+        temporary.write_text(text, encoding="utf-8")
+        write_text(other, other_text)
+
+    write_whole(path, write)
+
+
 @cache
 def _remove_left_overs(folder: Path) -> None:
     """Remove temporary files of killed writers, once per folder."""

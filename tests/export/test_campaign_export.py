@@ -47,7 +47,26 @@ def test_a_chaser_is_asked_for(files: Cli) -> None:
             files(*call, "--chaser", HOME, "--leg", 5), "it belongs to 'kicker', not to 'tender'"
         )
         assert not Path(out).exists()
-    refused(files("export", "my.json", "r.json", "--out", "a.czml"), ".oem, .opm or .script")
+
+
+def test_czml_of_a_refined_plan_holds_all_chasers(files: Cli) -> None:
+    """Without a name there are all chasers in their own colours, with one only its own legs."""
+    for chasers, legs, words in (
+        (["kicker", "tender"], 7, ()),
+        ([OWN], 4, ("--chaser", OWN)),
+        ([HOME], 1, ("--leg", 2)),
+    ):
+        done = files("export", "my.json", "r.json", "--out", "a.czml", "--json", *words)
+        assert done.status == 0, done.err
+        told = json.loads(done.out)
+        assert told["legs"] == legs
+        assert told.get("chaser") == (chasers[0] if words else None)
+        packets = json.loads(Path("a.czml").read_text(encoding="utf-8"))
+        crew = [packet for packet in packets if packet["id"].startswith("chaser/")]
+        assert sorted(packet["name"] for packet in crew) == chasers
+        assert len({tuple(one["point"]["outlineColor"]["rgba"]) for one in crew}) == len(crew)
+        arcs = {packet["id"].partition("/")[0] for packet in packets if "path" in packet}
+        assert len(arcs) == legs
 
 
 @pytest.mark.parametrize("plan", ["plan.json", "r.json"])

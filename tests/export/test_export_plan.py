@@ -16,6 +16,7 @@ from plans import with_legs
 
 import adr_opt
 from adr_opt.export.flights import FORMATS, FRAMES, FlightFile, write_plan
+from adr_opt.export.flights.write import ALL_FORMATS
 from adr_opt.fly.trajectory import Trajectory, body_states, propagate, sample
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
@@ -338,7 +339,7 @@ def test_what_cannot_be_exported_is_refused(tiny: Instance, plan: Plan, tmp_path
 def test_the_command_line_offers_what_there_is() -> None:
     """The choices of ``export`` are the formats and frames of the package."""
     choices = {option.name: getattr(option.type, "choices", None) for option in command.params}
-    assert tuple(choices["format_"]) == FORMATS
+    assert tuple(choices["format_"]) == ALL_FORMATS
     assert tuple(choices["frame"]) == FRAMES
 
 

@@ -174,19 +174,26 @@ def test_ephemerides_of_refined_plans_are_turned(tmp_path: Path) -> None:
         assert np.linalg.norm(found["GCRF"] - found[None], axis=1).max() > 20.0
 
 
-def test_the_shell_writes_refined_plans_in_three_formats(cli: Cli, tmp_path: Path) -> None:
-    """What the suffix says is written and counted; CZML, bodies and gaps are refused."""
+def test_the_shell_writes_refined_plans_in_every_format(cli: Cli, tmp_path: Path) -> None:
+    """What the suffix says is written and counted; bodies and gaps are refused."""
     instance, _, one = mission()
     instance.save("my.json")
     one.save("refined.json")
-    for suffix, begin in (("oem", "CCSDS_OEM"), ("opm", "CCSDS_OPM"), ("script", "% Plan by")):
+    for suffix, begin in (
+        ("oem", "CCSDS_OEM"),
+        ("opm", "CCSDS_OPM"),
+        ("ocm", "CCSDS_OCM"),
+        ("czml", '[{"id":"document"'),
+        ("script", "% Plan by"),
+    ):
         done = cli("export", "my.json", "refined.json", "--out", f"a.{suffix}", "--json")
         assert done.status == 0, done.err
         told = json.loads(done.out)
         assert (told["format"], told["legs"]) == (suffix, len(one.legs))
-        assert told["frame"] == ("EME2000" if suffix == "script" else "TEME")
+        frames = {"script": "EME2000", "czml": "ICRF"}
+        assert told["frame"] == frames.get(suffix, "TEME")
         assert told["instance_frame"] == "TEME"
-        text = Path(f"a.{suffix}").read_text(encoding="ascii")
+        text = Path(f"a.{suffix}").read_text(encoding="utf-8")
         assert text.startswith(begin)
         assert instance.sha256 in text
     gap = one.replace(
@@ -195,7 +202,6 @@ def test_the_shell_writes_refined_plans_in_three_formats(cli: Cli, tmp_path: Pat
     )  # fmt: skip
     gap.save("gap.json")
     for plan, out, more, said in (
-        ("refined.json", "b.czml", (), ".oem, .opm or .script"),
         ("refined.json", "b.opm", ("--body", one.bodies[0].name), "a body makes no burns"),
         ("refined.json", "b.script", ("--frame", "TEME"), "GMAT has no such axes"),
         ("gap.json", "b.opm", (), "what is between them is not refined"),

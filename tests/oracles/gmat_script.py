@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from typing import Protocol
 
 import numpy as np
 
@@ -29,14 +30,29 @@ def on_circle(axis_m: float, inclination: float, node: float, latitude: float) -
     )
 
 
+class Engine(Protocol):
+    """What thrusts for a script: it keeps the mass, and the history of thrust."""
+
+    def fuel(self, fields: dict[str, dict[str, str]], fuel_kg: float) -> None:
+        """A tank is filled."""
+
+    def push(self, state: Array, since_s: float, duration_s: float) -> Array:
+        """The state after thrust, from a time of the script on."""
+        ...
+
+    def impulse(self, size_m_s: float, exhaust_m_s: float) -> None:
+        """An impulse takes propellant."""
+
+
 def fly_script(
     text: str,
     coast: Callable[..., tuple[Array, Array]] = propagate,
     mean: Callable[[float, float, float, float], Array] = on_circle,
+    engine: Engine | None = None,
 ) -> tuple[list[tuple[Array, Array]], float]:
     """Fly the sequence of a script: where chaser and target are at each arrival, and its length.
 
-    ``mean`` makes a state of the mean elements of a circle.
+    ``mean`` makes a state of the mean elements of a circle; ``engine`` is for scripts with thrust.
     """
     fields: dict[str, dict[str, str]] = {}
     created: set[str] = {"Earth"}
@@ -53,20 +69,34 @@ def fly_script(
     ships = {
         name: _state(field, mean) for name, field in fields.items() if "DisplayStateType" in field
     }
-    reports, clock = [], 0.0
+    reports, clock, thrusting = [], 0.0, False
     for line in sequence.splitlines():
         if match := re.fullmatch(
-            r"Propagate '[^']+' Fly\(([\w, ]+)\) \{Chaser\.ElapsedSecs = ([\d.]+)\};", line
+            r"Propagate '[^']+' (Fly|Push)\(([\w, ]+)\) \{Chaser\.ElapsedSecs = ([\d.]+)\};", line
         ):
-            assert set(match[1].split(", ")) == set(ships)
-            clock += float(match[2])
+            assert set(match[2].split(", ")) == set(ships)
+            assert (match[1] == "Push") == thrusting
+            duration = float(match[3])
+            since, clock = clock, clock + duration
             for name, state in ships.items():
-                r, v = coast(state[:3], state[3:], [float(match[2])])
+                if thrusting and name == "Chaser":
+                    ships[name] = engine.push(state, since, duration)
+                    continue
+                r, v = coast(state[:3], state[3:], [duration])
                 ships[name] = np.concatenate([r[0], v[0]])
         elif match := re.fullmatch(r"Maneuver '[\w-]+' (\w+)\(Chaser\);", line):
             burn = fields[match[1]]
-            assert burn["DecrementMass"] == "false"
-            ships["Chaser"][3:] += [1e3 * float(burn[f"Element{i}"]) for i in (1, 2, 3)]
+            assert burn["DecrementMass"] == ("false" if engine is None else "true")
+            added = [1e3 * float(burn[f"Element{i}"]) for i in (1, 2, 3)]
+            ships["Chaser"][3:] += added
+            if engine is not None:
+                exhaust = float(burn["Isp"]) * float(burn["GravitationalAccel"])
+                engine.impulse(math.hypot(*added), exhaust)
+        elif match := re.fullmatch(r"(Begin|End)FileThrust Thrust\(Chaser\);", line):
+            assert thrusting == (match[1] == "End")
+            thrusting = match[1] == "Begin"
+        elif match := re.fullmatch(r"GMAT Chaser\.Propellant\.FuelMass = ([\d.]+);", line):
+            engine.fuel(fields, float(match[1]))
         elif match := re.match(r"Report Arrivals .* (\w+)\.\w+\.Z;", line):
             reports.append((ships["Chaser"][:3].copy(), ships[match[1]][:3].copy()))
         elif match := re.fullmatch(r"GMAT Chaser\.\w+\.(\w+) = (\w+)\.\w+\.(\w+);", line):

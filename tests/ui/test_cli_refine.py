@@ -102,9 +102,6 @@ def test_wrong_input_is_one_sentence(cli: Cli, mission: Instance) -> None:
     assert Path("plan.json").read_text(encoding="utf-8") == plan
     cli("refine", "my.json", "plan.json", "--out", "r.json", "--quiet")
     refused(cli("fly", "other.json", "r.json"), "r.json: the plan belongs to the instance")
-    refused(
-        cli("export", "my.json", "r.json", "--out", "r.czml"), "written as .oem, .opm or .script"
-    )
     refused(cli("export", "my.json", "r.json", "--out", "r.oem", "--leg", "99"), "no such leg")
     refused(cli("export", "my.json", "r.json", "--out", "r.oem", "--body", "x"), "'x' is not a")
     refused(cli("export", "my.json", "plan.json", "--out", "r.oem", "--body", "x"), "--body x")

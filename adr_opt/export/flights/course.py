@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from ...fly.trajectory.kepler import Array
 from ...plan.cargo import followed
 from ...plan.plan import Leg
 from ...plan.refined_plan import RefinedLeg
@@ -40,6 +41,43 @@ class Impulse(Protocol):
 
 
 @dataclass(frozen=True)
+class ThrustWindow:
+    """A window of low thrust.
+
+    Attributes
+    ----------
+    times_s : (n,) float64
+        Both ends included [s].
+    forces_n : (n, 3) float64
+        At these times in the frame of the elements, linear between them [N].
+    before_kg : float
+        Mass at the beginning [kg].
+    flow_kg_s : float
+        Mass flow, as long as the window lasts [kg/s].
+    """
+
+    times_s: Array
+    forces_n: Array
+    before_kg: float
+    flow_kg_s: float
+
+    @property
+    def start_s(self) -> float:
+        """Beginning [s]."""
+        return float(self.times_s[0])
+
+    @property
+    def end_s(self) -> float:
+        """End [s]."""
+        return float(self.times_s[-1])
+
+    @property
+    def after_kg(self) -> float:
+        """Mass at the end [kg]."""
+        return self.before_kg - self.flow_kg_s * (self.end_s - self.start_s)
+
+
+@dataclass(frozen=True)
 class CourseLeg:
     """One leg.
 
@@ -52,6 +90,8 @@ class CourseLeg:
         End of the approach, and of the service [s].
     burns, removal : tuple of Impulse
         Those of the transfer, and those after the service, with the object.
+    windows : tuple of ThrustWindow
+        Of low thrust, before all burns.
     """
 
     number: int
@@ -61,6 +101,7 @@ class CourseLeg:
     end_s: float
     burns: tuple[Impulse, ...]
     removal: tuple[Impulse, ...] = ()
+    windows: tuple[ThrustWindow, ...] = ()
 
     @classmethod
     def of(cls, number: int, leg: Leg | RefinedLeg) -> CourseLeg:
@@ -88,6 +129,14 @@ class Burnt:
 
 
 @dataclass(frozen=True)
+class Propulsion:
+    """What low thrust takes from: a chaser's mass without propellant, and its speed of exhaust."""
+
+    dry_kg: float
+    exhaust_m_s: float
+
+
+@dataclass(frozen=True)
 class FlightCourse:
     """The flight of one chaser.
 
@@ -102,6 +151,8 @@ class FlightCourse:
         Sentences that say what the flight is of.
     burnt : mapping of int to tuple of Burnt
         For each leg, by its number, one for each of its burns; empty where masses are not known.
+    propulsion : Propulsion or None
+        Of a flight with low thrust; masses are then known.
     """
 
     instance: Instance
@@ -109,6 +160,14 @@ class FlightCourse:
     legs: tuple[CourseLeg, ...]
     said: tuple[str, ...]
     burnt: Mapping[int, tuple[Burnt, ...]] = field(default_factory=dict)
+    propulsion: Propulsion | None = None
+
+    def begins_kg(self, leg: CourseLeg) -> float | None:
+        """Mass at the beginning of a leg; None where it is not known [kg]."""
+        if leg.windows:
+            return leg.windows[0].before_kg
+        burnt = self.burnt.get(leg.number, ())
+        return burnt[0].before_kg if burnt else None
 
 
 def burnt_of(
@@ -123,23 +182,21 @@ def burnt_of(
         return {}
     flown = [(leg.destination, math.fsum(burn.size_m_s for burn in leg.burns)) for leg in legs]
     stages, removals = followed(instance, chaser, flown), removals_by_name(instance, None)
-    found = {}
+    found: dict[int, tuple[Burnt, ...]] = {}
     for leg, before, after in zip(legs, stages, stages[1:], strict=False):
-        burns: list[Burnt] = []
-        mass_kg = before.mass_kg or 0.0
-        for burn in leg.burns:
-            mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
+        found[leg.number] = burnt_from(before.mass_kg or 0.0, leg.burns, tank.exhaust_m_s)
         if leg.removal:
             mass_kg = (
                 (after.mass_kg or 0.0) + after.removal_kg + removals[leg.destination].object_kg
             )
-        for burn in leg.removal:
-            mass_kg = _burn(burns, mass_kg, burn, tank.exhaust_m_s)
-        found[leg.number] = tuple(burns)
+            found[leg.number] += burnt_from(mass_kg, leg.removal, tank.exhaust_m_s)
     return found
 
 
-def _burn(burns: list[Burnt], mass_kg: float, burn: Impulse, exhaust_m_s: float) -> float:
-    """Append the propellant of a burn; returns the remaining mass [kg]."""
-    burns.append(Burnt(mass_kg, mass_kg * -math.expm1(-burn.size_m_s / exhaust_m_s)))
-    return mass_kg - burns[-1].lost_kg
+def burnt_from(mass_kg: float, burns: Iterable[Impulse], exhaust_m_s: float) -> tuple[Burnt, ...]:
+    """Propellant of burns one after another, from a mass before the first."""
+    found = []
+    for burn in burns:
+        found.append(Burnt(mass_kg, mass_kg * -math.expm1(-burn.size_m_s / exhaust_m_s)))
+        mass_kg -= found[-1].lost_kg
+    return tuple(found)

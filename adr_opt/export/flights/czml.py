@@ -9,38 +9,29 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...common.constants import DAY_S
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.clock import UtcClock
-from ...fly.trajectory.kepler import Array, revolution
+from ...fly.trajectory.kepler import revolution
 from ...fly.trajectory.sampling import SHORTEST_ARC_S, STEP_S, Arc, LegPath, Trajectory
 from ...plan.routes import owners, several
+from .czml_packets import (
+    ARC_DEGREE,
+    BODY_DEGREE,
+    BODY_STEP_S,
+    CESIUM,
+    LONG_ARC_S,
+    MOST_BODY_STATES,
+    Span,
+    body_packet,
+    chaser_packet,
+    document,
+    lasting,
+    path_line,
+    rgba,
+    sampled,
+)
 from .kvn import origin
-
-Span = tuple[float, float]
-
-CESIUM = "ICRF"
-"""The frame that Cesium calls INERTIAL."""
-
-BODY_STEP_S = 300.0
-"""Interval between samples of bodies: a twentieth of a low orbit."""
-
-MOST_BODY_STATES = 400_000
-"""Maximum number of states of all bodies: twenty megabytes of file. Beyond it, a body is shown only
-during legs that begin or end at it, and not at all without such legs."""
-
-BODY_DEGREE = 7
-"""Degree of Lagrange interpolation between samples, with errors of decimetres amid a track."""
-
-ARC_DEGREE = 7
-
-LONG_ARC_S = DAY_S
-"""Duration of arcs beyond which only the current revolution is drawn: weeks of them would form a
-shell around the Earth."""
-
-SPEED_UP = 300.0
-"""Initial speed relative to real time: twenty seconds per revolution."""
 
 
 def to_czml(trajectory: Trajectory) -> str:
@@ -61,11 +52,11 @@ def to_czml(trajectory: Trajectory) -> str:
         for name, intervals in shown.items()
     ]
     crew = _crew(trajectory)
-    packets += [_chaser(trajectory, clock, chaser) for chaser in crew]
-    for chaser in crew:
-        for path in chaser.legs:
-            arcs = range(len(path.arcs))
-            packets += [_arc(trajectory, clock, chaser, path, number) for number in arcs]
+    packets += [_chaser(trajectory, clock, its) for its in crew]
+    for its in crew:
+        for leg in its.legs:
+            arcs = range(len(leg.arcs))
+            packets += [_arc(trajectory, clock, its, leg, number) for number in arcs]
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
 
 
@@ -108,26 +99,14 @@ def _when_shown(trajectory: Trajectory) -> dict[str, list[Span]]:
 
 
 def _document(trajectory: Trajectory, clock: UtcClock, axes: Axes, bodies: int) -> dict[str, Any]:
-    interval = _interval(clock, trajectory.start_s, trajectory.end_s)
     said = origin(trajectory.instance, trajectory.plan, axes)
     if bodies < len(trajectory.instance.names):
         said.append(
             f"Of {len(trajectory.instance.names)} bodies the {bodies} that legs begin or end at "
             "are shown, each during these legs: all of them all the time would be too much."
         )
-    return {
-        "id": "document",
-        "name": trajectory.instance.name,
-        "version": "1.0",
-        "description": " ".join(said),
-        "clock": {
-            "interval": interval,
-            "currentTime": _time(clock, trajectory.start_s),
-            "multiplier": SPEED_UP,
-            "range": "LOOP_STOP",
-            "step": "SYSTEM_CLOCK_MULTIPLIER",
-        },
-    }
+    start, end = trajectory.start_s, trajectory.end_s
+    return document(clock, trajectory.instance.name, said, start, end)
 
 
 def _body(
@@ -140,28 +119,12 @@ def _body(
     colour = palette.UNVISITED
     if at_station or visited:
         colour = palette.STATION if at_station else palette.VISITED
-    tracks, intervals = [], []
+    tracks = {}
     for start, end in shown:
         times = np.linspace(start, end, 1 + max(8, int(np.ceil((end - start) / BODY_STEP_S))))
         positions = axes.turned(body_states(instance, name, times)[0])
-        tracks.append(_position(clock, times, positions, BODY_DEGREE, 1))
-        intervals.append(_interval(clock, start, end))
-    whole = len(shown) == 1
-    packet: dict[str, Any] = {
-        "id": f"body/{name}",
-        "name": name,
-        "availability": intervals[0] if whole else intervals,
-        "position": tracks[0]
-        if whole
-        else [
-            {"interval": interval, **track}
-            for interval, track in zip(intervals, tracks, strict=True)
-        ],
-        "point": {"pixelSize": 9 if at_station else 5, "color": _rgba(colour)},
-    }
-    if at_station or visited:
-        packet["label"] = _label(name, colour)
-    return packet
+        tracks[lasting(clock, start, end)] = sampled(clock, times, positions, BODY_DEGREE, 1)
+    return body_packet(name, colour, tracks, large=at_station, named=at_station or visited)
 
 
 class _Chaser(NamedTuple):
@@ -205,63 +168,41 @@ def _crew(trajectory: Trajectory) -> list[_Chaser]:
     return found
 
 
-def _chaser(trajectory: Trajectory, clock: UtcClock, chaser: _Chaser) -> dict[str, Any]:
-    return {
-        "id": chaser.id,
-        "name": chaser.name,
-        "availability": _interval(
-            clock, chaser.legs[0].arcs[0].start_s, chaser.legs[-1].arcs[-1].end_s
-        ),
-        # One interval for each arc: interpolation must not run across a burn.
-        "position": [
-            {
-                "interval": _interval(clock, arc.start_s, arc.end_s),
-                **_position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 3),
-            }
-            for _, arc in chaser.arcs()
-        ],
-        "point": {
-            "pixelSize": 10,
-            "color": [
-                {
-                    "interval": _interval(clock, arc.start_s, arc.end_s),
-                    **_rgba(_colour(trajectory, path, arc)),
-                }
-                for path, arc in chaser.arcs()
-            ],
-            "outlineColor": _rgba(chaser.colour or "#ffffff"),
-            "outlineWidth": 2,
-        },
-        "label": _label(chaser.name, chaser.colour or "#ffffff"),
+def _chaser(trajectory: Trajectory, clock: UtcClock, its: _Chaser) -> dict[str, Any]:
+    spans = [(lasting(clock, arc.start_s, arc.end_s), path, arc) for path, arc in its.arcs()]
+    tracks = {
+        when: sampled(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 3) for when, _, arc in spans
     }
+    colours = [(when, _colour(trajectory, path, arc)) for when, path, arc in spans]
+    shown = lasting(clock, its.legs[0].arcs[0].start_s, its.legs[-1].arcs[-1].end_s)
+    return chaser_packet(its.id, its.name, its.colour or "#ffffff", shown, tracks, colours)
 
 
 def _arc(
-    trajectory: Trajectory, clock: UtcClock, chaser: _Chaser, path: LegPath, number: int
+    trajectory: Trajectory, clock: UtcClock, its: _Chaser, leg: LegPath, number: int
 ) -> dict[str, Any]:
-    arc = path.arcs[number]
-    drawn_s = path.arcs[-1].end_s - path.arcs[0].start_s
-    shown = path.arcs[0].start_s, path.arcs[-1].end_s
-    colour = chaser.colour or _colour(trajectory, path, arc)
-    title = f"leg {path.number}: {path.leg.origin} → {path.leg.destination}, {arc.phase}"
-    position: dict[str, Any] = {"reference": f"{chaser.id}#position"}
+    arc = leg.arcs[number]
+    drawn_s = leg.arcs[-1].end_s - leg.arcs[0].start_s
+    shown = leg.arcs[0].start_s, leg.arcs[-1].end_s
+    colour = its.colour or _colour(trajectory, leg, arc)
+    title = f"leg {leg.number}: {leg.leg.origin} → {leg.leg.destination}, {arc.phase}"
+    position: dict[str, Any] = {"reference": f"{its.id}#position"}
     if arc.end_s - arc.start_s > LONG_ARC_S:
         drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
         shown = arc.start_s, arc.end_s
     else:
-        position = _position(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
+        position = sampled(clock, arc.times_s, arc.positions_m, ARC_DEGREE, 0)
     return {
-        "id": f"leg {path.number}/{number + 1}",
-        "name": title if chaser.colour is None else f"{chaser.name}, {title}",
-        "availability": _interval(clock, *shown),
+        "id": f"leg {leg.number}/{number + 1}",
+        "name": title if its.colour is None else f"{its.name}, {title}",
+        "availability": lasting(clock, *shown),
         "position": position,
-        "path": {
-            "leadTime": drawn_s,
-            "trailTime": drawn_s,
-            "width": 2 if arc.phase in ("wait", "service") else 3,
-            "resolution": min(trajectory.step_s, STEP_S),
-            "material": {"solidColor": {"color": _rgba(colour)}},
-        },
+        "path": path_line(
+            drawn_s,
+            2 if arc.phase in ("wait", "service") else 3,
+            min(trajectory.step_s, STEP_S),
+            rgba(colour),
+        ),
     }
 
 
@@ -272,40 +213,3 @@ def _colour(trajectory: Trajectory, path: LegPath, arc: Arc) -> str:
     if phase == "service" and path.leg.destination in trajectory.instance.station_names:
         phase = "refuelling"
     return COLOURS[phase]
-
-
-def _position(
-    clock: UtcClock, times: Array, positions: Array, degree: int, digits: int
-) -> dict[str, Any]:
-    """Samples at seconds after the first [m], with ``digits`` decimals."""
-    start = float(times[0])
-    samples = np.column_stack([np.round(times - start, 6), np.round(positions, digits)])
-    return {
-        "epoch": _time(clock, start),
-        "referenceFrame": "INERTIAL",
-        "interpolationAlgorithm": "LAGRANGE",
-        "interpolationDegree": degree,
-        "cartesian": samples.ravel().tolist(),
-    }
-
-
-def _label(text: str, colour: str) -> dict[str, Any]:
-    return {
-        "text": text,
-        "font": "12px sans-serif",
-        "fillColor": _rgba(colour),
-        "horizontalOrigin": "LEFT",
-        "pixelOffset": {"cartesian2": [10, 0]},
-    }
-
-
-def _rgba(colour: str) -> dict[str, Any]:
-    return {"rgba": [int(colour[i : i + 2], 16) for i in (1, 3, 5)] + [255]}
-
-
-def _interval(clock: UtcClock, start_s: float, end_s: float) -> str:
-    return f"{_time(clock, start_s)}/{_time(clock, end_s)}"
-
-
-def _time(clock: UtcClock, time_s: float) -> str:
-    return clock.label(time_s) + "Z"

@@ -32,6 +32,8 @@ from ...kernels.orbits import ephemeris
 from ...problem.frame import FRAMES
 from ...problem.instance import Instance
 from .course import CourseLeg, FlightCourse
+from .gmat_epochs import gregorian, whole_millisecond
+from .gmat_thrust import decremented, fuelled, hardware, note, powered, pushed
 from .kvn import WIDTH, plain
 from .planned import course_of
 
@@ -42,8 +44,6 @@ AXES = {"EME2000": "EarthMJ2000Eq", "GCRF": "EarthICRF", "ICRF": "EarthICRF"}
 
 CHASER = "Chaser"
 COMPONENTS = ("X", "Y", "Z", "VX", "VY", "VZ")
-
-MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
 SHORTEST_COAST_S = 1e-6
 
@@ -105,7 +105,14 @@ def axes_in_gmat(instance: Instance, frame: str | None) -> Axes:
     return axes_of(instance, frame)
 
 
-def script(course: FlightCourse, axes: Axes, degree: int, start_s: float, state: States) -> str:
+def script(
+    course: FlightCourse,
+    axes: Axes,
+    degree: int,
+    start_s: float,
+    state: States,
+    history: str | None = None,
+) -> str:
     """The script of a course.
 
     Parameters
@@ -118,12 +125,21 @@ def script(course: FlightCourse, axes: Axes, degree: int, start_s: float, state:
         When it begins, at a whole millisecond of the calendar [s].
     state : callable
         Fields and values of the state of a body then, or of the chaser for None.
+    history : str, optional
+        Name of the file that :func:`.gmat_thrust.history` is in; required with low thrust.
     """
-    return "\n".join(_lines(course, axes, degree, start_s, state)) + "\n"
+    if history is not None:
+        course = replace(course, said=(*course.said, note(history)))
+    return "\n".join(_lines(course, axes, degree, start_s, state, history)) + "\n"
 
 
 def _lines(
-    course: FlightCourse, axes: Axes, degree: int, start_s: float, state: States
+    course: FlightCourse,
+    axes: Axes,
+    degree: int,
+    start_s: float,
+    state: States,
+    history: str | None,
 ) -> Iterator[str]:
     instance, system = course.instance, AXES[axes.frame.name]
     ends = {name for leg in course.legs for name in (leg.origin, leg.destination)}
@@ -135,14 +151,18 @@ def _lines(
     for spacecraft, body in [(CHASER, None), *((names[body], body) for body in names)]:
         yield ""
         yield from _spacecraft(instance, system, spacecraft, body, start_s, state)
+    if history is not None:
+        yield from hardware(course, CHASER, history)
     yield from _propagator(degree)
+    if history is not None:
+        yield from powered(_model(degree), _forces(degree))
     for leg in course.legs:
-        yield from _impulses(leg, axes)
+        yield from _impulses(course, leg, axes)
     crew = ", ".join([CHASER, *names.values()])
     yield from _views(crew, system)
     now = start_s
     for leg in course.legs:
-        now = yield from _leg(leg, names[leg.destination], crew, system, now)
+        now = yield from _leg(course, leg, names[leg.destination], crew, system, now)
 
 
 def _earth(system: str) -> Iterator[str]:
@@ -158,23 +178,33 @@ def _earth(system: str) -> Iterator[str]:
 
 def _propagator(degree: int) -> Iterator[str]:
     """Propagator settings, so accurate that its steps have no visible effect."""
-    model = "Zonal" if degree else "TwoBody"
-    yield from ("", f"Create ForceModel {model};", f"GMAT {model}.CentralBody = Earth;")
-    yield from _gravity(degree)
-    yield f"GMAT {model}.Drag = None;"
-    yield f"GMAT {model}.SRP = Off;"
-    yield f"GMAT {model}.RelativisticCorrection = Off;"
-    yield f"GMAT {model}.ErrorControl = RSSStep;"
+    yield from _forces(degree)
+    yield f"GMAT {_model(degree)}.ErrorControl = RSSStep;"
     yield from (
         "",
         "Create Propagator Fly;",
-        f"GMAT Fly.FM = {model};",
+        f"GMAT Fly.FM = {_model(degree)};",
         "GMAT Fly.Type = RungeKutta89;",
         "GMAT Fly.InitialStepSize = 60;",
         "GMAT Fly.Accuracy = 1e-13;",
         "GMAT Fly.MinStep = 0;",
         "GMAT Fly.MaxStep = 600;",
     )
+
+
+def _model(degree: int) -> str:
+    """Name of the force model."""
+    return "Zonal" if degree else "TwoBody"
+
+
+def _forces(degree: int) -> Iterator[str]:
+    """The force model, but for its control of errors."""
+    model = _model(degree)
+    yield from ("", f"Create ForceModel {model};", f"GMAT {model}.CentralBody = Earth;")
+    yield from _gravity(degree)
+    yield f"GMAT {model}.Drag = None;"
+    yield f"GMAT {model}.SRP = Off;"
+    yield f"GMAT {model}.RelativisticCorrection = Off;"
 
 
 def _gravity(degree: int) -> tuple[str, ...]:
@@ -191,7 +221,7 @@ def _gravity(degree: int) -> tuple[str, ...]:
     )
 
 
-def _impulses(leg: CourseLeg, axes: Axes) -> Iterator[str]:
+def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes) -> Iterator[str]:
     """Burns of a leg as GMAT manoeuvres."""
     for number, burn in enumerate(leg.all_burns, start=1):
         yield ""
@@ -199,7 +229,10 @@ def _impulses(leg: CourseLeg, axes: Axes) -> Iterator[str]:
         yield f"GMAT {_burn(leg, number)}.CoordinateSystem = {AXES[axes.frame.name]};"
         for element, value in enumerate(axes.turned(np.array(burn.delta_v_m_s)), start=1):
             yield f"GMAT {_burn(leg, number)}.Element{element} = {value / 1e3:.12f};"
-        yield f"GMAT {_burn(leg, number)}.DecrementMass = false;"
+        if course.propulsion is None:
+            yield f"GMAT {_burn(leg, number)}.DecrementMass = false;"
+        else:
+            yield from decremented(course.propulsion, _burn(leg, number))
 
 
 def _views(crew: str, system: str) -> Iterator[str]:
@@ -220,12 +253,18 @@ def _views(crew: str, system: str) -> Iterator[str]:
 
 
 def _leg(
-    leg: CourseLeg, goal: str, crew: str, system: str, now: float
+    course: FlightCourse, leg: CourseLeg, goal: str, crew: str, system: str, now: float
 ) -> Generator[str, None, float]:
     """Coasts, manoeuvres and docking of a leg from a time on [s]; returns its end."""
     yield ""
     yield f"% {plain(f'Leg {leg.number}: {leg.origin} to {leg.destination}')}"
     phase = "wait"
+    if course.propulsion is not None:
+        yield fuelled(course, leg, CHASER)
+    for window in leg.windows:
+        now = yield from _coast(leg, phase, crew, now, window.start_s)
+        now = yield from pushed(leg, window, crew, CHASER)
+        phase = "coast"
     for number, burn in enumerate(leg.burns, start=1):
         now = yield from _coast(leg, phase, crew, now, burn.time_s)
         yield f"Maneuver '{burn.phase}' {_burn(leg, number)}({CHASER});"
@@ -264,7 +303,7 @@ def _spacecraft(
     yield "% the chaser" if body is None else f"% {plain(body)}"
     yield f"Create Spacecraft {name};"
     yield f"GMAT {name}.DateFormat = UTCGregorian;"
-    yield f"GMAT {name}.Epoch = '{_gregorian(epoch)}';"
+    yield f"GMAT {name}.Epoch = '{gregorian(epoch)}';"
     yield f"GMAT {name}.CoordinateSystem = {system};"
     for field, value in state(body):
         yield f"GMAT {name}.{field} = {value};"
@@ -316,21 +355,6 @@ def _turned(axes: Axes, inclination: float, node: float, latitude: float) -> tup
     ascending = np.array([math.cos(node), math.sin(node), 0.0])
     shift = math.atan2(ascending @ ahead, ascending @ towards)
     return math.atan2(math.hypot(normal[0], normal[1]), normal[2]), node, latitude - shift
-
-
-def whole_millisecond(instance: Instance, time_s: float) -> float:
-    """Nearest time with whole milliseconds in the calendar, the resolution of GMAT."""
-    beyond_s = instance.epoch.microsecond % 1000 / 1e6
-    return round((time_s + beyond_s) * 1e3) / 1e3 - beyond_s
-
-
-def _gregorian(time: datetime) -> str:
-    """A time in GMAT's format, in English whatever the locale."""
-    month = MONTHS[time.month - 1]
-    return (
-        f"{time.day:02d} {month} {time.year:04d} {time.hour:02d}:{time.minute:02d}:"
-        f"{time.second:02d}.{time.microsecond // 1000:03d}"
-    )
 
 
 def _burn(leg: CourseLeg, number: int) -> str:

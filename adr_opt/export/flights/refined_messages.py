@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -13,10 +14,14 @@ from ...fly.refine.short_periods import Array
 from ...fly.refine.states import state_of
 from ...fly.trajectory.axes import Axes
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
-from . import opm
-from .course import Burnt, CourseLeg, FlightCourse, burnt_of
-from .gmat import cartesian, script, whole_millisecond
+from . import ocm, opm
+from .course import Burnt, CourseLeg, FlightCourse, Propulsion, burnt_from, burnt_of
+from .gmat import AXES, cartesian, script
+from .gmat_epochs import whole_millisecond
+from .gmat_thrust import history
+from .thrust_history import thrust_windows
 
 DEGREES = {"two-body": 0, "j2": 2, "j3": 3, "j4": 4}
 """Degree of the zonal field, by the gravity of a refined plan."""
@@ -46,9 +51,17 @@ def to_opm(
 
 
 def to_gmat(
-    course: FlightCourse, refined: RefinedPlan, legs: Sequence[RefinedLeg], axes: Axes
-) -> str:
-    """The script: osculating states of chaser and bodies, burns as impulses, coasts by time."""
+    course: FlightCourse,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    axes: Axes,
+    history_name: str | None = None,
+) -> tuple[str, str]:
+    """The script: osculating states of chaser and bodies, burns as impulses, coasts by time.
+
+    With low thrust there is a second text, for a file of that name beside the script; else it is
+    empty.
+    """
     degree = DEGREES[refined.gravity]
     if degree:
         course = replace(course, said=(*course.said, GMATS_OWN))
@@ -63,7 +76,26 @@ def to_gmat(
         )
         return cartesian(axes, now[:3], now[3:])
 
-    return script(course, axes, degree, start_s, state)
+    if course.propulsion is None:
+        return script(course, axes, degree, start_s, state), ""
+    text = script(course, axes, degree, start_s, state, history_name)
+    return text, history(course, axes, AXES[axes.frame.name])
+
+
+def to_ocm(
+    course: FlightCourse,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    axes: Axes,
+    object_id: str | None,
+) -> str:
+    """States at the beginnings of the legs of a course, and all their thrust and burns."""
+    times = [round(_ready_s(leg) * 1e6) / 1e6 for leg in legs]
+    starts = [
+        ocm.StateAt(time_s, _chaser_state(refined, leg, time_s))
+        for leg, time_s in zip(legs, times, strict=True)
+    ]
+    return ocm.to_ocm(course, axes, object_id, starts)
 
 
 def _ready_s(leg: RefinedLeg) -> float:
@@ -111,5 +143,32 @@ def refined_course(
                     start = route[0].ready_s
                     flown = [CourseLeg(0, its.name, route[0].origin, start, start, ()), *flown]
                 burnt |= burnt_of(instance, its, flown)
-    own = tuple(CourseLeg.of(leg.leg, leg) for leg in legs)
-    return FlightCourse(instance, chaser, own, tuple(said), burnt)
+    own = tuple(
+        replace(CourseLeg.of(leg.leg, leg), windows=thrust_windows(leg, refined.gravity))
+        for leg in legs
+    )
+    burnt |= {leg.leg: _burnt_after_thrust(leg) for leg in legs if leg.thrust is not None}
+    propulsion = _propulsion(instance, refined, legs)
+    return FlightCourse(instance, chaser, own, tuple(said), burnt, propulsion)
+
+
+def _burnt_after_thrust(leg: RefinedLeg) -> tuple[Burnt, ...]:
+    """Propellant use of the burns of a leg with low thrust."""
+    assert leg.thrust is not None
+    left = leg.thrust.mass_kg * math.exp(-leg.thrust.delta_v_m_s / leg.thrust.exhaust_m_s)
+    return burnt_from(left, leg.burns, leg.thrust.exhaust_m_s)
+
+
+def _propulsion(
+    instance: Instance, refined: RefinedPlan, legs: Sequence[RefinedLeg]
+) -> Propulsion | None:
+    """Low thrust of the chaser of some legs, if it has any."""
+    exhausts = [leg.thrust.exhaust_m_s for leg in legs if leg.thrust is not None]
+    if not exhausts:
+        return None
+    numbers = {leg.leg for leg in legs}
+    for its, route in refined_routes(instance, refined):
+        tank = its.tank
+        if numbers & {leg.leg for leg in route} and isinstance(tank, TankByMass):
+            return Propulsion(tank.dry_mass_kg, exhausts[0])
+    raise InputError("the chaser with low thrust has no tank by mass; refine the plan again")

@@ -1,4 +1,4 @@
-"""Refined plans in other programs' formats: an ephemeris, a message of burns, a script."""
+"""Refined plans in other programs' formats: ephemerides, messages of burns, scripts, CZML."""
 
 from __future__ import annotations
 
@@ -7,23 +7,23 @@ from collections.abc import Iterable, Iterator
 
 from ...common.constants import EARTH_RADIUS_M, J2
 from ...common.errors import InputError
-from ...common.files import check_writable, write_text
+from ...common.files import check_writable, write_both, write_text
 from ...fly.flight.flyable import refuse_foreign
 from ...fly.flight.tanks import refined_routes
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
+from ...fly.trajectory.sampling import STEP_S
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
 from ...problem.instance import Instance
+from .gmat_thrust import history_path
 from .kvn import header, metadata, object_name, plain, who
 from .oem import segment
-from .refined_messages import refined_course, to_gmat, to_opm
-from .write import BY_SUFFIX, FlightFile, axes_in, check_frame
-
-FORMATS = ("oem", "opm", "script")
-"""Formats of refined plans."""
+from .refined_czml import to_czml, usual_step
+from .refined_messages import refined_course, to_gmat, to_ocm, to_opm
+from .write import ALL_FORMATS, BY_SUFFIX, TOGETHER, FlightFile, axes_in, check_frame
 
 
 def write_refined(
@@ -45,12 +45,15 @@ def write_refined(
     refined : RefinedPlan
     path : path
     file : FlightFile
-        Of the formats "oem", by default, "opm" and "script"; the last two hold the first osculating
-        state and the burns of the chaser. A body is called by default what the instance says.
+        Of the formats "oem", by default, "opm", "ocm", "czml" and "script". Messages of burns and
+        scripts hold osculating states of the chaser and its burns; OCM, CZML and scripts low
+        thrust, too, scripts in a file beside them. A body is called by default what the instance
+        says.
     body, step_s, leg
         As :func:`adr_opt.fly.refine.ephemeris.tracks` takes them.
     chaser : str, optional
-        Whose flight; needed where there are several chasers, unless a leg or a body is named.
+        Whose flight; needed where there are several chasers, unless a leg or a body is named, or
+        all of them are written as "czml".
 
     Returns
     -------
@@ -60,9 +63,9 @@ def write_refined(
     Raises
     ------
     InputError
-        A refined plan of another instance, an unknown frame or format, a body in a format of
-        burns, legs that do not follow each other there, what
-        :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
+        A refined plan of another instance, an unknown frame or format, a body in another format
+        than "oem", low thrust in "opm", legs that do not follow each other in messages and scripts,
+        what :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
     MissingExtra
         There is something to turn to the frame, and astropy is not installed.
     """
@@ -70,32 +73,43 @@ def write_refined(
     format, frame, object_id = file.format or "oem", file.frame, file.object_id
     check_frame(frame)
     check_writable(path)
-    if format not in FORMATS:
-        raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+    if format not in ALL_FORMATS:
+        raise InputError(f"format = {format!r}: use one of {', '.join(ALL_FORMATS)}")
     axes = axes_in(format, instance, frame)
     if format != "oem" and body is not None:
         raise InputError(f"a body makes no burns: .{format} is of chasers; write .oem of {body!r}")
-    if format != "oem" and refined.has_thrust:
-        raise InputError(
-            f".{format} files have impulses only, and the plan has low thrust; write .oem"
-        )
-    name = _whose(instance, refined, chaser, leg, body)
+    everyone = format in TOGETHER and chaser is None and leg is None
+    name = None if everyone else _whose(instance, refined, chaser, leg, body)
+    if format == "czml" and step_s is None:
+        step_s = usual_step(refined.legs)
     written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
     said = [*_origin(instance, refined, axes), *who(instance, name)]
     if format == "oem":
         called = object_name(name) if body is None else plain(body)
         about = tuple(metadata(instance, axes, called, object_id or _designator(instance, body)))
         text = "\n".join(_lines(instance, said, written, axes, about)) + "\n"
-    else:
-        legs = [
-            one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)
-        ]
-        course = refined_course(instance, refined, legs, name, said)
-        if format == "opm":
-            text = to_opm(course, refined, legs, axes, object_id)
+        write_text(path, text)
+        return written
+    legs = [one for one in refined.legs if leg in (None, one.leg) and name in (None, one.chaser)]
+    if format == "opm" and any(one.thrust is not None for one in legs):
+        raise InputError(
+            "a burn of .opm has one direction, and low thrust is steered; write .ocm or .oem"
+        )
+    if format == "czml":
+        write_text(path, to_czml(instance, refined, legs, axes, said, step_s or STEP_S))
+        return written
+    course = refined_course(instance, refined, legs, name, said)
+    if format == "script":
+        beside = None if course.propulsion is None else history_path(path)
+        told = None if beside is None else beside.name
+        text, history = to_gmat(course, refined, legs, axes, told)
+        if beside is None:
+            write_text(path, text)
         else:
-            text = to_gmat(course, refined, legs, axes)
-    write_text(path, text)
+            write_both(path, text, beside, history)
+    else:
+        write = to_opm if format == "opm" else to_ocm
+        write_text(path, write(course, refined, legs, axes, object_id))
     return written
 
 

@@ -15,13 +15,17 @@ from ...plan.plan import Plan
 from ...plan.routes import chaser_wanted, owners
 from ...problem.frame import FRAMES as FRAMES
 from ...problem.instance import Instance
-from .czml import CESIUM, to_czml
+from .czml import to_czml
+from .czml_packets import CESIUM
 from .gmat import axes_in_gmat, to_gmat
 from .oem import to_oem
 from .opm import to_opm
 
 FORMATS = ("oem", "opm", "czml", "script")
 """Formats, and with a leading dot the suffixes."""
+
+ALL_FORMATS = ("oem", "opm", "ocm", "czml", "script")
+"""Those of refined plans, too."""
 
 TOGETHER = ("czml",)
 """Formats that can hold the flights of several chasers."""
@@ -33,8 +37,8 @@ class FlightFile:
 
     Attributes
     ----------
-    format : {"oem", "opm", "czml", "script"}, optional
-        By default that of the file's suffix.
+    format : {"oem", "opm", "ocm", "czml", "script"}, optional
+        By default that of the file's suffix; "ocm" is for refined plans.
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
         By default the frame of the instance, and EME2000 if it names none. Where it names one,
         states and burns are turned from that to this, by astropy; else this is only a name. CZML
@@ -95,6 +99,7 @@ def write_plan(
         There is something to turn, and astropy is not installed.
     """
     kind = format_of(path, file.format)
+    refuse_refined_only(kind)
     check_frame(file.frame)
     check_writable(path)
     trajectory = flown(instance, plan, step_s, leg, chaser, together=kind in TOGETHER)
@@ -143,6 +148,7 @@ def write_trajectory(
         Those of the file.
     """
     format, frame = format_of(path, file.format), file.frame
+    refuse_refined_only(format)
     check_frame(frame)
     axes = axes_in(format, trajectory.instance, frame)
     if format == "oem":
@@ -164,6 +170,12 @@ def axes_in(format: str, instance: Instance, frame: str | None) -> Axes:
     return axes_in_gmat(instance, frame) if format == "script" else axes_of(instance, frame)
 
 
+def refuse_refined_only(format: str) -> None:
+    """Raise :class:`InputError` for a format that plans have not before they are refined."""
+    if format == "ocm":
+        raise InputError(".ocm is of refined plans; refine the plan, or write .oem or .opm")
+
+
 def check_frame(frame: str | None) -> None:
     """Raise :class:`InputError` for an unknown frame."""
     if frame is not None and frame not in FRAMES:
@@ -173,13 +185,13 @@ def check_frame(frame: str | None) -> None:
 def format_of(path: str | os.PathLike[str], format: str | None = None) -> str:
     """The requested format, by name or else by the file's suffix."""
     if format is not None:
-        if format not in FORMATS:
-            raise InputError(f"format = {format!r}: use one of {', '.join(FORMATS)}")
+        if format not in ALL_FORMATS:
+            raise InputError(f"format = {format!r}: use one of {', '.join(ALL_FORMATS)}")
         return format
     suffix = Path(path).suffix.lower()
-    if suffix.removeprefix(".") not in FORMATS or not suffix:
+    if suffix.removeprefix(".") not in ALL_FORMATS or not suffix:
         raise InputError(
             f"{path}: suffix {suffix!r} is unknown; use one of "
-            f"{', '.join('.' + name for name in FORMATS)}, or name the format"
+            f"{', '.join('.' + name for name in ALL_FORMATS)}, or name the format"
         )
     return suffix.removeprefix(".")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,14 +20,16 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 
-@click.command("export", short_help="Write the flight of PLAN as OEM, OPM, CZML or GMAT script.")
+@click.command(
+    "export", short_help="Write the flight of PLAN as OEM, OPM, OCM, CZML or GMAT script."
+)
 @take.instance
 @take.plan
-@take.file("--out", "File to write: .oem, .opm, .czml or .script.", required=True)
+@take.file("--out", "File to write: .oem, .opm, .ocm, .czml or .script.", required=True)
 @click.option(
     "--format",
     "format_",
-    type=click.Choice(["oem", "opm", "czml", "script"]),
+    type=click.Choice(["oem", "opm", "ocm", "czml", "script"]),
     help="Format, regardless of the file's suffix.",
 )
 @click.option(
@@ -69,8 +72,9 @@ def command(
 ) -> int:
     """Fly PLAN in the dynamics of INSTANCE and write the flight for other programs.
 
-    A refined plan is written as an OEM, OPM or script file of its osculating states. With several
-    chasers, a file holds the flight of one; only a CZML file may hold all.
+    A refined plan is written with its osculating states, and may be an OCM file, too. A script of
+    low thrust has a second file beside it, of the suffix .thrust. With several chasers, a file
+    holds the flight of one; only a CZML file may hold all.
     """
     if step_s is not None and not (step_s > 0.0 and math.isfinite(step_s)):
         raise InputError(f"--step = {step_s:g}: must be a positive number of seconds")
@@ -84,6 +88,8 @@ def command(
 
     file = FlightFile(format_of(out, format_), frame, object_id)
     check_out(out, instance_path, plan_path)
+    if file.format == "script":
+        check_out(str(Path(out).with_suffix(".thrust")), instance_path, plan_path)
     if is_refined(plan_path):
         instance, axes, told = _refined(
             instance_path, plan_path, out, file, step_s=step_s, leg=leg, body=body, chaser=chaser
@@ -142,15 +148,11 @@ def _refined(
 ) -> tuple[Instance, Axes, dict[str, Any]]:
     """Write a refined plan; returns its part of --json."""
     from ...export.flights.refined_oem import write_refined
-    from ...export.flights.write import axes_in
+    from ...export.flights.write import TOGETHER, axes_in
     from ...fly.refine import load_refined
     from ...plan.routes import several
     from ...problem.instance import load
 
-    if file.format == "czml":
-        raise InputError(
-            f"{out}: a refined plan is written as .oem, .opm or .script; name such a file"
-        )
     instance, refined = load(instance_path), load_refined(refined_path)
     with about(refined_path):
         written = write_refined(
@@ -158,9 +160,11 @@ def _refined(
         )
     whose = chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]
+    everyone = file.format in TOGETHER and whose is None and leg is None
+    told_of = several(instance) and body is None and not everyone
     told = {
         "body": body,
-        **({"chaser": legs[0].chaser} if several(instance) and body is None else {}),
+        **({"chaser": legs[0].chaser} if told_of else {}),
         "legs": len(legs),
         "dynamics": refined.gravity,
         "arcs": len(written),

@@ -1,0 +1,219 @@
+"""Refined plans for Cesium: osculating paths, with low thrust in the colour of its windows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from ...fly.refine.ephemeris import EphemerisTrack, tracks
+from ...fly.trajectory.axes import Axes
+from ...fly.trajectory.clock import UtcClock
+from ...fly.trajectory.kepler import revolution
+from ...fly.trajectory.sampling import LONG_STEP_S, SHORTEST_ARC_S, STEP_S, Arc
+from ...plan import palette
+from ...plan.phases import COLOURS
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.routes import several
+from ...problem.instance import Instance
+from .czml_packets import (
+    ARC_DEGREE,
+    BODY_DEGREE,
+    BODY_STEP_S,
+    LONG_ARC_S,
+    MOST_BODY_STATES,
+    body_packet,
+    chaser_packet,
+    document,
+    lasting,
+    path_line,
+    rgba,
+    sampled,
+)
+
+HIGHLIGHT_PIXELS = 18
+
+
+class _Leg(NamedTuple):
+    """A leg with its arcs."""
+
+    leg: RefinedLeg
+    tracks: tuple[EphemerisTrack, ...]
+
+
+class _Crew(NamedTuple):
+    """A chaser with legs; ``colour`` where there are several."""
+
+    id: str
+    name: str
+    colour: str | None
+    legs: tuple[_Leg, ...]
+
+
+def usual_step(legs: Sequence[RefinedLeg]) -> float:
+    """Time between states: a minute, or five where some leg takes more than a day [s]."""
+    return LONG_STEP_S if any(leg.done_s - leg.ready_s > LONG_ARC_S for leg in legs) else STEP_S
+
+
+def to_czml(
+    instance: Instance,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    axes: Axes,
+    said: Sequence[str],
+    step_s: float,
+) -> str:
+    """Some legs of a refined plan as a CZML document.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    legs : sequence of RefinedLeg
+        Of any chasers; at least one.
+    axes : Axes
+        Those of Cesium.
+    said : sequence of str
+        Sentences that say what the document is of.
+    step_s : float
+        Largest time between states [s].
+    """
+    clock = UtcClock(instance)
+    start_s, end_s = min(leg.ready_s for leg in legs), max(leg.done_s for leg in legs)
+    packets = [document(clock, instance.name, said, start_s, end_s)]
+    packets += _bodies(instance, refined, legs, axes, clock)
+    for its in _crew(instance, refined, legs, step_s):
+        packets.append(_chaser(its, axes, clock))
+        for leg in its.legs:
+            for number, track in enumerate(leg.tracks, start=1):
+                packets.append(_arc(its, leg, number, track.arc, axes, clock))
+            if _windows(leg.leg):
+                packets.append(_thrust(its, leg.leg, clock))
+    return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
+
+
+def _crew(
+    instance: Instance, refined: RefinedPlan, legs: Sequence[RefinedLeg], step: float
+) -> Iterator[_Crew]:
+    """The chasers of some legs."""
+    flown = [_Leg(leg, tracks(refined, leg=leg.leg, step_s=step)) for leg in legs]
+    if not several(instance):
+        yield _Crew("chaser", "chaser", None, tuple(flown))
+        return
+    colours = palette.chaser_colours(instance)
+    for number, chaser in enumerate(instance.chasers, start=1):
+        own = tuple(leg for leg in flown if leg.leg.chaser == chaser.name)
+        if own:
+            yield _Crew(f"chaser/{number}", chaser.name, colours[chaser.name], own)
+
+
+def _bodies(
+    instance: Instance,
+    refined: RefinedPlan,
+    legs: Sequence[RefinedLeg],
+    axes: Axes,
+    clock: UtcClock,
+) -> Iterator[dict[str, Any]]:
+    """Bodies of the legs, all the time, or in a long mission while their legs are flown."""
+    part = refined.replace(legs=tuple(legs))
+    names = [body.name for body in refined.bodies]
+    names = [name for name in names if any(name in (leg.origin, leg.destination) for leg in legs)]
+    spans = [(leg.ready_s, leg.done_s) for leg in legs]
+    whole = (
+        len(names) * (max(end for _, end in spans) - min(start for start, _ in spans))
+        <= MOST_BODY_STATES * BODY_STEP_S
+    )
+    for name in names:
+        at_station = name in instance.station_names
+        colour = palette.STATION if at_station else palette.VISITED
+        own = [leg.leg for leg in legs if name in (leg.origin, leg.destination)]
+        shown = {}
+        for number in [None] if whole else own:
+            for track in tracks(part, body=name, leg=number, step_s=BODY_STEP_S):
+                shown[_span(clock, track.arc)] = sampled(
+                    clock, track.arc.times_s, axes.turned(track.arc.positions_m), BODY_DEGREE, 1
+                )
+        yield body_packet(name, colour, shown, large=at_station, named=True)
+
+
+def _chaser(its: _Crew, axes: Axes, clock: UtcClock) -> dict[str, Any]:
+    found: dict[str, dict[str, Any]] = {}
+    colours: list[tuple[str, str]] = []
+    for leg in its.legs:
+        for track in leg.tracks:
+            arc = track.arc
+            found[_span(clock, arc)] = sampled(
+                clock, arc.times_s, axes.turned(arc.positions_m), ARC_DEGREE, 3
+            )
+            colours += _colours(leg.leg, arc, clock)
+    start_s, end_s = its.legs[0].tracks[0].arc.start_s, its.legs[-1].tracks[-1].arc.end_s
+    shown = lasting(clock, start_s, end_s)
+    return chaser_packet(its.id, its.name, its.colour or "#ffffff", shown, found, colours)
+
+
+def _arc(
+    its: _Crew, leg: _Leg, number: int, arc: Arc, axes: Axes, clock: UtcClock
+) -> dict[str, Any]:
+    """The path of an arc; of a long one the revolution that the chaser is in."""
+    title = f"leg {leg.leg.leg}: {leg.leg.origin} → {leg.leg.destination}, {arc.phase}"
+    position: dict[str, Any] = {"reference": f"{its.id}#position"}
+    shown_s = arc.start_s, arc.end_s
+    if arc.end_s - arc.start_s > LONG_ARC_S:
+        drawn_s = 0.5 * revolution(arc.positions_m[0], arc.velocities_m_s[0])
+    else:
+        shown_s = leg.tracks[0].arc.start_s, leg.tracks[-1].arc.end_s
+        drawn_s = shown_s[1] - shown_s[0]
+        position = sampled(clock, arc.times_s, axes.turned(arc.positions_m), ARC_DEGREE, 0)
+    colour = its.colour or _colour(leg.leg, arc)
+    width = 2 if arc.phase in ("wait", "service") else 3
+    return {
+        "id": f"leg {leg.leg.leg}/{number}",
+        "name": title if its.colour is None else f"{its.name}, {title}",
+        "availability": lasting(clock, *shown_s),
+        "position": position,
+        "path": path_line(drawn_s, width, STEP_S, rgba(colour)),
+    }
+
+
+def _thrust(its: _Crew, leg: RefinedLeg, clock: UtcClock) -> dict[str, Any]:
+    """A halo of the chaser, available in the windows of thrust of a leg."""
+    halo = rgba(COLOURS["thrust"])
+    halo["rgba"][3] = 128
+    return {
+        "id": f"leg {leg.leg}/thrust",
+        "name": f"leg {leg.leg}: {leg.origin} → {leg.destination}, thrust",
+        "availability": [lasting(clock, *window) for window in _windows(leg)],
+        "position": {"reference": f"{its.id}#position"},
+        "point": {"pixelSize": HIGHLIGHT_PIXELS, "color": halo},
+    }
+
+
+def _windows(leg: RefinedLeg) -> tuple[tuple[float, float], ...]:
+    """Windows of thrust, those due to rounding left out."""
+    windows = () if leg.thrust is None else leg.thrust.windows_s
+    return tuple((start, end) for start, end in windows if end - start >= SHORTEST_ARC_S)
+
+
+def _colours(leg: RefinedLeg, arc: Arc, clock: UtcClock) -> Iterator[tuple[str, str]]:
+    """Intervals of an arc with the colour of what the chaser does."""
+    if leg.thrust is None or arc.phase != "transfer":
+        yield _span(clock, arc), _colour(leg, arc)
+        return
+    now = arc.start_s
+    for start, end in _windows(leg):
+        if start > now:
+            yield lasting(clock, now, start), COLOURS["drift"]
+        yield lasting(clock, start, end), COLOURS["thrust"]
+        now = end
+    if arc.end_s > now:
+        yield lasting(clock, now, arc.end_s), COLOURS["drift"]
+
+
+def _colour(leg: RefinedLeg, arc: Arc) -> str:
+    """Colour of an arc of a leg."""
+    drifts = leg.thrust is not None and arc.phase == "transfer"
+    return COLOURS["drift" if drifts else arc.phase]
+
+
+def _span(clock: UtcClock, arc: Arc) -> str:
+    return lasting(clock, arc.start_s, arc.end_s)
