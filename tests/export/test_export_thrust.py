@@ -129,6 +129,7 @@ def epoch_of(label: str) -> datetime:
     return datetime.strptime(label, "%d %b %Y %H:%M:%S.%f").replace(tzinfo=UTC)
 
 
+@pytest.mark.slow
 def test_forces_between_points_lead_to_the_stand_off() -> None:
     """Piecewise linear forces arrive within metres of each stand-off; ΔV and masses are equal."""
     _, _, refined = mission()
