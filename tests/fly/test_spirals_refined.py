@@ -33,9 +33,9 @@ SEED = 3
 
 
 @cache
-def mission() -> tuple[Instance, Plan]:
+def mission(seed: int = SEED) -> tuple[Instance, Plan]:
     """A drawn mission of low thrust with tows, and a plan."""
-    instance = electric(SEED, tows=True)
+    instance = electric(seed, tows=True)
     plan = adr_opt.solve(instance, method="greedy-guarded").plan
     assert plan is not None
     return instance, plan
@@ -171,9 +171,9 @@ def test_a_release_off_the_disposal_orbit_does_not_hold() -> None:
     assert not flight.holds
 
 
-def spiral_to_fly() -> tuple[TrueBodies, SpiralTow]:
-    """The first spiral of the mission before it is refined, and the bodies."""
-    instance, plan = mission()
+def spiral_to_fly(seed: int = SEED) -> tuple[TrueBodies, SpiralTow]:
+    """The first spiral of a mission before it is refined, and the bodies."""
+    instance, plan = mission(seed)
     tow = next(iter(spirals_by_leg(instance, plan).values()))
     return TrueBodies(instance, "j2", [tow.name]), tow
 
@@ -198,7 +198,19 @@ def test_spirals_without_time_are_refused() -> None:
         towed_by_spiral(bodies, tow._replace(ready_s=late_s, start_s=late_s))
 
 
-def test_tows_with_burns_are_refused() -> None:
+def test_spirals_with_little_time_stay_eccentric() -> None:
+    """Without time for a circle all of the thrust leads to the altitude, and some shape is left."""
+    bodies, tow = spiral_to_fly(9)
+    late_s = tow.end_s - 0.85 * (tow.end_s - tow.start_s)
+    found = towed_by_spiral(bodies, tow._replace(ready_s=late_s, start_s=late_s))
+    assert found.thrust is not None
+    assert 0.9 < found.thrust.force_n / tow.push.force <= 1.0
+    mean = near_circle(state_of(found.released), FIELDS["j2"])
+    assert abs(mean[0] - tow.radius_m) < 10.0
+    assert 1e-3 < math.hypot(mean[1], mean[2]) < 0.03
+
+
+def test_tows_out_of_order_are_refused() -> None:
     """A plan whose tow by low thrust ends before it begins is refused in a sentence."""
     instance, plan = mission()
     (route,) = plan.routes
