@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
-from ...kernels.orbits import mean_thrusting, thrusting
+from ...kernels.orbits import mean_thrusting, primer, thrusting
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.thrusting import Push, ThrustArcs
 from ...plan.plan import Plan
@@ -28,6 +28,7 @@ from .near_circle import near_circle
 from .propelled import towing_by_leg
 from .short_periods import Array
 from .states import recorded
+from .thrust_guess import LEAST_THRESHOLD
 from .thrust_record import steered_arcs
 
 ARC_S = 6.0 * 86400.0
@@ -41,8 +42,11 @@ CLOSED_M, CLOSED_E = 0.01, 1e-8
 GOOD_M, GOOD_E = 10.0, 1e-5
 """Misses that are good enough if no step makes them smaller."""
 
-PREDICTED = 1e-7
+PREDICTED = 3e-5
 """Tolerance of predictions, relative to the semi-major axis, and of the eccentricity."""
+
+ROUND = 1e-4
+"""Predicted eccentricity that stands for none."""
 
 MOST_STEPS, MOST_STARTS, ROUNDINGS = 12, 12, 10
 """Maximum numbers of Newton's steps and of beginnings that are tried, and number of steps from the
@@ -195,7 +199,10 @@ class _Task:
         starts = spiral.start_s + lasts * np.arange(count) / count
         # All of the time to the next arc: what is left of a span is not made up for.
         spans = np.full(count, lasts)
-        return ThrustArcs(self.laws(spiral), np.zeros(count), starts, spans)
+        laws = self.laws(spiral)
+        # Where the primer vector is short it turns faster than any integrator steps.
+        least = np.array([LEAST_THRESHOLD * primer.peak(law) for law in laws])
+        return ThrustArcs(laws, least, starts, spans)
 
     def _state(self, time_s: float) -> Array:
         if time_s not in self._states:
@@ -217,7 +224,8 @@ class _Task:
         count, mass, _ = thrusting.fly(
             now, self._tow.end_s, self.push(spiral), self._arcs(spiral), self._zonals, room
         )
-        return thrusting.state_of(now), room[:count], mass
+        windows = np.minimum(room[:count], [self._tow.end_s, self._tow.end_s, math.inf])
+        return thrusting.state_of(now), windows, mass
 
     def _off(self, mean: Array, left: Array) -> Array:
         """Miss of the relative semi-major axis and the eccentricity vector."""
@@ -297,20 +305,36 @@ class _Task:
             None does.
         """
         left = self.predict(spiral)[1:3]
+        if math.hypot(*left) < ROUND:
+            left = np.zeros(2)
         slope = self._slope(spiral, left)
         now = spiral
         off = self._off(self._flown(now), left)
-        for _ in range(MOST_STEPS):
+        share = 1.0
+        for _ in range(2 * MOST_STEPS):
             if self._misses(off, CLOSED_M, CLOSED_E):
                 break
-            tried = now.moved(_least_step(slope, off))
+            tried = now.moved(share * _least_step(slope, off))
             found = self._off(self._flown(tried), left)
-            if float(np.linalg.norm(found)) >= float(np.linalg.norm(off)):
-                break
-            now, off = tried, found
+            before, after = float(np.linalg.norm(off)), float(np.linalg.norm(found))
+            share = 1.0 if after < before else 0.5 * share
+            if after < before:
+                now, off = tried, found
+            if after > 0.5 * before:
+                # Where windows begin to part, predictions do not know how flights change.
+                slope = self._flown_slope(now, off, left)
         if not self._misses(off, GOOD_M, GOOD_E) or now.force > 1.0:
             raise ArithmeticError("no spiral was found that leads to the disposal orbit in time")
         return now
+
+    def _flown_slope(self, spiral: _Spiral, off: Array, left: Array) -> Array:
+        count = 1 + spiral.shapes.size
+        slope = np.empty((3, count))
+        for column in range(count):
+            step = np.zeros(count)
+            step[column] = STEP
+            slope[:, column] = (self._off(self._flown(spiral.moved(step)), left) - off) / STEP
+        return slope
 
     def _flown(self, spiral: _Spiral) -> Array:
         return near_circle(self.integrate(spiral)[0], self._zonals)
