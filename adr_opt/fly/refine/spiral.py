@@ -52,6 +52,9 @@ MOST_STEPS, MOST_STARTS, ROUNDINGS = 12, 12, 10
 """Maximum numbers of Newton's steps and of beginnings that are tried, and number of steps from the
 eccentricity that thrust against the motion leaves to none."""
 
+AGAIN = 1.1
+"""How much longer than planned a tow is to be at least, where none was found otherwise."""
+
 LONGER = 1.06
 """How much longer than the one before each of them makes the tow."""
 
@@ -155,8 +158,15 @@ def towed_by_spiral(bodies: TrueBodies, tow: SpiralTow) -> RefinedTow:
     ArithmeticError
         The thrust does not suffice in the time that there is.
     """
+    earliest_s = max(tow.ready_s, tow.end_s - AGAIN * (tow.end_s - tow.start_s))
     task = _Task(bodies, tow)
-    spiral = task.closed(task.predicted())
+    try:
+        spiral = task.closed(task.predicted())
+    except ArithmeticError:
+        if earliest_s >= tow.start_s:
+            raise
+        task = _Task(bodies, tow._replace(start_s=earliest_s))
+        spiral = task.closed(task.predicted())
     windows = np.empty((MOST_WINDOWS, 3))
     end, windows, mass = task.integrate(spiral, windows)
     push = task.push(spiral)
