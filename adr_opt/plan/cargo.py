@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,8 @@ from ..problem.drives import drive_of
 from ..problem.instance import Instance
 from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
+
+NOTHING: Mapping[str, float] = MappingProxyType({})
 
 LEAST_SHARE = 1e-9
 """Lower limit of a mass relative to that without propellant, whatever a plan states."""
@@ -124,7 +127,10 @@ def kits_of(instance: Instance, destinations: Iterable[str]) -> int:
 
 
 def followed(
-    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+    instance: Instance,
+    chaser: Chaser,
+    legs: Sequence[tuple[str, float]],
+    towing_m_s: Mapping[str, float] = NOTHING,
 ) -> tuple[Aboard, ...]:
     """Cargo of a chaser at the start and after each leg.
 
@@ -134,6 +140,8 @@ def followed(
     chaser : Chaser
     legs : sequence of (str, float)
         Destination and ΔV [m/s] of each.
+    towing_m_s : mapping of str to float
+        ΔV of tows that cost something else than in plans, by name of the object [m/s].
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.service.takes_kit}
@@ -155,7 +163,7 @@ def followed(
         elif destination in tows:
             tow, mass = tows.pop(destination), _mass_kg(chaser, kits, left)
             assert mass is not None
-            removal_m_s = tow.delta_v_m_s
+            removal_m_s = towing_m_s.get(destination, tow.delta_v_m_s)
             removal_kg = (mass + tow.object_kg) * -math.expm1(-removal_m_s / tank.exhaust_m_s)
             left = _left_m_s(chaser, kits, mass - removal_kg)
         mass = _mass_kg(chaser, kits, left)
@@ -218,17 +226,21 @@ def carries(instance: Instance) -> bool:
 
 
 def tank_worths(
-    instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]
+    instance: Instance,
+    chaser: Chaser,
+    legs: Sequence[tuple[str, float]],
+    towing_m_s: Mapping[str, float] = NOTHING,
 ) -> tuple[float, ...]:
     """ΔV of each tank of a chaser over the legs and tows flown from it [m/s].
 
-    That of a tank by mass goes with what is left behind or towed meanwhile, and when.
+    That of a tank by mass goes with what is left behind or towed meanwhile, and when. Tows cost
+    ``towing_m_s`` as in :func:`followed`.
     """
     if not isinstance(chaser.tank, TankByMass):
         refuellings = sum(destination in instance.station_names for destination, _ in legs)
         full = chaser.tank.delta_v_m_s
         return (full - chaser.tank.spent_m_s, *(full,) * refuellings)
-    stages = followed(instance, chaser, legs)
+    stages = followed(instance, chaser, legs, towing_m_s)
     worths, used = [], 0.0
     for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):
         used += delta_v

@@ -84,17 +84,40 @@ class RefinedState(Record):
 
 
 class RefinedTow(Record):
-    """Tow of an object in true dynamics: from its own orbit, by two burns.
+    """Tow of an object in true dynamics: from its own orbit, by two burns or by a spiral.
 
-    They are made at the plan's times and as large, against the motion that there is. ``released``
-    is where chaser and object are after the second one.
+    Burns are made at the plan's times and as large, against the motion that there is. A spiral has
+    none: its ``thrust`` is that of the chaser, with ``mass_kg`` of chaser and object together, and
+    ``planned_delta_v_m_s`` what the plan has for it.
+    ``released`` is where both are at the end.
     """
 
-    burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, min_length=2, max_length=2)]
+    burns: Annotated[tuple[RefinedBurn, ...], Field(strict=False, max_length=2)]
     released: RefinedState
+    thrust: RefinedThrust | None = None
+    planned_delta_v_m_s: DeltaV | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = plainly(self)
+        for name in ("thrust", "planned_delta_v_m_s"):
+            if getattr(self, name) is None:
+                content.pop(name, None)
+        return content
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if (self.thrust is None) != (self.planned_delta_v_m_s is None):
+            raise ValueError("field planned_delta_v_m_s: a spiral needs it, and burns have none")
+        if self.thrust is not None:
+            windows = self.thrust.windows_s
+            if self.burns or not windows:
+                raise ValueError("field thrust: a spiral has windows of thrust and no burns")
+            if windows[-1][1] > self.released.time_s:
+                raise ValueError("field thrust: a window ends after the release; correct its times")
+            return self
+        if len(self.burns) != 2:
+            raise ValueError("field burns: must be two where there is no thrust")
         begin, end = self.burns
         if {begin.phase, end.phase} != {"tow"} or not begin.time_s <= end.time_s:
             raise ValueError('field burns: must be two in time order, of phase "tow"')
@@ -106,9 +129,22 @@ class RefinedTow(Record):
         return self
 
     @property
+    def start_s(self) -> float:
+        """Time of the first burn, or beginning of the first window of thrust [s]."""
+        return self.burns[0].time_s if self.thrust is None else self.thrust.windows_s[0][0]
+
+    @property
     def delta_v_m_s(self) -> float:
-        """ΔV of both burns [m/s]."""
+        """ΔV of both burns, or of the spiral [m/s]."""
+        if self.thrust is not None:
+            return self.thrust.delta_v_m_s
         return math.fsum(burn.size_m_s for burn in self.burns)
+
+    @property
+    def planned_m_s(self) -> float:
+        """ΔV of the plan [m/s]; burns are as large as there."""
+        planned = self.planned_delta_v_m_s
+        return self.delta_v_m_s if planned is None else planned
 
 
 class RefinedLeg(Record):
@@ -157,10 +193,20 @@ class RefinedLeg(Record):
         return math.fsum((arcs, *(burn.size_m_s for burn in self.burns)))
 
     @property
+    def removals(self) -> tuple[RefinedTow, ...]:
+        """Tows that count with the leg: of the destination, and of the origin after a launch."""
+        before = self.tow_before if self.after_launch else None
+        return tuple(tow for tow in (before, self.tow) if tow is not None)
+
+    @property
     def removal_m_s(self) -> float:
         """ΔV of the tow of the destination, and after a launch of the tow before it [m/s]."""
-        before = self.tow_before if self.after_launch else None
-        return math.fsum(tow.delta_v_m_s for tow in (before, self.tow) if tow is not None)
+        return math.fsum(tow.delta_v_m_s for tow in self.removals)
+
+    @property
+    def planned_removal_m_s(self) -> float:
+        """The same as planned [m/s]."""
+        return math.fsum(tow.planned_m_s for tow in self.removals)
 
     @property
     def removal_burns(self) -> tuple[RefinedBurn, ...]:
@@ -175,7 +221,7 @@ class RefinedLeg(Record):
     @property
     def removal_s(self) -> float:
         """Duration of the tow of the destination [s]."""
-        return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.burns[0].time_s
+        return 0.0 if self.tow is None else self.tow.released.time_s - self.tow.start_s
 
     @property
     def done_s(self) -> float:
@@ -216,7 +262,7 @@ class RefinedLeg(Record):
             )
         if self.tow_before is not None and self.tow_before.released.time_s > times[0]:
             raise ValueError("field tow_before: ends after the first burn; correct its times")
-        if self.tow is not None and self.tow.burns[0].time_s < self.arrival_s:
+        if self.tow is not None and self.tow.start_s < self.arrival_s:
             raise ValueError("field tow: begins before arrival_s; correct its times")
         return self
 
@@ -268,7 +314,7 @@ class RefinedPlan(Shown, Record):
     @property
     def planned_delta_v_m_s(self) -> float:
         """Planned ΔV of the refined legs and their tows [m/s]."""
-        return math.fsum(leg.planned_delta_v_m_s + leg.removal_m_s for leg in self.legs)
+        return math.fsum(leg.planned_delta_v_m_s + leg.planned_removal_m_s for leg in self.legs)
 
     @property
     def retargeted_delta_v_m_s(self) -> float:

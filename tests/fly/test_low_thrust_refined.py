@@ -18,6 +18,7 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.refine.states import state_of
 from adr_opt.fly.refine.thrust_states import thrust_states
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -94,7 +95,9 @@ def test_states_along_a_leg_end_at_the_stand_off() -> None:
     """States along a leg begin docked and end at the stand-off of the file."""
     for leg in refined(1).legs:
         times = np.linspace(leg.states[0].time_s, leg.standoff_s, 100)
-        found = thrust_states(leg, times, "j2")
+        assert leg.thrust is not None
+        begin = state_of(leg.states[0])
+        found = thrust_states(leg.thrust, begin, leg.states[0].time_s, times, "j2")
         for state, event in ((found[0], leg.states[0]), (found[-1], leg.states[1])):
             assert math.dist(state[:3], event.position_m) < 0.1
             assert math.dist(state[3:], event.velocity_m_s) < 1e-4
@@ -177,17 +180,6 @@ def test_legs_without_time_are_missing() -> None:
     found = adr_opt.refine(instance, plan.replace(routes=(route.replace(legs=(hurried, *others)),)))
     assert [missing.leg for missing in found.missing] == [1]
     assert "in time" in found.missing[0].reason
-
-
-def test_spirals_of_tows_are_refused() -> None:
-    """A plan with tows by spirals is refused in a sentence."""
-    for seed in range(20):
-        instance = electric(seed, tows=True)
-        plan = adr_opt.solve(instance, method="greedy-guarded").plan
-        if plan is not None and any(leg.tow is not None for leg in plan.legs):
-            break
-    with pytest.raises(InputError, match="spiral"):
-        adr_opt.refine(instance, plan)
 
 
 def test_an_ephemeris_has_all_of_the_flight(tmp_path: Path) -> None:

@@ -38,19 +38,35 @@ def refuse_what_cannot_be_refined(instance: Instance, plan: Plan) -> None:
 
 def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
     refuse_foreign(instance, plan)
-    routes_of(instance, plan)
+    spiralling = {
+        number
+        for flown in routes_of(instance, plan)
+        if flown.chaser.thrust_n is not None
+        for number, _ in flown.legs
+    }
     bodies = set(instance.names)
     towed = {target.name for target in instance.targets if target.service.is_flown}
-    lead_ins = plan.lead_ins
+    led_s = _tows_before_s(plan)
     for number, leg in enumerate(plan.legs, start=1):
         _refuse_leg(number, leg, bodies)
-        _refuse_tow(number, leg, leg.destination in towed)
-        led_s = lead_ins[number][-1].time_s if number in lead_ins else leg.leaves_s
-        if abs(led_s - leg.leaves_s) > TIME_TOLERANCE_S:
+        _refuse_tow(number, leg, leg.destination in towed, number in spiralling)
+        before_s = led_s.get(number, leg.leaves_s)
+        if abs(before_s - leg.leaves_s) > TIME_TOLERANCE_S:
             raise InputError(
                 f"leg {number} leaves at {leg.leaves_s!r} s, but the tow before it ends at "
-                f"{led_s!r} s; correct its times"
+                f"{before_s!r} s; correct its times"
             )
+
+
+def _tows_before_s(plan: Plan) -> dict[int, float]:
+    """End of the tow that a leg follows upon, by number of the leg [s]."""
+    found, number = {}, 0
+    for route in plan.routes:
+        for leg in route.legs:
+            number += 1
+            if leg.tow is not None and leg is not route.legs[-1]:
+                found[number + 1] = leg.tow.burns[-1].time_s if leg.tow.burns else leg.tow.end_s
+    return found
 
 
 def refuse_without_burns(instance: Instance) -> None:
@@ -111,7 +127,7 @@ def _refuse_broken_route(flown: Flown, who: str) -> None:
         where, free_s = leg.destination, leg.free_s
 
 
-def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
+def _refuse_tow(number: int, leg: Leg, is_towed: bool, by_spiral: bool) -> None:
     if is_towed != (leg.tow is not None):
         # Without it neither the cost of the tow is known, nor where the chaser goes on from.
         wrong = "and the plan has no tow of it" if is_towed else "but for a tow in the plan"
@@ -121,11 +137,14 @@ def _refuse_tow(number: int, leg: Leg, is_towed: bool) -> None:
         )
     if leg.tow is None:
         return
-    if leg.traits.has_arcs:
-        raise InputError(
-            f"leg {number}: {leg.destination!r} is towed by a spiral of low thrust, which is not "
-            "refined yet"
-        )
+    if by_spiral:
+        whole = [leg.end_s - TIME_TOLERANCE_S, leg.tow.start_s, leg.tow.end_s]
+        if leg.tow.burns or whole != sorted(whole):
+            raise InputError(
+                f"leg {number}: a tow by low thrust has no burns, and lies after end_s = "
+                f"{leg.end_s!r}; correct it"
+            )
+        return
     times = [burn.time_s for burn in leg.tow.burns]
     if len(times) != 2 or not leg.end_s - TIME_TOLERANCE_S <= times[0] <= times[1]:
         raise InputError(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +23,9 @@ from ...problem.instance import Instance
 from .flyable import refuse_foreign
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
+from .release import released
 from .tanks import refined_routes, tanks_of
-from .thrust_flight import ThrustFlown, fly_thrust, refuse_wrong_thrust
+from .thrust_flight import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
 
 Array = npt.NDArray[np.float64]
 
@@ -154,10 +156,11 @@ class _Ephemeris:
         self._world = world
         wanted: dict[float, set[str]] = {}
         for leg in refined.legs:
-            begins = leg.states[0] if leg.tow_before is None else leg.tow_before.burns[0]
-            wanted.setdefault(begins.time_s, set()).add(leg.origin)
+            led = leg.tow_before
+            begins_s = leg.states[0].time_s if led is None else led.start_s
+            wanted.setdefault(begins_s, set()).add(leg.origin)
             if leg.tow is not None:
-                wanted.setdefault(leg.tow.burns[0].time_s, set()).add(leg.destination)
+                wanted.setdefault(leg.tow.start_s, set()).add(leg.destination)
             for time in (leg.standoff_s, leg.arrival_s):
                 wanted.setdefault(time, set()).add(leg.destination)
         last = {name: time for time in sorted(wanted) for name in wanted[time]}
@@ -194,12 +197,15 @@ def _fly_leg(
         chaser = bodies.state(leg.origin, now)[:, None].copy()
     else:
         end_s = leg.tow_before.released.time_s
-        chaser = world.coast(_towed(world, bodies, leg.origin, leg.tow_before), end_s, now)
+        led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
+        chaser = world.coast(led.state[:, None], end_s, now)
     begin, begun = leg.states[0], chaser[:3, 0]
     at_standoff = None
     thrust = None
     if leg.thrust is not None:
-        thrust = fly_thrust(instance, leg, chaser[:, 0], world.zonals)
+        burnt_m_s = math.fsum(burn.size_m_s for burn in leg.burns)
+        course = Course(leg.leg, now, leg.standoff_s, burnt_m_s)
+        thrust = fly_thrust(instance, leg.thrust, course, chaser[:, 0], world.zonals)
         chaser, now = thrust.state[:, None], leg.standoff_s
     for burn in leg.burns:
         if at_standoff is None and burn.phase == "approach":
@@ -226,15 +232,17 @@ def _fly_leg(
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
         arrival_miss_m_s=math.dist(chaser[3:, 0], target[3:]),
-        tow_miss_m=None if leg.tow is None else _tow_miss_m(world, bodies, leg),
         towing_m_s=leg.removal_m_s,
-        **({} if thrust is None else _propellant(leg, thrust, burnt)),
+        planned_towing_m_s=leg.planned_removal_m_s,
+        **_of_thrust(leg, thrust, burnt),
+        **({} if leg.tow is None else _of_tow(_Towing(world, bodies, instance, leg.leg), leg)),
     )
 
 
-def _propellant(leg: RefinedLeg, thrust: ThrustFlown, burnt_m_s: float) -> dict[str, float]:
+def _of_thrust(leg: RefinedLeg, thrust: ThrustFlown | None, burnt_m_s: float) -> dict[str, float]:
     """Propellant of a leg of low thrust, planned and flown, and thrust in the shadow."""
-    assert leg.thrust is not None
+    if thrust is None or leg.thrust is None:
+        return {}
     full, exhaust = leg.thrust.mass_kg, leg.thrust.exhaust_m_s
     return {
         "planned_propellant_kg": full * -math.expm1(-leg.planned_delta_v_m_s / exhaust),
@@ -243,17 +251,39 @@ def _propellant(leg: RefinedLeg, thrust: ThrustFlown, burnt_m_s: float) -> dict[
     }
 
 
-def _towed(world: _World, bodies: _Ephemeris, name: str, tow: RefinedTow) -> Array:
-    """State at the end of a tow, shape (6, 1)."""
-    begin, end = tow.burns
-    state = bodies.state(name, begin.time_s)[:, None].copy()
-    state[3:, 0] += begin.delta_v_m_s
-    state = world.coast(state, begin.time_s, end.time_s).copy()
-    state[3:, 0] += end.delta_v_m_s
-    return state
+class _Towing(NamedTuple):
+    """What tows of a leg are flown with."""
+
+    world: _World
+    bodies: _Ephemeris
+    instance: Instance
+    leg: int
+
+    def flown(self, name: str, tow: RefinedTow) -> ThrustFlown:
+        """Fly a tow; one by burns has no mass and no shadow."""
+        world, state = self.world, self.bodies.state(name, tow.start_s)
+        if tow.thrust is not None:
+            course = Course(self.leg, tow.start_s, tow.released.time_s, 0.0)
+            return fly_thrust(self.instance, tow.thrust, course, state, world.zonals)
+        begin, end = tow.burns
+        moving = state[:, None].copy()
+        moving[3:, 0] += begin.delta_v_m_s
+        moving = world.coast(moving, begin.time_s, end.time_s).copy()
+        moving[3:, 0] += end.delta_v_m_s
+        return ThrustFlown(moving[:, 0], tow.delta_v_m_s, math.nan, 0.0)
 
 
-def _tow_miss_m(world: _World, bodies: _Ephemeris, leg: RefinedLeg) -> float:
+def _of_tow(towing: _Towing, leg: RefinedLeg) -> dict[str, float]:
+    """How far from the stated place a tow ends, and what is told of a spiral."""
     assert leg.tow is not None
-    led = _towed(world, bodies, leg.destination, leg.tow)
-    return math.dist(led[:3, 0], leg.tow.released.position_m)
+    led = towing.flown(leg.destination, leg.tow)
+    found = {"tow_miss_m": math.dist(led.state[:3], leg.tow.released.position_m)}
+    if leg.tow.thrust is None:
+        return found
+    orbit = released(led.state, towing.world.zonals)
+    return found | {
+        "tow_propellant_kg": leg.tow.thrust.mass_kg - led.mass_kg,
+        "tow_shadow_s": led.shadow_s,
+        "release_off_m": orbit.altitude_m - (towing.instance.mission.disposal_altitude_m or 0.0),
+        "release_eccentricity": orbit.eccentricity,
+    }

@@ -10,8 +10,15 @@ from .result import ChaserFlight, TankFlight, chasers_of
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
 
+MOST_RELEASE_OFF_M, MOST_RELEASE_ECCENTRICITY = 1e3, 1e-3
+"""Largest difference between the mean altitude at the release of a spiral and that of disposal [m],
+and largest mean eccentricity there."""
+
 MOST_SHADOW_S = 1.0
 """Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
+
+SPIRAL = ("tow_propellant_kg", "tow_shadow_s", "release_off_m", "release_eccentricity")
+"""Fields that only legs with a spiral have."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +46,14 @@ class RefinedLegFlight:
     towing_m_s : float
         What towing it takes, and after a launch what towing the origin took; 0 if neither is
         towed [m/s].
+    planned_towing_m_s : float
+        The same as planned; burns of a tow are as large as there [m/s].
     planned_propellant_kg, flown_propellant_kg, shadow_s : float or None
         Of a leg of low thrust: what its planned ΔV would take, what it took, and how long thrust
         was on in the Earth's shadow; None of any other.
+    tow_propellant_kg, tow_shadow_s, release_off_m, release_eccentricity : float or None
+        Of a tow by a spiral: what it took, how long thrust was on in the shadow, the mean altitude
+        at its release less that of disposal, and the mean eccentricity there; None of any other.
     """
 
     leg: int
@@ -57,9 +69,14 @@ class RefinedLegFlight:
     arrival_miss_m_s: float
     tow_miss_m: float | None = None
     towing_m_s: float = 0.0
+    planned_towing_m_s: float = 0.0
     planned_propellant_kg: float | None = None
     flown_propellant_kg: float | None = None
     shadow_s: float | None = None
+    tow_propellant_kg: float | None = None
+    tow_shadow_s: float | None = None
+    release_off_m: float | None = None
+    release_eccentricity: float | None = None
 
     @property
     def arrives(self) -> bool:
@@ -72,7 +89,15 @@ class RefinedLegFlight:
     @property
     def is_in_shadow(self) -> bool:
         """Whether low thrust is on in the Earth's shadow."""
-        return (self.shadow_s or 0.0) > MOST_SHADOW_S
+        return max(self.shadow_s or 0.0, self.tow_shadow_s or 0.0) > MOST_SHADOW_S
+
+    @property
+    def is_off_disposal(self) -> bool:
+        """Whether a spiral ends on another orbit than the circle of disposal."""
+        return (
+            abs(self.release_off_m or 0.0) > MOST_RELEASE_OFF_M
+            or (self.release_eccentricity or 0.0) > MOST_RELEASE_ECCENTRICITY
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The flight as plain data, with its tow if there is one."""
@@ -83,6 +108,11 @@ class RefinedLegFlight:
             del content["towing_m_s"]
         if self.shadow_s is None:
             for name in ("planned_propellant_kg", "flown_propellant_kg", "shadow_s"):
+                del content[name]
+        if self.planned_towing_m_s == self.towing_m_s:
+            del content["planned_towing_m_s"]
+        if self.release_off_m is None:
+            for name in SPIRAL:
                 del content[name]
         return content
 
@@ -129,6 +159,11 @@ class RefinedFlight:
         return tuple(leg for leg in self.legs if leg.is_in_shadow)
 
     @property
+    def off_disposal(self) -> tuple[RefinedLegFlight, ...]:
+        """Legs whose spirals end on another orbit than the circle of disposal."""
+        return tuple(leg for leg in self.legs if leg.is_off_disposal)
+
+    @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
         """Tanks that do not suffice."""
         return tuple(tank for tank in self.tanks if not tank.holds)
@@ -140,13 +175,17 @@ class RefinedFlight:
 
     @property
     def holds(self) -> bool:
-        """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice."""
-        return not (self.missing or self.strayed or self.in_shadow or self.broken_tanks)
+        """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice.
+
+        And whether spirals end on the circle of disposal.
+        """
+        wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
+        return not (wrong or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:
         """Planned ΔV of legs and tows [m/s]."""
-        return sum(leg.planned_delta_v_m_s + leg.towing_m_s for leg in self.legs)
+        return sum(leg.planned_delta_v_m_s + leg.planned_towing_m_s for leg in self.legs)
 
     @property
     def flown_delta_v_m_s(self) -> float:

@@ -73,13 +73,24 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
         # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
         launch = [(legs[0].origin, 0.0)] if chaser.is_launched else []
         flown = [*launch, *((leg.destination, leg.flown_delta_v_m_s) for leg in legs)]
-        worths, stages = tank_worths(instance, chaser, flown), followed(instance, chaser, flown)
+        towing = _towing_m_s(legs)
+        worths = tank_worths(instance, chaser, flown, towing)
+        stages = followed(instance, chaser, flown, towing)
         filled, after = 0, len(launch)
         for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
             full_m_s = stages[filled].left_m_s
             found.append(TankLegs(chaser, number + 1, of_tank, worths[number], full_m_s))
             filled = after = after + len(of_tank)
     return found
+
+
+def _towing_m_s(legs: list[RefinedLeg]) -> dict[str, float]:
+    """ΔV of tows by spirals, by name of the object [m/s]; burns are as large as in the plan."""
+    ends = [(leg.destination, leg.tow) for leg in legs]
+    ends += [(leg.origin, leg.tow_before) for leg in legs if leg.after_launch]
+    return {
+        name: tow.delta_v_m_s for name, tow in ends if tow is not None and tow.thrust is not None
+    }
 
 
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
@@ -91,7 +102,7 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
             last_leg=one.legs[-1].leg,
             budget_m_s=one.budget_m_s,
             planned_delta_v_m_s=math.fsum(
-                leg.planned_delta_v_m_s + leg.removal_m_s for leg in one.legs
+                leg.planned_delta_v_m_s + leg.planned_removal_m_s for leg in one.legs
             ),
             flown_delta_v_m_s=math.fsum(
                 part for leg in one.legs for part in (leg.spent_m_s, leg.removal_m_s)

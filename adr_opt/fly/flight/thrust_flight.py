@@ -1,4 +1,4 @@
-"""Flight of a refined leg of low thrust, for the judge: window by window, in time.
+"""Flight with low thrust of a refined plan, for the judge: window by window, in time.
 
 Written apart from :mod:`adr_opt.kernels.orbits.thrusting`, which found the windows: that integrates
 along the longitude by an implicit method, this along the time by an explicit one
@@ -21,7 +21,7 @@ from ...kernels.core.compile import kernel
 from ...plan.refined_plan import RefinedLeg
 from ...plan.refined_thrust import RefinedThrust
 from ...problem.chasers import Chaser
-from ...problem.drives import drive_of, since_j2000_s
+from ...problem.drives import Drive, drive_of, since_j2000_s
 from ...problem.instance import Instance
 from .propagation import BEFORE, STAGES, WEIGHTS, advance, elements_of, rates_of, state_of
 
@@ -40,7 +40,7 @@ CENTURY_S = 36525.0 * 86400.0
 
 
 class ThrustFlown(NamedTuple):
-    """A flown leg of low thrust at its stand-off.
+    """A flight with low thrust at its end.
 
     Attributes
     ----------
@@ -60,40 +60,80 @@ class ThrustFlown(NamedTuple):
 
 
 def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> None:
-    """Raise :class:`InputError` for thrust that the chaser of a leg has not."""
+    """Raise :class:`InputError` for thrust that the chaser of a leg has not, or of its tows."""
     drive = drive_of(chaser, instance.targets)
     if (leg.thrust is None) != (drive is None):
         has = "no low thrust" if drive is None else "low thrust, and the leg none"
         raise InputError(f"leg {leg.leg}: {chaser.name!r} has {has}; refine the plan again")
-    if leg.thrust is None or drive is None:
-        return
-    if leg.thrust.force_n > MORE_FORCE * drive.thrust_n:
+    masses = {target.name: target.mass_kg or 0.0 for target in instance.targets}
+    for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow)):
+        if tow is None:
+            continue
+        if (tow.thrust is None) != (drive is None):
+            has = "no low thrust" if drive is None else "low thrust, and a tow none"
+            raise InputError(f"leg {leg.leg}: {chaser.name!r} has {has}; refine the plan again")
+        if tow.thrust is not None and drive is not None:
+            _refuse_other_drive(leg.leg, tow.thrust, chaser.name, drive, masses.get(name, 0.0))
+    if leg.thrust is not None and drive is not None:
+        _refuse_other_drive(leg.leg, leg.thrust, chaser.name, drive, 0.0)
+
+
+def _refuse_other_drive(
+    number: int, thrust: RefinedThrust, name: str, drive: Drive, object_kg: float
+) -> None:
+    """Raise :class:`InputError` for thrust that a drive does not make, an object attached."""
+    if thrust.force_n > MORE_FORCE * drive.thrust_n:
         raise InputError(
-            f"leg {leg.leg}: force_n = {leg.thrust.force_n!r}: {chaser.name!r} has "
-            f"{drive.thrust_n!r} on average of its duty cycle"
+            f"leg {number}: force_n = {thrust.force_n!r}: {name!r} has {drive.thrust_n!r} on "
+            "average of its duty cycle"
         )
-    if abs(leg.thrust.exhaust_m_s / drive.exhaust_m_s - 1.0) > MORE_FORCE - 1.0:
+    if abs(thrust.exhaust_m_s / drive.exhaust_m_s - 1.0) > MORE_FORCE - 1.0:
         raise InputError(
-            f"leg {leg.leg}: exhaust_m_s = {leg.thrust.exhaust_m_s!r}: {chaser.name!r} has "
+            f"leg {number}: exhaust_m_s = {thrust.exhaust_m_s!r}: {name!r} has "
             f"{drive.exhaust_m_s!r}"
         )
-    if leg.thrust.mass_kg > drive.heaviest_kg + PROPELLANT_KG:
+    if thrust.mass_kg > drive.heaviest_kg + object_kg + PROPELLANT_KG:
         raise InputError(
-            f"leg {leg.leg}: mass_kg = {leg.thrust.mass_kg!r}: {chaser.name!r} has at most "
-            f"{drive.heaviest_kg!r}"
+            f"leg {number}: mass_kg = {thrust.mass_kg!r}: {name!r} has at most "
+            f"{drive.heaviest_kg + object_kg!r}"
+        )
+    if object_kg and thrust.mass_kg < drive.lightest_kg + object_kg - PROPELLANT_KG:
+        raise InputError(
+            f"leg {number}: mass_kg = {thrust.mass_kg!r}: {name!r} and the object that it tows "
+            f"have at least {drive.lightest_kg + object_kg!r}"
         )
 
 
-def fly_thrust(instance: Instance, leg: RefinedLeg, state: Array, zonals: Array) -> ThrustFlown:
-    """Fly the windows of a leg from its departure to its stand-off.
+class Course(NamedTuple):
+    """What thrust leads along.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg.
+    begin_s, end_s : float
+    burnt_m_s : float
+        ΔV of burns that take propellant after it.
+    """
+
+    leg: int
+    begin_s: float
+    end_s: float
+    burnt_m_s: float
+
+
+def fly_thrust(
+    instance: Instance, thrust: RefinedThrust, course: Course, state: Array, zonals: Array
+) -> ThrustFlown:
+    """Fly windows of thrust and the coasts between them.
 
     Parameters
     ----------
     instance : Instance
-    leg : RefinedLeg
-        With thrust.
+    thrust : RefinedThrust
+    course : Course
     state : (6,) float64
-        At the departure [m, m/s].
+        At its beginning [m, m/s].
     zonals : (3,) float64
         J2, J3 and J4.
 
@@ -104,10 +144,8 @@ def fly_thrust(instance: Instance, leg: RefinedLeg, state: Array, zonals: Array)
     ArithmeticError
         The orbit is not closed.
     """
-    thrust = leg.thrust
-    assert thrust is not None
     exhaust = thrust.exhaust_m_s
-    elements, now = elements_of(state), leg.states[0].time_s
+    elements, now = elements_of(state), course.begin_s
     flow, mass, dark = thrust.force_n / exhaust, thrust.mass_kg, 0.0
     epoch = since_j2000_s(instance.epoch)
     for arc in thrust.arcs:
@@ -121,29 +159,28 @@ def fly_thrust(instance: Instance, leg: RefinedLeg, state: Array, zonals: Array)
             )
             mass -= flow * (end - start)
             now = end
-        _refuse_other_delta_v(leg, arc.delta_v_m_s, exhaust * math.log(before / mass))
-    advance(elements, leg.standoff_s - now, _steps(elements, leg.standoff_s - now), zonals)
+        _refuse_other_delta_v(course.leg, arc.delta_v_m_s, exhaust * math.log(before / mass))
+    advance(elements, course.end_s - now, _steps(elements, course.end_s - now), zonals)
     found = state_of(elements)
     if not bool(np.isfinite(found).all()):
         raise ArithmeticError("the states are no longer numbers")
-    approach = math.fsum(burn.size_m_s for burn in leg.burns)
-    used = thrust.mass_kg - mass * math.exp(-approach / exhaust)
-    _refuse_other_propellant(leg, thrust, used)
+    used = thrust.mass_kg - mass * math.exp(-course.burnt_m_s / exhaust)
+    _refuse_other_propellant(course.leg, thrust, used)
     delta_v = exhaust * math.log(thrust.mass_kg / mass)
     return ThrustFlown(found, delta_v, mass, float(dark))
 
 
-def _refuse_other_delta_v(leg: RefinedLeg, stated: float, flown: float) -> None:
+def _refuse_other_delta_v(leg: int, stated: float, flown: float) -> None:
     if abs(stated - flown) > DELTA_V_M_S:
         raise InputError(
-            f"leg {leg.leg}: an arc of {stated!r} m/s, but its windows make {flown!r}; write that"
+            f"leg {leg}: an arc of {stated!r} m/s, but its windows make {flown!r}; write that"
         )
 
 
-def _refuse_other_propellant(leg: RefinedLeg, thrust: RefinedThrust, used: float) -> None:
+def _refuse_other_propellant(leg: int, thrust: RefinedThrust, used: float) -> None:
     if abs(thrust.propellant_kg - used) > PROPELLANT_KG:
         raise InputError(
-            f"leg {leg.leg}: propellant_kg = {thrust.propellant_kg!r}, but its arcs and burns "
+            f"leg {leg}: propellant_kg = {thrust.propellant_kg!r}, but its arcs and burns "
             f"take {used!r}; write that"
         )
 

@@ -23,13 +23,14 @@ from ...plan.refined_plan import (
     RefinedPlan,
     reference,
 )
-from ...plan.routes import owners
+from ...plan.routes import owners, routes_of
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .propelled import propelled_by_leg
-from .thrust_leg import refine_thrust_leg
+from .spiral import spirals_by_leg
+from .thrust_leg import Tows, refine_thrust_leg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
 FREEDOMS = ("free", "planned")
@@ -112,6 +113,7 @@ def refine(
     names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
     bodies = TrueBodies(instance, gravity, names)
     propelled = propelled_by_leg(instance, plan)
+    tows = _tows(instance, plan, after_launch)
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, str] = {}
     report(0, len(legs))
@@ -119,7 +121,8 @@ def refine(
         running: dict[Future[RefinedLeg], int] = {
             (
                 calls.submit(
-                    refine_thrust_leg, instance, bodies, number, leg, propelled[number]
+                    refine_thrust_leg, instance, bodies, number, leg, propelled[number],
+                    tows[number],
                 )
                 if leg.traits.has_arcs
                 else calls.submit(
@@ -158,6 +161,18 @@ def refine(
         legs=tuple(done[number] for number in sorted(done)),
         missing=tuple(Missing(leg=number, reason=missing[number]) for number in sorted(missing)),
     )
+
+
+def _tows(instance: Instance, plan: Plan, after_launch: set[int]) -> dict[int, Tows]:
+    """Spirals next to each leg, by its number."""
+    spirals, found = spirals_by_leg(instance, plan), {}
+    for flown in routes_of(instance, plan):
+        before = None
+        for number, _ in flown.legs:
+            after = spirals.get(number)
+            found[number] = Tows(before, after, number in after_launch)
+            before = after
+    return found
 
 
 def _calls(jobs: int | None, cluster: str | None) -> Calls:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ...plan.refined_thrust import RefinedThrust
 from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S, STEP_S, Arc
 from .bodies import Gravity, moved
 from .short_periods import Array
@@ -84,62 +85,66 @@ def _of_leg(
     refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
 ) -> Iterator[EphemerisTrack]:
     name = f"leg {leg.leg}, {leg.origin} to {leg.destination}"
-    departure = leg.states[0].time_s
-    parts = []
+    for arc, with_thrust in _arcs(refined, states, leg, step):
+        if arc is not None:
+            said = ", with low thrust" if with_thrust else ""
+            yield EphemerisTrack(f"{name}: {arc.phase}{said}", arc)
+
+
+def _arcs(
+    refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
+) -> Iterator[tuple[Arc | None, bool]]:
+    """Arcs of a leg, and whether each has low thrust; None where one is too short."""
+    gravity, departure_s = refined.gravity, leg.states[0].time_s
+
+    def coast(phase: str, start_s: float, state: Array, end_s: float) -> tuple[Arc | None, bool]:
+        return _arc(phase, start_s, state, end_s, step, gravity), False
+
+    def towing(body: str, tow: RefinedTow) -> tuple[Arc | None, bool]:
+        state, end_s = moved(states[body], tow.start_s, gravity), tow.released.time_s
+        if tow.thrust is not None:
+            return _thrusting("tow", tow.thrust, state, (tow.start_s, end_s), step, gravity), True
+        state[3:] += tow.burns[0].delta_v_m_s
+        return coast("tow", tow.start_s, state, end_s)
+
     if leg.tow_before is None:
-        waiting = moved(states[leg.origin], leg.ready_s, refined.gravity)
-        parts.append(("wait", leg.ready_s, waiting, departure))
+        waiting = moved(states[leg.origin], leg.ready_s, gravity)
+        yield coast("wait", leg.ready_s, waiting, departure_s)
     elif leg.after_launch:
-        parts += _towing(refined, states, leg.origin, leg.tow_before)
-    thrusting = _thrusting(leg, step, refined.gravity)
-    state = state_of(leg.states[0])
-    now, phase = departure, "transfer"
-    if thrusting is not None:
-        state = np.r_[thrusting.positions_m[-1], thrusting.velocities_m_s[-1]]
-        now = leg.standoff_s
+        yield towing(leg.origin, leg.tow_before)
+    state, now, phase = state_of(leg.states[0]), departure_s, "transfer"
+    if leg.thrust is not None:
+        arc = _thrusting(phase, leg.thrust, state, (now, leg.standoff_s), step, gravity)
+        yield arc, True
+        state, now = np.r_[arc.positions_m[-1], arc.velocities_m_s[-1]], leg.standoff_s
     for burn in leg.burns:
-        parts.append((phase, now, state, burn.time_s))
-        state = moved(state, burn.time_s - now, refined.gravity)
+        yield coast(phase, now, state, burn.time_s)
+        state = moved(state, burn.time_s - now, gravity)
         state[3:] += burn.delta_v_m_s
         now, phase = burn.time_s, burn.phase
-    target = moved(states[leg.destination], leg.arrival_s, refined.gravity)
-    parts.append(("service", leg.arrival_s, target, leg.end_s))
+    target = moved(states[leg.destination], leg.arrival_s, gravity)
+    yield coast("service", leg.arrival_s, target, leg.end_s)
     if leg.tow is not None:
-        waiting = moved(states[leg.destination], leg.end_s, refined.gravity)
-        parts.append(("wait", leg.end_s, waiting, leg.tow.burns[0].time_s))
-        parts += _towing(refined, states, leg.destination, leg.tow)
-    if thrusting is not None:
-        phase, begin, begins, end = parts.pop(0)
-        arc = _arc(phase, begin, begins, end, step, refined.gravity)
-        if arc is not None:
-            yield EphemerisTrack(f"{name}: {phase}", arc)
-        yield EphemerisTrack(f"{name}: {thrusting.phase}, with low thrust", thrusting)
-    for phase, begin, begins, end in parts:
-        arc = _arc(phase, begin, begins, end, step, refined.gravity)
-        if arc is not None:
-            yield EphemerisTrack(f"{name}: {phase}", arc)
+        waiting = moved(states[leg.destination], leg.end_s, gravity)
+        yield coast("wait", leg.end_s, waiting, leg.tow.start_s)
+        yield towing(leg.destination, leg.tow)
 
 
-def _thrusting(leg: RefinedLeg, step: float, gravity: Gravity) -> Arc | None:
-    """The way to the stand-off with low thrust, in one piece; None of a leg with impulses."""
-    if leg.thrust is None:
-        return None
-    begin, end = leg.states[0].time_s, leg.standoff_s
+def _thrusting(
+    phase: str,
+    thrust: RefinedThrust,
+    state: Array,
+    span_s: tuple[float, float],
+    step: float,
+    gravity: Gravity,
+) -> Arc:
+    """A flight with low thrust, in one piece."""
+    begin, end = span_s
     times = np.linspace(begin, end, max(FEWEST_INTERVALS, math.ceil((end - begin) / step)) + 1)
-    states = thrust_states(leg, times, gravity)
-    for array in (times, states):
+    found = thrust_states(thrust, state, begin, times, gravity)
+    for array in (times, found):
         array.setflags(write=False)
-    return Arc("transfer", times, states[:, :3], states[:, 3:])
-
-
-def _towing(
-    refined: RefinedPlan, states: dict[str, Array], name: str, tow: RefinedTow
-) -> Iterator[tuple[str, float, Array, float]]:
-    """The arc of a tow: its phase, start time and state, and end time."""
-    first, second = tow.burns
-    state = moved(states[name], first.time_s, refined.gravity)
-    state[3:] += first.delta_v_m_s
-    yield "tow", first.time_s, state, second.time_s
+    return Arc(phase, times, found[:, :3], found[:, 3:])
 
 
 def _arc(

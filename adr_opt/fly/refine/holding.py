@@ -117,7 +117,7 @@ def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
 def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
     """A refined leg with the current tow of its plan."""
     tow = plan.legs[leg.leg - 1].tow
-    if tow is None or leg.tow is None or tow.start_s == leg.tow.burns[0].time_s:
+    if tow is None or leg.tow is None or tow.start_s == leg.tow.start_s:
         return leg
     bodies = TrueBodies(instance, gravity, [leg.destination])
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))

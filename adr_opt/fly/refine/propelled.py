@@ -27,6 +27,12 @@ class Propelled:
     mass_kg: float
     since_j2000_s: float
 
+    def towing(self, object_kg: float) -> Push:
+        """All of its thrust, with an object attached."""
+        drive = self.drive
+        both = self.mass_kg + object_kg
+        return Push(drive.thrust_n, drive.exhaust_m_s, both, self.since_j2000_s)
+
     def pushes(self) -> tuple[Push, ...]:
         """Its thrust: with the acceleration of the heaviest chaser, as planned, or all of it."""
         drive = self.drive
@@ -39,12 +45,27 @@ class Propelled:
 
 def propelled_by_leg(instance: Instance, plan: Plan) -> dict[int, Propelled]:
     """The chaser of each leg of low thrust, by number of the leg, as heavy as planned."""
+    return {number: before for number, (before, _) in _propelled(instance, plan).items()}
+
+
+def towing_by_leg(instance: Instance, plan: Plan) -> dict[int, Propelled]:
+    """The same after the service of the leg, and before a tow that follows."""
+    return {number: after for number, (_, after) in _propelled(instance, plan).items()}
+
+
+def _propelled(instance: Instance, plan: Plan) -> dict[int, tuple[Propelled, Propelled]]:
     since, found = since_j2000_s(instance.epoch), {}
     for flown in routes_of(instance, plan):
         drive = drive_of(flown.chaser, instance.targets)
         if drive is None:
             continue
-        for (number, _), aboard in zip(flown.legs, flown.aboard(instance), strict=False):
-            mass = drive.lightest_kg if aboard.mass_kg is None else aboard.mass_kg
-            found[number] = Propelled(drive, max(mass, drive.lightest_kg), since)
+
+        def of(mass: float | None, drive: Drive = drive) -> Propelled:
+            least = drive.lightest_kg
+            return Propelled(drive, least if mass is None else max(mass, least), since)
+
+        stages = flown.aboard(instance)
+        for (number, _), before, after in zip(flown.legs, stages, stages[1:], strict=False):
+            done = None if after.mass_kg is None else after.mass_kg + after.removal_kg
+            found[number] = of(before.mass_kg), of(done)
     return found

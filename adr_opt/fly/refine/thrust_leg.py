@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,26 +13,56 @@ from ...kernels.orbits import thrusting
 from ...kernels.orbits.gravity import FIELDS
 from ...plan.plan import Leg
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
-from ...plan.refined_thrust import RefinedThrust, SteeredArc
+from ...plan.refined_thrust import RefinedThrust
 from ...problem.instance import Instance
-from .bodies import TrueBodies
+from .bodies import TrueBodies, moved
 from .leg import FlownImpulses, LegEnds, close, residual
 from .propelled import Propelled
 from .short_periods import Array
-from .states import recorded
+from .spiral import SpiralTow, towed_by_spiral
+from .states import recorded, state_of
 from .thrust_close import closed
-from .thrust_search import candidates
+from .thrust_guess import first_guess
+from .thrust_record import steered_arcs
+from .thrust_search import candidates, closed_again
 from .thrust_task import Integration, Programme, ThrustTask
 
 MOST_WINDOWS = 40000
 """Maximum number of windows of thrust in a leg."""
 
+LESSONS = 2
+"""Number of integrated flights by which the prediction of a programme is corrected beforehand."""
+
 APPROACH_BURNS = 3
 """Number of impulses of the approach, a quarter of it apart from each other at first."""
 
 
+class Tows(NamedTuple):
+    """Spirals next to a leg.
+
+    Attributes
+    ----------
+    before, after : SpiralTow or None
+        Of its origin and of its destination.
+    after_launch : bool
+        Whether the chaser was launched onto the origin.
+    """
+
+    before: SpiralTow | None
+    after: SpiralTow | None
+    after_launch: bool
+
+
+NO_TOWS = Tows(None, None, after_launch=False)
+
+
 def refine_thrust_leg(
-    instance: Instance, bodies: TrueBodies, number: int, leg: Leg, chaser: Propelled
+    instance: Instance,
+    bodies: TrueBodies,
+    number: int,
+    leg: Leg,
+    chaser: Propelled,
+    tows: Tows = NO_TOWS,
 ) -> RefinedLeg:
     """Guide one leg of low thrust to its stand-off, and from there to its target.
 
@@ -45,6 +76,8 @@ def refine_thrust_leg(
     leg : Leg
         With two arcs.
     chaser : Propelled
+    tows : Tows, optional
+        Spirals before and after the leg.
 
     Raises
     ------
@@ -53,15 +86,30 @@ def refine_thrust_leg(
     """
     assert leg.manoeuvres is not None
     start_s, standoff_s, docked_s = leg.departure_s, leg.manoeuvres[-1].end_s, leg.arrival_s
-    start = bodies.state(leg.origin, start_s)
+    led = None if tows.before is None else towed_by_spiral(bodies, tows.before)
+    if led is None:
+        start = bodies.state(leg.origin, start_s)
+    else:
+        start = moved(state_of(led.released), start_s - led.released.time_s, bodies.gravity)
     length = instance.transfer.standoff_m
     goal = bodies.following(leg.destination, standoff_s, length)
     for push in chaser.pushes():
         task = ThrustTask(start, goal, start_s, standoff_s, push, bodies.gravity)
+        task = task.learnt(first_guess(task, leg.manoeuvres))
         for guess in candidates(task, leg.manoeuvres):
-            programme = closed(task, guess)
+            near, known = guess, task
+            for _ in range(LESSONS):
+                known = known.learnt(near)
+                near = closed_again(known, near)
+            programme = closed(known, near)
             if programme is not None:
-                return _recorded(number, leg, task, programme, _Approach(bodies, leg, docked_s))
+                found = _recorded(number, leg, task, programme, _Approach(bodies, leg, docked_s))
+                return found.replace(
+                    ready_s=found.ready_s if led is None else start_s,
+                    tow_before=led,
+                    after_launch=True if tows.after_launch and led is not None else None,
+                    tow=None if tows.after is None else towed_by_spiral(bodies, tows.after),
+                )
     raise ArithmeticError("no arcs of thrust were found that lead to the stand-off in time")
 
 
@@ -132,25 +180,14 @@ def _thrust(
 ) -> RefinedThrust:
     """Arcs with their windows, and the propellant of the leg."""
     push = task.push
-    arcs, mass = [], push.mass
-    for number, law in enumerate(programme.laws):
-        windows = flown.windows[flown.windows[:, 2] == number, :2]
-        after = mass - push.force / push.exhaust * float(np.diff(windows, axis=1).sum())
-        arcs.append(
-            SteeredArc(
-                delta_v_m_s=push.exhaust * math.log(mass / after),
-                steering=tuple(law.tolist()),
-                windows_s=tuple((float(start), float(end)) for start, end in windows),
-            )
-        )
-        mass = after
-    left = mass * math.exp(-approach_m_s / push.exhaust)
+    arcs = steered_arcs(push, programme.laws, flown.windows)
+    left = flown.mass_kg * math.exp(-approach_m_s / push.exhaust)
     return RefinedThrust(
         force_n=push.force,
         exhaust_m_s=push.exhaust,
         mass_kg=push.mass,
         propellant_kg=push.mass - left,
-        arcs=tuple(arcs),
+        arcs=arcs,
     )
 
 

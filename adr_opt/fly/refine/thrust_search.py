@@ -141,6 +141,11 @@ def _closed(task: ThrustTask, programme: Programme, laps: float) -> Programme:
     return programme
 
 
+def closed_again(task: ThrustTask, programme: Programme) -> Programme:
+    """A programme near one that met the goal before predictions were corrected."""
+    return _closed(task, programme, float(round(task.laps_to(task.predict(programme).mean))))
+
+
 def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
     """A programme of less ΔV that meets the goal, by sequential quadratic programming.
 

@@ -73,6 +73,10 @@ def said(flight: RefinedFlight) -> str:
     for legs, wrong in (
         (flight.strayed, "missed by more than 1 m or 1 mm/s"),
         (flight.in_shadow, "thrust in the Earth's shadow"),
+        (
+            flight.off_disposal,
+            "release more than 1 km or 0.001 of eccentricity off the disposal orbit",
+        ),
     ):
         if legs:
             numbers = ", ".join(str(leg.leg) for leg in legs)
@@ -82,6 +86,15 @@ def said(flight: RefinedFlight) -> str:
         planned = sum(leg.planned_propellant_kg or 0.0 for leg in propellant)
         flown = sum(leg.flown_propellant_kg or 0.0 for leg in propellant)
         parts.append(f"low thrust planned with {planned:.2f} and flown with {flown:.2f} kg")
+    spirals = [leg for leg in flight.legs if leg.release_off_m is not None]
+    if spirals:
+        farthest = max(abs(leg.release_off_m or 0.0) for leg in spirals)
+        roundest = max(leg.release_eccentricity or 0.0 for leg in spirals)
+        kilograms = sum(leg.tow_propellant_kg or 0.0 for leg in spirals)
+        parts.append(
+            f"{counted(len(spirals), 'spiral')} flown with {kilograms:.2f} kg to within "
+            f"{farthest:.2g} m of the disposal altitude and eccentricities of {roundest:.1g}"
+        )
     if flight.missing:
         numbers = ", ".join(map(str, flight.missing))
         parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
@@ -109,7 +122,7 @@ def _tell_legs(flight: RefinedFlight) -> None:
             *propellant,
         ),
         whose(flight.tanks),
-        bold=lambda leg: not leg.arrives or leg.is_in_shadow,
+        bold=lambda leg: not leg.arrives or leg.is_in_shadow or leg.is_off_disposal,
     )
 
 

@@ -106,10 +106,11 @@ def _by_chaser(refined: RefinedPlan) -> Iterator[str]:
     """ΔV of the legs of each of several chasers."""
     for chaser in dict.fromkeys(leg.chaser for leg in refined.legs if leg.chaser is not None):
         legs = [leg for leg in refined.legs if leg.chaser == chaser]
+        planned = sum(leg.planned_delta_v_m_s + leg.planned_removal_m_s for leg in legs)
+        flown = sum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in legs)
         yield (
-            f"{chaser}: {counted(len(legs), 'leg')}, planned with "
-            f"{sum(leg.planned_delta_v_m_s + leg.removal_m_s for leg in legs):.1f} m/s, flown with "
-            f"{sum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in legs):.1f} m/s"
+            f"{chaser}: {counted(len(legs), 'leg')}, planned with {planned:.1f} m/s, flown with "
+            f"{flown:.1f} m/s"
         )
 
 
@@ -131,7 +132,8 @@ def _tell_legs(refined: RefinedPlan) -> None:
 
 
 def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
-    many: Any = {"burns": True, "states": True, "thrust": {"arcs"}}
+    arcs = {"thrust": {"arcs"}}
+    many: Any = {"burns": True, "states": True, "tow": arcs, "tow_before": arcs, **arcs}
     legs = [leg.model_dump(mode="json", exclude=many) for leg in refined.legs]
     facts = ("status", "runtime_s", "planned_delta_v_m_s", "flown_delta_v_m_s")
     return {

@@ -51,6 +51,8 @@ def complaints(
     if refined_flight is not None:
         found += [f"leg {leg.leg} misses by more than 1 m or 1 mm/s, as another integrator flies it"
                   for leg in refined_flight.strayed]  # fmt: skip
+        found += [f"leg {leg.leg} releases its object on another orbit than that of disposal"
+                  for leg in refined_flight.off_disposal]  # fmt: skip
     return (*found, *(str(tank) for tank in tanks_of(instance, refined) if not tank.holds))
 
 
