@@ -14,6 +14,8 @@ from electric_fields import electric
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
+from adr_opt.export.flights.refined_oem import write_refined
+from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import TrueBodies
 from adr_opt.fly.refine.ephemeris import tracks
@@ -229,3 +231,15 @@ def test_the_ephemeris_of_spirals_has_no_gaps() -> None:
     for first, second in pairwise(arcs):
         assert second.times_s[0] == pytest.approx(first.times_s[-1], abs=1e-3)
         assert np.linalg.norm(second.positions_m[0] - first.positions_m[-1]) < 10.0
+
+
+def test_spirals_are_in_no_message_or_script(tmp_path: Path) -> None:
+    """An ephemeris and a scene have spirals; messages and scripts are refused in a sentence."""
+    path = tmp_path / "flight"
+    for format in ("script", "ocm"):
+        with pytest.raises(InputError, match=r"spiral of its tow is not written.*write \.oem"):
+            write_refined(mission()[0], refined(), path, file=FlightFile(format=format))
+        assert not path.exists()
+    for format in ("oem", "czml"):
+        write_refined(mission()[0], refined(), path, file=FlightFile(format=format))
+        assert path.stat().st_size > 0

@@ -124,8 +124,14 @@ def refined_course(
     Raises
     ------
     InputError
-        They do not follow each other.
+        They do not follow each other, or an object is towed by a spiral.
     """
+    for leg in legs:
+        if any(tow is not None and tow.thrust is not None for tow in (leg.tow_before, leg.tow)):
+            raise InputError(
+                f"leg {leg.leg}: the spiral of its tow is not written as a message or script; "
+                "write .oem"
+            )
     for one, after in pairwise(legs):
         if one.destination != after.origin:
             raise InputError(

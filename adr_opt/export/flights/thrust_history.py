@@ -16,6 +16,7 @@ from scipy.linalg import solveh_banded
 
 from ...fly.refine.bodies import Gravity
 from ...fly.refine.short_periods import Array
+from ...fly.refine.states import state_of
 from ...fly.refine.thrust_states import thrust_states
 from ...fly.trajectory.sampling import SHORTEST_ARC_S
 from ...plan.refined_plan import RefinedLeg
@@ -56,10 +57,12 @@ def thrust_windows(
     if not grids:
         return ()
     times = np.concatenate([_within(grid) for grid in grids])
-    states = iter(np.split(thrust_states(leg, times, gravity), _ends(grids)))
+    departure = leg.states[0]
+    states = thrust_states(leg.thrust, state_of(departure), departure.time_s, times, gravity)
+    of_grid = iter(np.split(states, _ends(grids)))
     found, mass = [], leg.thrust.mass_kg
     for grid, law in zip(grids, laws, strict=True):
-        forces = leg.thrust.force_n * _directions(next(states), law)
+        forces = leg.thrust.force_n * _directions(next(of_grid), law)
         found.append(ThrustWindow(grid, _fitted(grid, forces), mass, flow))
         mass = found[-1].after_kg
     return tuple(found)
