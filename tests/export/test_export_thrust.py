@@ -151,6 +151,7 @@ def test_forces_between_points_lead_to_the_stand_off() -> None:
         assert spent == pytest.approx(leg.thrust.delta_v_m_s, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_script_with_its_history_flies_the_mission(tmp_path: Path) -> None:
     """Flown by both files alone, legs arrive within metres, as heavy as the plan has them."""
     instance, _, refined = mission()

@@ -56,6 +56,7 @@ def test_methods_plan_low_thrust(method: str):
     assert result.objective <= Enumerated(instance).best() <= result.upper_bound
 
 
+@pytest.mark.slow
 def test_certificates_of_low_thrust_are_verified():
     """A bound on legs of the lightest chaser is verified with these legs."""
     verified = 0

@@ -112,6 +112,8 @@ def spirals_by_leg(instance: Instance, plan: Plan) -> dict[int, SpiralTow]:
     towing, found = towing_by_leg(instance, plan), {}
     masses = {target.name: float(target.mass_kg or 0.0) for target in instance.targets}
     for flown in routes_of(instance, plan):
+        if not flown.legs:
+            continue
         leaves = [leg.departure_s for _, leg in flown.legs[1:]]
         for (number, leg), leaves_s in zip(flown.legs, [*leaves, math.inf], strict=True):
             if number not in towing or leg.tow is None:
