@@ -93,6 +93,7 @@ def test_special_geometries(reference: ModuleType, orbit: dict[str, float]) -> N
     assert_agree(reference, instance, target.name, "station", 40000.0)
 
 
+@pytest.mark.slow
 def test_what_an_hour_is_worth(reference: ModuleType) -> None:
     """Who does not value time gets the cheapest sequence from both."""
     instance = adr_opt.generate("tiny", 6).with_time_value(0.0)

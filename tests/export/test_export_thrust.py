@@ -186,6 +186,7 @@ def blocks(text: str, name: str) -> list[tuple[dict[str, str], list[list[str]]]]
     return found
 
 
+@pytest.mark.slow
 def test_an_ocm_leads_to_every_stand_off(tmp_path: Path) -> None:
     """Flown by the message alone, thrust and impulses of each leg end at its target."""
     instance, _, refined = mission()

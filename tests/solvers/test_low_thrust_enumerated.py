@@ -71,6 +71,7 @@ def test_certificates_of_low_thrust_are_verified():
     assert verified > 1
 
 
+@pytest.mark.slow
 def test_fleets_of_both_kinds():
     """A campaign of an electric chaser and a chemical one has legs of both kinds, and bounds."""
     kinds = set()

@@ -66,6 +66,7 @@ def test_a_trained_model_plans(observation: str, tmp_path: Path, cli: Cli) -> No
     assert json.loads(Path("plan.json").read_text())["method"] == "ppo"
 
 
+@pytest.mark.slow
 def test_models_that_planners_cannot_run_are_refused(tmp_path: Path) -> None:
     """Each in one sentence, before anything is written."""
     path = tmp_path / "own.onnx"

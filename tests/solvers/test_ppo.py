@@ -92,6 +92,7 @@ def _states(observation: str, count: int) -> Iterator[tuple[object, np.ndarray]]
     env.close()
 
 
+@pytest.mark.slow
 def test_torch_and_onnx_take_the_same_actions(policy_file: Path) -> None:
     """On 1,000 states PyTorch and ONNX Runtime agree in every score and every best move."""
     network, policy = _network(), Policy(policy_file)

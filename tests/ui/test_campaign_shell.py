@@ -120,6 +120,7 @@ def test_a_flight_counts_the_tanks_of_each_chaser(mission: tuple[Instance, Plan]
     assert sum(planned_m_s.values()) == pytest.approx(plan.delta_v_m_s)
 
 
+@pytest.mark.slow
 def test_a_tank_that_breaks_names_its_chaser(cli: Cli) -> None:
     """On eccentric orbits some tank breaks: `fly` says whose, and its exit status is 1."""
     instance, plan = campaign(eccentricity=0.02), planned(eccentricity=0.02)

@@ -221,6 +221,7 @@ def legs_by_tank(instance: Instance, plan: Plan) -> list[float]:
     return tanks
 
 
+@pytest.mark.slow
 def test_tanks_that_break_head_the_page(eccentric, cli: Cli) -> None:
     """No tick for a plan that breaks a tank on the true orbits: the page and the verb say which."""
     pytest.importorskip("boinor.bodies")
