@@ -78,6 +78,9 @@ def test_a_verified_cost_is_that_of_enumeration(draw, seeds):
         verdict = verify(instance, plan, certificate, connections=50)
         assert verdict.reasons == (), seed
         asked += 1
+        # With tanks that services change, a last packing may have raised the bound.
+        visits = all(target.removal == "visit" for target in instance.targets)
+        assert certificate.cost is not None or not visits, seed
         if certificate.cost is not None:
             assert verdict.cost_bound <= cost * (1.0 + 1e-9), seed
             closed += verdict.cost_bound >= cost * (1.0 - 3e-6)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from scipy.integrate import DOP853
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
-from ...kernels.core.compile import kernel
+from ...kernels.core.compile import inlined, kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -73,6 +73,29 @@ def rates_of(elements: Array, zonals: Array, rates: Array) -> None:
     rates[5] = math.sqrt(MU_M3_S2 * p) / (r * r) + pace * tilt * normal / w
 
 
+@inlined
+def begin_stage(at, step, elements, lost, rates, stage):
+    """Write the elements of a stage of a step, from the rates of the stages before it."""
+    for axis in range(6):
+        total = 0.0
+        for before in range(at):
+            total += BEFORE[at, before] * rates[before, axis]
+        stage[axis] = elements[axis] + (lost[axis] + step * total)
+
+
+@inlined
+def end_step(step, elements, lost, rates):
+    """Advance elements by a step, from the rates of all its stages; what rounding loses is kept."""
+    for axis in range(6):
+        total = 0.0
+        for at in range(STAGES):
+            total += WEIGHTS[at] * rates[at, axis]
+        add = step * total + lost[axis]
+        found = elements[axis] + add
+        lost[axis] = add - (found - elements[axis])
+        elements[axis] = found
+
+
 @kernel
 def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None:
     """Propagate elements in place, in a number of equal steps.
@@ -91,20 +114,9 @@ def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None
     rates, stage, lost = np.empty((STAGES, 6)), np.empty(6), np.zeros(6)
     for _ in range(steps):
         for at in range(STAGES):
-            for axis in range(6):
-                total = 0.0
-                for before in range(at):
-                    total += BEFORE[at, before] * rates[before, axis]
-                stage[axis] = elements[axis] + (lost[axis] + step * total)
+            begin_stage(at, step, elements, lost, rates, stage)
             rates_of(stage, zonals, rates[at])
-        for axis in range(6):
-            total = 0.0
-            for at in range(STAGES):
-                total += WEIGHTS[at] * rates[at, axis]
-            add = step * total + lost[axis]
-            found = elements[axis] + add
-            lost[axis] = add - (found - elements[axis])
-            elements[axis] = found
+        end_step(step, elements, lost, rates)
         # Small longitudes have more digits.
         if elements[5] > math.pi:
             elements[5] -= math.tau

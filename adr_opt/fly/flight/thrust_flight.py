@@ -23,7 +23,16 @@ from ...plan.refined_thrust import RefinedThrust
 from ...problem.chasers import Chaser
 from ...problem.drives import Drive, drive_of, since_j2000_s
 from ...problem.instance import Instance
-from .propagation import BEFORE, STAGES, WEIGHTS, advance, elements_of, rates_of, state_of
+from .propagation import (
+    BEFORE,
+    STAGES,
+    advance,
+    begin_stage,
+    elements_of,
+    end_step,
+    rates_of,
+    state_of,
+)
 
 Array = npt.NDArray[np.float64]
 
@@ -268,21 +277,10 @@ def advance_pushed(
             share = 0.0
             for before in range(at):
                 share += BEFORE[at, before]
-            for axis in range(6):
-                total = 0.0
-                for before in range(at):
-                    total += BEFORE[at, before] * rates[before, axis]
-                stage[axis] = elements[axis] + (lost[axis] + step * total)
+            begin_stage(at, step, elements, lost, rates, stage)
             rates_of(stage, zonals, rates[at])
             _push(stage, steering, force / (mass - flow * step * (number + share)), rates[at])
-        for axis in range(6):
-            total = 0.0
-            for at in range(STAGES):
-                total += WEIGHTS[at] * rates[at, axis]
-            add = step * total + lost[axis]
-            found = elements[axis] + add
-            lost[axis] = add - (found - elements[axis])
-            elements[axis] = found
+        end_step(step, elements, lost, rates)
         now_dark = is_dark(elements, since + step * (number + 1))
         dark += 0.5 * step * (was_dark + now_dark)
         was_dark = now_dark
