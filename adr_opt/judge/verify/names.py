@@ -83,14 +83,12 @@ def _check_cost(instance: Instance, cost: ProvenCost) -> None:
     if not cost.walks and (cost.multipliers or cost.cuts):
         raise InputError("field cost.walks: without them nothing is paid for multipliers or cuts")
     if cost.walks and named:
-        raise InputError(
-            "field cost.neighbourhoods: must be stated in cost.walks, where there are some"
-        )
+        raise InputError("field cost.neighbourhoods: state them in cost.walks instead")
     _check_walks(instance, "cost.", cost.walks)
     for number, walks in enumerate(cost.walks):
         if walks.worth_per_m_s is not None:
             raise InputError(
-                f"field cost.walks[{number}].worth_per_m_s: must not be given; they pay for ΔV anyway"
+                f"field cost.walks[{number}].worth_per_m_s: walks pay for ΔV anyway; leave it out"
             )
     _check_cuts(instance, "cost.", cost.cuts)
 
