@@ -190,7 +190,7 @@ def free(pair, thrust, window, span):
     drift = pair.drift
     task = drift_pair.task_of(drift, 0.0, span, 0.0)
     steers = low_thrust_windows.steering(low_thrust_windows.places(pair, task, 0.0, span), window)
-    found, _ = low_thrust.free_split(weighted(drift, steers.turn), task, thrust, steers, 0.0)
+    found, _ = low_thrust.free_split(weighted(drift, steers.turn), task, thrust, steers)
     known = task.lag + drift.node_rate_i * (span - 0.5 * found.times.first)
     known -= drift.node_rate_j * 0.5 * found.times.second
     coasting = span - 0.5 * (found.times.first + found.times.second)

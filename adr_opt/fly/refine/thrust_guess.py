@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ...kernels.orbits import mean_thrusting, primer
-from ...kernels.orbits.thrusting import ThrustArcs
 from ...plan.plan import LowThrustArc
 from .short_periods import Array
+from .thrust_shapes import middles, with_shapes
 from .thrust_task import Programme, ThrustTask
 
 FASTER = 1.02
@@ -30,11 +30,19 @@ HALVINGS = 30
 LENGTHS = 72
 """Number of halvings of a threshold, and of places at which the shortest primer is looked for."""
 
-NOTHING = ThrustArcs(np.empty((0, 5)), np.empty(0), np.empty(0), np.empty(0))
 
+def first_guess(
+    task: ThrustTask, arcs: tuple[LowThrustArc, ...], *, shaped: bool = False
+) -> Programme:
+    """The programme that both arcs of a plan amount to, with thrust at the best places.
 
-def first_guess(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Programme:
-    """The programme that both arcs of a plan amount to, with thrust at the best places."""
+    Parameters
+    ----------
+    task : ThrustTask
+    arcs : (2,) LowThrustArc
+    shaped : bool, optional
+        Whether laws make up for the eccentricity.
+    """
     steered = np.zeros((2, 5))
     sine = math.sin(task.target[3])
     for law, arc in zip(steered, arcs, strict=True):
@@ -46,6 +54,8 @@ def first_guess(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Programme:
         size = float(np.linalg.norm(law))
         law[2] = law[2] if size > 0.0 else 1.0
         law *= max(arc.delta_v_m_s, 1e-3) / max(size, 1e-9 if size > 0.0 else 1.0)
+    if shaped:
+        steered = with_shapes(task, arcs, steered)
     guess = Programme(steered.ravel(), np.full(2, LEAST_THRESHOLD), arcs[1].start_s)
     return _matched(task, guess, arcs)
 
@@ -58,15 +68,12 @@ def _matched(task: ThrustTask, programme: Programme, arcs: tuple[LowThrustArc, .
     """
     spans = task.arcs(programme).spans
     thresholds = np.zeros(2)
-    ends = (task.origin, task.start_s), (task.target, task.end_s)
-    for number, (arc, (mean, time_s)) in enumerate(zip(arcs, ends, strict=True)):
-        middle = 0.5 * (arc.start_s + arc.end_s)
-        moved, _, _ = mean_thrusting.fly(mean, 0.0, abs(middle - time_s), task.push, NOTHING)
-        there = mean.copy()
-        there[4] += math.copysign(1.0, middle - time_s) * (moved[4] - mean[4])
+    for number, (arc, orbit) in enumerate(zip(arcs, middles(task, arcs), strict=True)):
         wanted = FASTER * spans[number] / max(arc.end_s - arc.start_s, 1.0)
         law = programme.laws[number]
-        thresholds[number] = _threshold(law, there, wanted, task.push.since_j2000 + middle)
+        thresholds[number] = _threshold(
+            law, orbit.mean, wanted, task.push.since_j2000 + orbit.time_s
+        )
     return Programme(programme.steered, thresholds, programme.second_s)
 
 

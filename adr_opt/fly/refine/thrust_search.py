@@ -43,17 +43,19 @@ RANK = 1e-6
 def candidates(task: ThrustTask, arcs: tuple[LowThrustArc, ...]) -> Iterator[Programme]:
     """Programmes that meet the goal by averaged motion, the cheapest first.
 
-    Those of the two numbers of laps next to that of the first guess; after them the same with wider
-    windows, and with thrust nearly wherever there is sunlight.
+    From two first guesses, with and without laws that make up for the eccentricity, those of the
+    two numbers of laps next to that of the guess; after them the same with wider windows, and with
+    thrust nearly wherever there is sunlight.
     """
-    guess = first_guess(task, arcs)
-    laps = task.laps_to(task.predict(guess).mean)
-    nearer = float(round(laps))
     found = []
-    for number in (nearer, nearer + 1.0 if laps > nearer else nearer - 1.0):
-        made = _led(task, guess, number)
-        if made is not None:
-            found.append(made)
+    for shaped in (False, True):
+        guess = first_guess(task, arcs, shaped=shaped)
+        laps = task.laps_to(task.predict(guess).mean)
+        nearer = float(round(laps))
+        for number in (nearer, nearer + 1.0 if laps > nearer else nearer - 1.0):
+            made = _led(task, guess, number)
+            if made is not None:
+                found.append(made)
     yield from sorted(found, key=_cost)
     for share in (WIDER, 0.0):
         lower = np.maximum(share * guess.thresholds, LEAST_THRESHOLD)

@@ -19,6 +19,22 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 """Share of an interval that golden section keeps."""
 
 
+class Eccentricities(NamedTuple):
+    """Eccentricity vectors of both ends of a leg on arrival, if there is no burn.
+
+    Attributes
+    ----------
+    i, j : (float, float)
+        Along the node and ahead of it.
+    rates : (float, float)
+        Of both perigees [rad/s].
+    """
+
+    i: tuple[float, float]
+    j: tuple[float, float]
+    rates: tuple[float, float]
+
+
 class Ends(NamedTuple):
     """A drift leg between two times, as recomputed by the judge.
 
@@ -41,6 +57,7 @@ class Ends(NamedTuple):
         E [m/s].
     fraction, oblateness : float
         f; J2 R² [m²].
+    eccentricities : Eccentricities
     """
 
     radius_i: float
@@ -58,6 +75,7 @@ class Ends(NamedTuple):
     shape: float
     fraction: float
     oblateness: float
+    eccentricities: Eccentricities
 
 
 def ends_of(
@@ -107,6 +125,14 @@ def ends_of(
         speed, sine, math.cos(inclination), span, float(approach), float(node), rate_j,
         float(ahead), 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0])),
         rule.first_leg_fraction, rule.oblateness,
+        Eccentricities(
+            (float(vectors[0][0]), float(vectors[0][1])),
+            (float(vectors[1][0]), float(vectors[1][1])),
+            (
+                float(ephemeris.perigee_rate_at(origin, departure)),
+                float(ephemeris.perigee_rate_at(destination, arrival)),
+            ),
+        ),
     )  # fmt: skip
 
 

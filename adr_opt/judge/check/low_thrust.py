@@ -16,7 +16,6 @@ from ...problem.instance import Instance
 from .drift_ends import Ends, ends_of
 from .figures import check_times
 from .low_thrust_form import (
-    PER_ECCENTRICITY,
     WINDOWS_DEG,
     Steered,
     laps_at,
@@ -24,8 +23,8 @@ from .low_thrust_form import (
     places_of,
     settled,
     shadows_of,
-    steering_of,
 )
+from .low_thrust_windows import steered_in, with_shape
 from .violation import LOW_THRUST_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 FloatArray = npt.NDArray[np.float64]
@@ -151,10 +150,10 @@ def _costs(
             place = math.degrees(math.atan2(along, tilt))
             off = math.remainder(arc.argument_of_latitude_deg - place, 360.0)
             yield off, ANGLE_DEG, "the place of thrust is off by [deg]"
-    form = sum(forms)
+    both = sum(forms)
+    form = with_shape(both, steered.shape, arcs[0].size_m_s, arcs[1].size_m_s)
     total = 4.0 * whole.speed * math.sin(min(0.25 * form / whole.speed, 0.5 * math.pi))
-    extra = PER_ECCENTRICITY * 2.0 * whole.shape
-    costs = [total * (part / form if form > 0.0 else 0.5) + extra for part in forms]
+    costs = [total * (part / both if both > 0.0 else 0.5) for part in forms]
     for arc, cost in zip(arcs, costs, strict=True):
         yield arc.delta_v_m_s - cost, LOW_THRUST_TOLERANCE_M_S, "ΔV of an arc is off by [m/s]"
     stated = math.fsum(arc.delta_v_m_s for arc in arcs) - leg.delta_v_m_s
@@ -179,12 +178,5 @@ def _steered(
         ends, whole, since_j2000_s(instance.epoch), leg.departure_s, leg.arrival_s
     )
     places, part = places_of(whole, rates, (rule.min_radius, rule.max_radius))
-    ways = [
-        steering_of(math.radians(window_deg), float(place), *shadow)
-        for place, shadow in zip(places, shadows, strict=True)
-    ]
-    turn = part * ways[0][0] + (1.0 - part) * ways[1][0]
-    return Steered(
-        turn, (ways[0][1], ways[1][1]), 0.0, drive.thrust_n / drive.heaviest_kg, drive.exhaust_m_s,
-        0.0,
-    )  # fmt: skip
+    turn, shares, shape = steered_in(math.radians(window_deg), whole, places, part, shadows)
+    return Steered(turn, shares, shape, drive.thrust_n / drive.heaviest_kg, drive.exhaust_m_s, 0.0)

@@ -6,23 +6,20 @@ That of :mod:`adr_opt.kernels.legs.low_thrust`, with rates that are integrated o
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
+from ...common.constants import MU_M3_S2
 from ...kernels.core.compile import kernel
 from ...kernels.orbits import ephemeris
 from .drift_ends import Ends
+from .low_thrust_windows import Shape, shadow_of, with_shape
 
 FloatArray = npt.NDArray[np.float64]
 
 WINDOWS_DEG = (30.0, 60.0, 90.0)
-
-PER_ECCENTRICITY = 0.6485
-"""ΔV of a change of the eccentricity vector, over speed and change."""
 
 NODES, WEIGHTS = (
     tuple(float(value) for value in values) for values in np.polynomial.legendre.leggauss(6)
@@ -38,8 +35,7 @@ class Steered(NamedTuple):
         κ.
     shares : (float, float)
         Of a revolution in which thrust is on.
-    extra : float
-        ΔV of each arc for the eccentricity vectors [m/s].
+    shape : Shape
     acceleration, exhaust : float
         [m/s²], [m/s].
     rounded : float
@@ -48,66 +44,10 @@ class Steered(NamedTuple):
 
     turn: float
     shares: tuple[float, float]
-    extra: float
+    shape: Shape
     acceleration: float
     exhaust: float
     rounded: float
-
-
-def sun_at(since_j2000: float) -> FloatArray:
-    """Unit vector to the Sun, in the frame of the equator."""
-    days = since_j2000 / DAY_S
-    anomaly = math.radians(357.528 + 0.9856003 * days)
-    longitude = 280.460 + 0.9856474 * days
-    longitude += 1.915 * math.sin(anomaly) + 0.020 * math.sin(2.0 * anomaly)
-    along, tilt = math.radians(longitude), math.radians(23.439)
-    return np.array(
-        [
-            math.cos(along),
-            math.cos(tilt) * math.sin(along),
-            math.sin(tilt) * math.sin(along),
-        ]
-    )
-
-
-def shadow_of(
-    radius: float, inclination: float, node: float, since_j2000: float
-) -> tuple[float, float]:
-    """Argument of latitude of the shadow's middle, and half its width [rad]."""
-    sun = sun_at(since_j2000)
-    toward = np.array([math.cos(node), math.sin(node), 0.0])
-    beyond = np.array(
-        [
-            -math.sin(node) * math.cos(inclination),
-            math.cos(node) * math.cos(inclination),
-            math.sin(inclination),
-        ]
-    )
-    x, y = float(sun @ toward), float(sun @ beyond)
-    # In shadow where the Sun is behind and the distance to its axis is below the Earth's radius.
-    least = math.sqrt(max(1.0 - (EARTH_RADIUS_M / radius) ** 2, 0.0)) / math.hypot(x, y)
-    return math.atan2(-y, -x), math.acos(least) if least < 1.0 else 0.0
-
-
-def steering_of(window: float, place: float, middle: float, half: float) -> tuple[float, float]:
-    """κ and share of windows about a place and its opposite, without the shadow.
-
-    The circle is cut where a window or the shadow begins or ends, and summed up piece by piece.
-    """
-    cuts = {0.0, 2.0 * math.pi}
-    for centre, width in ((place, window), (place + math.pi, window), (middle, half)):
-        for edge in (centre - width, centre + width):
-            cuts.add(edge % (2.0 * math.pi))
-    share = mean = 0.0
-    edges = sorted(cuts)
-    for low, high in pairwise(edges):
-        inside = 0.5 * (low + high)
-        away = abs(math.remainder(inside - place, math.pi))
-        dark = abs(math.remainder(inside - middle, 2.0 * math.pi)) < half
-        if away < window and not dark:
-            share += high - low
-            mean += abs(math.sin(high - place) - math.sin(low - place))
-    return share / mean, share / (2.0 * math.pi)
 
 
 def places_of(
@@ -200,7 +140,7 @@ def node_to_turn(ends: Ends, times: tuple[float, float], speed: float, tilt: flo
 def parts(
     ends: Ends, steered: Steered, times: tuple[float, float], speed: float, tilt: float
 ) -> tuple[float, float, float]:
-    """What is least, and ΔV of both arcs with eccentricities [m/s].
+    """What is least, and ΔV of both arcs [m/s].
 
     Parameters
     ----------
@@ -216,10 +156,10 @@ def parts(
     one = math.sqrt(climb**2 + (steered.turn * tilt) ** 2 + round_off)
     other = math.sqrt(rest**2 + (steered.turn * left) ** 2 + round_off)
     both = one + other
-    form = math.hypot(steered.turn * along, both)
+    form = with_shape(math.hypot(steered.turn * along, both), steered.shape, climb, rest)
     total = 4.0 * ends.speed * math.sin(min(0.25 * form / ends.speed, 0.5 * math.pi))
     first = total * (one / both if both > 0.0 else 0.5)
-    return form, first + steered.extra, total - first + steered.extra
+    return form, first, total - first
 
 
 @kernel

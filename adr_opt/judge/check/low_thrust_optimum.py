@@ -17,7 +17,6 @@ from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
 from .drift_ends import GOLDEN, Ends, ends_of
 from .low_thrust_form import (
-    PER_ECCENTRICITY,
     WINDOWS_DEG,
     Steered,
     laps_at,
@@ -25,8 +24,8 @@ from .low_thrust_form import (
     places_of,
     settled,
     shadows_of,
-    steering_of,
 )
+from .low_thrust_windows import steered_in
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -174,23 +173,16 @@ def low_thrust_cost(
     slowest, fastest = (
         math.sqrt(MU_M3_S2 / radius) for radius in (rule.max_radius, rule.min_radius)
     )
-    extra = PER_ECCENTRICITY * 2.0 * nearer.shape
     shadows, rates = shadows_of(ends, nearer, since_j2000, departure, arrival)
     least = math.inf
     turns = (0.0, -1.0, 1.0) if arrival - departure > LONGER_S else (0.0,)
     for turn in turns:
         more = 2.0 * math.pi * turn
-        leg = nearer._replace(
-            node=nearer.node + more, ahead=nearer.ahead + nearer.cosine * more, shape=0.0
-        )
+        leg = nearer._replace(node=nearer.node + more, ahead=nearer.ahead + nearer.cosine * more)
         places, part = places_of(leg, rates, (rule.min_radius, rule.max_radius))
         for window in WINDOWS_DEG:
-            ways = [
-                steering_of(math.radians(window), float(place), *shadow)
-                for place, shadow in zip(places, shadows, strict=True)
-            ]
-            turning = part * ways[0][0] + (1.0 - part) * ways[1][0]
-            steered = Steered(turning, (ways[0][1], ways[1][1]), extra, *thrust, ROUNDED_M_S)
+            found_in = steered_in(math.radians(window), leg, places, part, shadows)
+            steered = Steered(*found_in, *thrust, ROUNDED_M_S)
             sharp = steered._replace(rounded=0.0)
             found = float(cost_of(leg, steered, sharp, slowest, fastest))
             if found == math.inf:  # there may be an optimum on either side, and no leg with one

@@ -49,6 +49,34 @@ class Free(NamedTuple):
     room: float
 
 
+class Bowl(NamedTuple):
+    """A parabola in b_y, by which the square of the ΔV is more.
+
+    Attributes
+    ----------
+    steepness : float
+    bottom : float
+        b_y of its lowest point [m/s].
+    least : float
+        Its value there [m²/s²].
+    """
+
+    steepness: float
+    bottom: float
+    least: float
+
+
+LEVEL = Bowl(0.0, 0.0, 0.0)
+"""No parabola."""
+
+
+@inlined
+def with_bowl(form, bowl, climb):
+    """ΔV with the parabola, for one without it and b_y [m/s]."""
+    away = climb - bowl.bottom
+    return math.sqrt(form * form + bowl.steepness * away * away + bowl.least)
+
+
 class Rest(NamedTuple):
     """What is left of the node on arrival: by the drift orbit, and beside it.
 
@@ -98,11 +126,12 @@ def free_phase(pair, task, climb, tilt):
     # The arcs beside the drift orbit are halfway to it.
     known = task.lag + pair.node_rate_i * (task.span - 0.5 * half)
     known -= pair.node_rate_j * (half * (0.5 + pair.fraction) + pair.approach)
-    return least_turns(pair, task.span, task.shape, Rest(known, 0.0, 0.0, drifting), climb, tilt)
+    rest = Rest(known, 0.0, 0.0, drifting)
+    return least_turns(pair, task.span, task.shape, LEVEL, rest, climb, tilt)
 
 
 @inlined
-def least_turns(pair, span, shape, rest_of_node, climb, tilt):
+def least_turns(pair, span, shape, bowl, rest_of_node, climb, tilt):
     """Optimum b_y and b_z for a given time on the drift orbit.
 
     Parameters
@@ -110,6 +139,7 @@ def least_turns(pair, span, shape, rest_of_node, climb, tilt):
     pair : DriftPair
     span, shape : float
         T [s] and E [m/s].
+    bowl : Bowl
     rest_of_node : Rest
     climb, tilt : float
         To begin with [m/s].
@@ -145,7 +175,9 @@ def least_turns(pair, span, shape, rest_of_node, climb, tilt):
         first = math.sqrt(climb * climb + tilt * tilt + round_off)
         second = math.sqrt(rest * rest + left * left + round_off)
         turn = first + second
-        value = 0.5 * (node * node + turn * turn)
+        away = climb - bowl.bottom
+        pulled = bowl.steepness * away
+        value = 0.5 * (node * node + turn * turn + pulled * away + bowl.least)
         if value > before * (1.0 + 1e-12):
             # Too far: to the nearer tip, which the optimum may be at, or half of the way back.
             if (is_first and first_left) or (not is_first and second_left):
@@ -173,9 +205,9 @@ def least_turns(pair, span, shape, rest_of_node, climb, tilt):
         turn_z = tilt * inverse_1 - left * inverse_2
         cube_1 = inverse_1 * inverse_1 * inverse_1
         cube_2 = inverse_2 * inverse_2 * inverse_2
-        gradient_y = node * node_y + turn * turn_y
+        gradient_y = node * node_y + turn * turn_y + pulled
         gradient_z = node * node_z + turn * turn_z
-        yy = node_y * node_y + turn_y * turn_y
+        yy = node_y * node_y + turn_y * turn_y + bowl.steepness
         yz = node_y * node_z + turn_y * turn_z
         zz = node_z * node_z + turn_z * turn_z
         yy += turn * ((tilt * tilt + round_off) * cube_1 + (left * left + round_off) * cube_2)

@@ -11,8 +11,7 @@ and the node is split between both arcs in proportion to the two inner norms. Th
 
 which X depends on: half of them is drifted on the orbits at either end. The times are those of the
 least root, which is come to from no time at all: the longer the arcs, the less is drifted, and the
-more is left to do. What eccentricity asks for, 0.6485 V |Δe| / 2 at either end, is added to each
-arc; that is never below the truth (docs/model.md section 11).
+more is left to do. What eccentricities ask for is added as a square (:mod:`.low_thrust_shapes`).
 
 After Kéchichian, J. Guidance, Control, and Dynamics 20(5), 1997, 988–994, and Edelbaum; the split
 in two arcs derived anew.
@@ -23,13 +22,14 @@ from typing import NamedTuple
 
 from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
-from . import drift_linear, drift_pair
+from . import drift_pair
 from .drift_arcs import node_at
-from .drift_free import Rest, first_guess, least_turns
+from .drift_free import LEVEL, Rest, first_guess, least_turns, with_bowl
 from .drift_laps import tilt_at
 from .drift_pair import Task
 from .low_thrust_arcs import (
     ArcTimes,
+    Thrust,
     arc_times,
     beside_ramps,
     chord,
@@ -49,10 +49,6 @@ CLOSE, CLOSE_M_S = 1e-7, 1e-6
 SAVED_M_S = 1e-9
 """Least saving for which a step of the inclination is taken [m/s]; times amplify its errors."""
 
-SHAPE = 0.6485 * 2.0
-"""ΔV of each arc for the eccentricity vectors, over E of docs/model.md section 3: the least for a
-given change of them is 0.6485 V |Δe|, half of which is done at either end."""
-
 LONG_S = 150.0 * 86400.0
 """Legs that are longer are also tried with a turn of the node more and less [s]."""
 
@@ -60,8 +56,16 @@ SLACK_M_S = 0.3
 """Largest excess of the estimate with impulses over the ΔV with thrust [m/s]."""
 
 OFF, OFF_M_S = 2e-3, 0.01
-"""How far a split may be above the cheapest one, as a share, and [m/s]: a split is the best for
-given times of thrust, and another one with less of them may be cheaper."""
+"""How far a lower bound is below a split, as a share, and [m/s]: a split is the best for given
+times of thrust, and another one with less of them may be cheaper."""
+
+WIDER = 1.05
+"""Factor on the limit of lower bounds when legs are searched for: a whole number of laps may be
+that much cheaper than the free phase that the limit is asked of."""
+
+LIGHTER = 1.01
+"""Factor on the acceleration of the lightest chaser in lower bounds: where a leg thrusts nearly all
+the time, its ΔV is the least to within the effect of some promille of the mass."""
 
 TIP_M_S = 1e-9
 """Lower limit of the norms of both arcs as a divisor [m/s]."""
@@ -140,7 +144,7 @@ def followed(now, found, room):
 
 
 @inlined
-def laid_out(pair, thrust, steering, extra, form, climb, tilt):
+def laid_out(pair, thrust, steering, form, climb, tilt):
     """ΔV of both arcs, the first one's part of it [m/s], and their times.
 
     Parameters
@@ -149,10 +153,9 @@ def laid_out(pair, thrust, steering, extra, form, climb, tilt):
         What is least, y and κ z [m/s].
     """
     total = chord(form, pair.linear.speed / steering.turn)
-    first = first_share(pair, climb, tilt) * total + extra
-    whole = total + 2.0 * extra
+    first = first_share(pair, climb, tilt) * total
     shares = steering.first_share, steering.second_share
-    return whole, first, arc_times(thrust, shares, first, whole - first)
+    return total, first, arc_times(thrust, shares, first, total - first)
 
 
 @inlined
@@ -171,7 +174,7 @@ def first_share(pair, climb, tilt):
 
 
 @inlined
-def free_split(pair, task, thrust, steering, extra):
+def free_split(pair, task, thrust, steering):
     """Optimum with a free phase of the target, and converged times of thrust.
 
     Parameters
@@ -182,8 +185,6 @@ def free_split(pair, task, thrust, steering, extra):
         Without E.
     thrust : Thrust
     steering : Steering
-    extra : float
-        ΔV of each arc for the eccentricity vectors [m/s].
 
     Returns
     -------
@@ -200,9 +201,9 @@ def free_split(pair, task, thrust, steering, extra):
         more, by_climb, by_tilt = beside_ramps(pair, now.times, climb, tilt)
         known += by_climb * climb + by_tilt * tilt - more
         left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * now.here)
-        free = least_turns(pair, task.span, 0.0, left_over, climb, tilt)
+        free = least_turns(pair, task.span, 0.0, steering.bowl, left_over, climb, tilt)
         climb, tilt = free.climb, free.tilt
-        delta_v, first, found = laid_out(pair, thrust, steering, extra, free.least, climb, tilt)
+        delta_v, first, found = laid_out(pair, thrust, steering, free.least, climb, tilt)
         if found.first + found.second > room:
             break
         if has_settled(now, found, task.span):
@@ -212,12 +213,12 @@ def free_split(pair, task, thrust, steering, extra):
 
 
 @inlined
-def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
+def tooth_split(pair, task, thrust, steering, free, follow, laps):
     """The leg that meets the target after a number of laps, near the optimum of free phase.
 
     Parameters
     ----------
-    pair, task, thrust, steering, extra
+    pair, task, thrust, steering
         As :func:`free_split` takes them.
     free : LowThrustSplit
     follow : float
@@ -247,7 +248,8 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
         series = node_series(pair, task, room - now.here, now.times, speed)
         way = tilt_at(pair, 0.0, series, climb, tilt, SAVED_M_S)
         tilt = way.tilt
-        delta_v, first, found = laid_out(pair, thrust, steering, extra, way.delta_v, climb, tilt)
+        form = with_bowl(way.delta_v, steering.bowl, climb)
+        delta_v, first, found = laid_out(pair, thrust, steering, form, climb, tilt)
         if found.first + found.second > room:
             break
         if has_settled(now, found, task.span):
@@ -259,31 +261,35 @@ def tooth_split(pair, task, thrust, steering, extra, free, follow, laps):
 
 
 @inlined
-def split(pair, task, thrust, steering, extra, below):
+def split(pair, task, thrust, steering, below, relaxed):
     """The cheaper of the two teeth around the optimum of free phase.
 
     Parameters
     ----------
-    pair, task, thrust, steering, extra
+    pair, task, thrust, steering
         As :func:`free_split` takes them.
     below : float
         No leg that costs as much is wanted [m/s].
+    relaxed : bool
+        Whether the optimum of free phase counts as a third one.
 
     Returns
     -------
     LowThrustSplit
     """
-    free, follow = free_split(pair, task, thrust, steering, extra)
+    free, follow = free_split(pair, task, thrust, steering)
     if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
         return NEVER
     coasting = task.span - pair.approach - free.times.first - free.times.second
     gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
     laps = (gained - task.ahead) / TURN_RAD
     nearer = float(math.floor(laps + 0.5))
-    best = tooth_split(pair, task, thrust, steering, extra, free, follow, nearer)
+    best = tooth_split(pair, task, thrust, steering, free, follow, nearer)
     other = nearer + 1.0 if laps > nearer else nearer - 1.0
-    way = tooth_split(pair, task, thrust, steering, extra, free, follow, other)
-    return way if way.delta_v < best.delta_v else best
+    way = tooth_split(pair, task, thrust, steering, free, follow, other)
+    if way.delta_v < best.delta_v:
+        best = way
+    return free if relaxed and free.delta_v < best.delta_v else best
 
 
 @inlined
@@ -311,7 +317,7 @@ class LowThrustLeg(NamedTuple):
 
 
 @inlined
-def with_impulses(drift, task, turn):
+def with_impulses(drift, task, turn, bowl):
     """ΔV with a free phase and no time for thrust, changes of the plane counting κ times [m/s].
 
     Never above that of :func:`free_split` but for rounding of :mod:`.drift_free`.
@@ -320,15 +326,8 @@ def with_impulses(drift, task, turn):
     climb, tilt = first_guess(pair, task)
     known = task.lag + pair.node_rate_i * task.span - pair.node_rate_j * pair.approach
     left_over = Rest(known, 0.0, 0.0, task.span - pair.approach)
-    least = least_turns(pair, task.span, 0.0, left_over, climb, tilt).least
+    least = least_turns(pair, task.span, 0.0, bowl, left_over, climb, tilt).least
     return chord(least, drift.linear.speed)
-
-
-@inlined
-def _lower(split):
-    """A split whose ΔV is a lower bound, also where a split beside it would be cheaper."""
-    less = split.delta_v - OFF * split.delta_v - OFF_M_S
-    return LowThrustSplit(less, split.first, split.climb, split.tilt, split.node, split.times)
 
 
 @kernel
@@ -344,7 +343,7 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
     below : float
         No leg that costs as much is wanted [m/s].
     relaxed : bool
-        Whether a lower bound of all heavier chasers' legs is wanted: the phase is free.
+        Whether the phase may be free.
 
     Returns
     -------
@@ -353,30 +352,51 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
     """
     drift = pair.drift
     nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
-    extra = SHAPE * drift_linear.shape_left(drift.linear, arrival)
     best = LowThrustLeg(NEVER, 0.0, 1.0)
-    below = below - 2.0 * extra + SLACK_M_S
+    below = below + SLACK_M_S
     for turns in (0.0, -1.0, 1.0):
         if turns != 0.0 and nearer.span <= LONG_S:
             continue
         task = task_turned(drift, nearer, turns)
-        if with_impulses(drift, task, 1.0) >= below:
+        if with_impulses(drift, task, 1.0, LEVEL) >= below:
             continue
         at = places(pair, task, departure, arrival)
         for window in WINDOWS_RAD:
             steers = steering(at, window)
-            if with_impulses(drift, task, steers.turn) >= below:
+            if with_impulses(drift, task, steers.turn, steers.bowl) >= below:
                 continue
-            if relaxed:
-                way, _ = free_split(weighted(drift, steers.turn), task, thrust, steers, extra)
-                way = _lower(way)
-            else:
-                pair_of = weighted(drift, steers.turn)
-                way = split(pair_of, task, thrust, steers, extra, below + 2.0 * extra)
+            pair_of = weighted(drift, steers.turn)
+            way = split(pair_of, task, thrust, steers, below, relaxed)
             if way.delta_v < best.split.delta_v:
                 best = LowThrustLeg(way, window, steers.turn)
-                below = min(below, way.delta_v - 2.0 * extra + SLACK_M_S)
+                below = min(below, way.delta_v + SLACK_M_S)
     return best
+
+
+@kernel
+def bound_below(pair, lightest, heaviest, departure, arrival, below):
+    """Lower bound of the ΔV of the legs of a chaser of any mass between two times [m/s].
+
+    No leg of the lightest or of the heaviest chaser is cheaper. Of masses between them,
+    docs/model.md section 11.4 says what is known.
+
+    Parameters
+    ----------
+    pair : LowThrustPair
+    lightest, heaviest : Thrust
+        Of chasers with the least and with the largest mass.
+    departure, arrival : float
+        [s].
+    below : float
+        No bound that is as large is wanted [m/s].
+    """
+    wanted = WIDER * below
+    pushed = Thrust(LIGHTER * lightest.acceleration, lightest.exhaust)
+    least = leg_below(pair, heaviest, departure, arrival, wanted, False).split.delta_v
+    for thrust in (lightest, pushed):
+        way = leg_below(pair, thrust, departure, arrival, min(wanted, WIDER * least), True)
+        least = min(least, way.split.delta_v)
+    return least - OFF * least - OFF_M_S if least < math.inf else math.inf
 
 
 @kernel

@@ -7,17 +7,18 @@ import numpy as np
 from ..core.compile import kernel
 from ..core.lists import wider
 from .drift_grid import first_to_last
-from .low_thrust import leg_below
+from .low_thrust import bound_below, leg_below
 
 
 @kernel
-def of_pair(pair, thrust, times, duration, resolution, relaxed):
+def of_pair(pair, thrust, lightest, times, duration, resolution, relaxed):
     """Undominated low-thrust legs of a pair.
 
     Parameters
     ----------
     pair : LowThrustPair
-    thrust : Thrust
+    thrust, lightest : Thrust
+        Of the chaser with the largest and with the least mass.
     times : Times
         Its interval is not looked at.
     duration : float
@@ -25,7 +26,7 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed):
     resolution : float
         A leg that saves no more than this is dominated [m/s].
     relaxed : bool
-        Whether to take lower bounds for heavier chasers in place of costs.
+        Whether to take lower bounds for all masses in place of costs with the largest.
 
     Returns
     -------
@@ -45,8 +46,11 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed):
         for t in range(begin + 1, min(begin + furthest, points - 1) + 1):
             cheapest = min(cheapest, stair[t])
             below = cheapest - resolution
-            leg = leg_below(pair, thrust, begin * step, t * step, below, relaxed)
-            cost = leg.split.delta_v
+            departure, arrival = begin * step, t * step
+            if relaxed:
+                cost = bound_below(pair, lightest, thrust, departure, arrival, below)
+            else:
+                cost = leg_below(pair, thrust, departure, arrival, below, False).split.delta_v
             if cost >= below:
                 continue
             if count == departures.size:

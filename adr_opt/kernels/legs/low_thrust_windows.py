@@ -12,17 +12,22 @@ decides. κ of a leg is the mean of its arcs, by what that solution turns on eac
 import math
 from typing import NamedTuple
 
+from ...common.constants import TURN_RAD
 from ..core.compile import inlined, kernel
 from ..orbits import ephemeris, sunlight
 from . import drift_linear, drift_pair
-from .drift_free import first_guess
+from .drift_free import Bowl, first_guess
 from .drift_pair import DriftPair
+from .low_thrust_shapes import Metric, Shapes, bowl, room
 
 WINDOWS_RAD = (math.pi / 6.0, math.pi / 3.0, math.pi / 2.0)
 """Half-widths η of the windows of thrust."""
 
 WITHIN = 1.0 / 16.0
 """Part of a leg from either end at which shadows are looked at."""
+
+DARKLESS = sunlight.Shadow(0.0, 0.0)
+"""No shadow."""
 
 
 class LowThrustPair(NamedTuple):
@@ -37,6 +42,8 @@ class LowThrustPair(NamedTuple):
         How much that of the chaser is more for every second that the departure is later [rad/s].
     since_j2000 : float
         The epoch, from J2000 [s]; NaN where thrust is on in the shadow.
+    perigee_i, perigee_rate_i : float
+        Of the chaser that has left and stays, at t = 0 [rad], and its rate [rad/s].
     """
 
     drift: DriftPair
@@ -44,6 +51,8 @@ class LowThrustPair(NamedTuple):
     node_j: float
     node_by_departure: float
     since_j2000: float
+    perigee_i: float
+    perigee_rate_i: float
 
 
 @kernel
@@ -59,15 +68,34 @@ def prepare(orbit_i, orbit_j, rule, since_j2000, time):
     """
     node_i, rate_i = ephemeris.node_tangent(orbit_i, time)
     node_j, _ = ephemeris.node_tangent(orbit_j, time)
+    perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
     return LowThrustPair(
         drift_pair.prepare(orbit_i, orbit_j, rule, time), node_i, node_j,
-        rate_i - ephemeris.coasting_node_rate_at(orbit_i, time), since_j2000,
+        rate_i - ephemeris.coasting_node_rate_at(orbit_i, time), since_j2000, perigee_i,
+        perigee_rate_i,
     )  # fmt: skip
+
+
+class Lit(NamedTuple):
+    """Means over the places of a revolution at which thrust is on.
+
+    Attributes
+    ----------
+    turn, share : float
+        κ and σ.
+    toward, aside : float
+        Of the cosine and the sine of u − u*.
+    """
+
+    turn: float
+    share: float
+    toward: float
+    aside: float
 
 
 @inlined
 def lit(window, middle, shadow):
-    """κ and σ of windows ±η about a place and its opposite, without the shadow.
+    """Means over windows ±η about a place and its opposite, without the shadow.
 
     Parameters
     ----------
@@ -77,16 +105,22 @@ def lit(window, middle, shadow):
         u* [rad].
     shadow : Shadow
     """
-    share, mean = 4.0 * window, 4.0 * math.sin(window)
+    share, mean, toward, aside = 4.0 * window, 4.0 * math.sin(window), 0.0, 0.0
     if shadow.half > 0.0:
-        away = (shadow.middle - middle) % math.pi
-        for turns in range(-1, 3):
+        away = (shadow.middle - middle) % TURN_RAD
+        side = 1.0
+        for turns in range(3):
             low = max(away - shadow.half - turns * math.pi, -window)
             high = min(away + shadow.half - turns * math.pi, window)
             if high > low:
+                less = math.sin(high) - math.sin(low)
                 share -= high - low
-                mean -= math.sin(high) - math.sin(low)
-    return share / mean, share / (2.0 * math.pi)
+                mean -= less
+                toward -= side * less
+                aside += side * (math.cos(high) - math.cos(low))
+            side = -side
+    per_share = 1.0 / share
+    return Lit(share / mean, share / TURN_RAD, toward * per_share, aside * per_share)
 
 
 class Steering(NamedTuple):
@@ -98,11 +132,14 @@ class Steering(NamedTuple):
         κ: ΔV of a change of plane over speed and angle.
     first_share, second_share : float
         Share of a revolution in which thrust is on.
+    bowl : Bowl
+        What eccentricities ask for.
     """
 
     turn: float
     first_share: float
     second_share: float
+    bowl: Bowl
 
 
 class Places(NamedTuple):
@@ -115,6 +152,9 @@ class Places(NamedTuple):
     share : float
         The first arc's part of all changes of plane.
     first_shadow, second_shadow : Shadow
+    climb : float
+        What both change of the speed [m/s].
+    shapes : Shapes
     """
 
     first: float
@@ -122,6 +162,8 @@ class Places(NamedTuple):
     share: float
     first_shadow: sunlight.Shadow
     second_shadow: sunlight.Shadow
+    climb: float
+    shapes: Shapes
 
 
 @inlined
@@ -145,22 +187,70 @@ def places(pair, task, departure, arrival):
     one, other = math.sqrt(along * along + tilt * tilt), math.sqrt(rest * rest + left * left)
     share = one / (one + other) if one + other > 0.0 else 0.5
     first, second = math.atan2(along, tilt), math.atan2(rest, left)
-    if math.isnan(pair.since_j2000):
-        dark = sunlight.Shadow(0.0, 0.0)
-        return Places(first, second, share, dark, dark)
     early, late = departure + WITHIN * task.span, arrival - WITHIN * task.span
-    node_i = pair.node_i + pair.node_by_departure * departure + drift.node_rate_i * early
-    node_j = pair.node_j + drift.node_rate_j * late
+    shadow_i, shadow_j = DARKLESS, DARKLESS
+    if not math.isnan(pair.since_j2000):
+        node_i = pair.node_i + pair.node_by_departure * departure + drift.node_rate_i * early
+        node_j = pair.node_j + drift.node_rate_j * late
+        shadow_i = sunlight.shadow(
+            linear.radius_i, drift.inclination_i, node_i, pair.since_j2000 + early
+        )
+        shadow_j = sunlight.shadow(
+            linear.radius_j, drift.inclination_j, node_j, pair.since_j2000 + late
+        )
     return Places(
-        first, second, share,
-        sunlight.shadow(linear.radius_i, drift.inclination_i, node_i, pair.since_j2000 + early),
-        sunlight.shadow(linear.radius_j, drift.inclination_j, node_j, pair.since_j2000 + late),
+        first, second, share, shadow_i, shadow_j, drift.climb,
+        _shapes(pair, (first, second, share), (shadow_i, shadow_j), task.span, arrival),
+    )  # fmt: skip
+
+
+@inlined
+def _shapes(pair, thrust, dark, span, arrival):
+    """Eccentricities of the leg that arrives at some time.
+
+    Parameters
+    ----------
+    pair : LowThrustPair
+    thrust : (float, float, float)
+        Places of both arcs [rad], and the first one's part.
+    dark : (Shadow, Shadow)
+    span, arrival : float
+        [s].
+    """
+    first, second, share = thrust
+    linear = pair.drift.linear
+    perigee_i = pair.perigee_i + pair.perigee_rate_i * arrival
+    perigee_j = perigee_i + linear.perigee_lag + linear.perigee_lag_rate * arrival
+    # The chaser's perigee turns at the mean of both rates on the way.
+    rate_j = pair.perigee_rate_i + linear.perigee_lag_rate
+    lag = 0.5 * linear.perigee_lag_rate
+    x = y = 0.0
+    if linear.eccentricity_i > 0.0 or linear.eccentricity_j > 0.0:
+        drifted = perigee_i + lag * span
+        x = linear.eccentricity_j * math.cos(perigee_j)
+        x -= linear.eccentricity_i * math.cos(drifted)
+        y = linear.eccentricity_j * math.sin(perigee_j)
+        y -= linear.eccentricity_i * math.sin(drifted)
+    turn_i = (1.0 - WITHIN) * span * (pair.perigee_rate_i + lag)
+    turn_j = WITHIN * span * rate_j
+    one = room(dark[0], turn_i, share)
+    other = room(dark[1], turn_j, 1.0 - share)
+    return Shapes(
+        linear.speed * x, linear.speed * y,
+        (math.cos(first + turn_i), math.sin(first + turn_i)),
+        (math.cos(second + turn_j), math.sin(second + turn_j)),
+        Metric(one.xx + other.xx, one.xy + other.xy, one.yy + other.yy),
     )  # fmt: skip
 
 
 @inlined
 def steering(at, window):
     """Thrust about places, in windows ±η [rad]."""
-    turn_i, share_i = lit(window, at.first, at.first_shadow)
-    turn_j, share_j = lit(window, at.second, at.second_shadow)
-    return Steering(at.share * turn_i + (1.0 - at.share) * turn_j, share_i, share_j)
+    one = lit(window, at.first, at.first_shadow)
+    other = lit(window, at.second, at.second_shadow)
+    return Steering(
+        at.share * one.turn + (1.0 - at.share) * other.turn,
+        one.share,
+        other.share,
+        bowl(at.shapes, one, other, at.climb),
+    )
