@@ -1,4 +1,4 @@
-"""Low-thrust legs: the closed form against optimised transfers, and speed of computation.
+"""Low-thrust legs: the closed form against optimised transfers, masses, and speed of computation.
 
     python bench/low_thrust.py
 
@@ -35,6 +35,9 @@ EXHAUST_M_S = 1500.0 * 9.80665
 
 PARTS = 4
 """Parts of constant direction, half of them before the drift."""
+
+LIGHTER = (0.95, 0.9, 0.8)
+"""Masses of lighter chasers, over that of the heaviest."""
 
 STEPS = 24
 """Steps of the integration of each part."""
@@ -266,6 +269,34 @@ def print_speed(repeats: int) -> None:
         print(f"| {on} | {statistics.median(found) * 1e6:.2f} µs |")
 
 
+def print_masses(number: int) -> None:
+    """Print how much cheaper legs of lighter chasers are, of those that both can fly."""
+    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
+    print(f"\nLegs of lighter chasers, {number} drawn pairs with shadows\n")
+    print("| mass | legs | total | largest saving | no leg if heavier |\n|---|---|---|---|---|")
+    for mass in LIGHTER:
+        rng = np.random.default_rng(13)
+        costs = []
+        for _ in range(number):
+            pair = drawn(rng)
+            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
+            made = prepare(*bodies, rule, rng.uniform(0.0, 365.0) * DAY_S, 0.0)
+            heavy = Thrust(pair.acceleration, EXHAUST_M_S)
+            light = Thrust(pair.acceleration / mass, EXHAUST_M_S)
+            costs.append(
+                [low_thrust.delta_v(made, each, 0.0, pair.span) for each in (heavy, light)]
+            )
+        known = np.array(costs)
+        both = known[np.isfinite(known).all(axis=1)]
+        # A lighter chaser may throttle.
+        least = both.min(axis=1)
+        none = int((np.isinf(known[:, 0]) & np.isfinite(known[:, 1])).sum())
+        print(
+            f"| {mass:.0%} | {len(both)} | {least.sum() / both[:, 0].sum() - 1.0:+.2%} | "
+            f"{(least / both[:, 0] - 1.0).min():+.1%} | {none} |"
+        )
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -274,6 +305,7 @@ def main() -> None:
     options = parser.parse_args()
     print(heading())
     print_accuracy(options.pairs)
+    print_masses(options.pairs)
     print_speed(options.repeats)
 
 

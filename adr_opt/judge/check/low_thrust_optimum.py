@@ -32,7 +32,7 @@ FloatArray = npt.NDArray[np.float64]
 LONGER_S = 150.0 * DAY_S
 """Legs that are longer may turn the node by a whole turn more or less [s]."""
 
-ROUNDS, FURTHER = 400, 3
+ROUNDS, FURTHER = 400, 8
 """Maximum number of rounds in which times of thrust settle, and number of laps beyond the two about
 the optimum of free phase that are tried."""
 

@@ -42,6 +42,9 @@ from .low_thrust_windows import WINDOWS_RAD, places, steering
 MOST_ROUNDS = 60
 """Maximum number of rounds in which times of thrust converge."""
 
+CREEPING = 12
+"""Number of rounds after which it suffices that the sum of both times has converged."""
+
 CLOSE, CLOSE_M_S = 1e-7, 1e-6
 """Largest last change of the times, as a share of the leg, and of the speed on the drift orbit
 [m/s]."""
@@ -51,6 +54,10 @@ SAVED_M_S = 1e-9
 
 LONG_S = 150.0 * 86400.0
 """Legs that are longer are also tried with a turn of the node more and less [s]."""
+
+BUSY, MOST_LAPS = 0.15, 6
+"""Share of a leg with thrust from which on laps farther than both next to the optimum of free phase
+are tried, and the maximum number of them."""
 
 SLACK_M_S = 0.3
 """Largest excess of the estimate with impulses over the ΔV with thrust [m/s]."""
@@ -166,6 +173,12 @@ def has_settled(now, found, span):
 
 
 @inlined
+def has_settled_together(now, found, span):
+    """Whether their sum stays as it is."""
+    return abs(found.first + found.second - now.here) < CLOSE * span
+
+
+@inlined
 def first_share(pair, climb, tilt):
     """The first arc's part of the ΔV, for y and κ z [m/s]."""
     rest, left = pair.climb - climb, pair.linear.tilt - tilt
@@ -195,7 +208,7 @@ def free_split(pair, task, thrust, steering):
     climb, tilt = first_guess(pair, task)
     room = task.span - pair.approach
     now = starting(ArcTimes(0.0, 0.0))
-    for _ in range(MOST_ROUNDS):
+    for number in range(MOST_ROUNDS):
         known = task.lag + pair.node_rate_i * (task.span - 0.5 * now.times.first)
         known -= pair.node_rate_j * (0.5 * now.times.second + pair.approach)
         more, by_climb, by_tilt = beside_ramps(pair, now.times, climb, tilt)
@@ -206,7 +219,9 @@ def free_split(pair, task, thrust, steering):
         delta_v, first, found = laid_out(pair, thrust, steering, free.least, climb, tilt)
         if found.first + found.second > room:
             break
-        if has_settled(now, found, task.span):
+        # Where many splits cost the same, the arcs' parts of the times creep for long.
+        creeps = number >= CREEPING and has_settled_together(now, found, task.span)
+        if creeps or has_settled(now, found, task.span):
             return LowThrustSplit(delta_v, first, climb, tilt, 0.0, found), free.follow
         now = followed(now, found, room)
     return NEVER, 0.0
@@ -262,7 +277,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
 
 @inlined
 def split(pair, task, thrust, steering, below, relaxed):
-    """The cheaper of the two teeth around the optimum of free phase.
+    """The cheapest tooth near the optimum of free phase: of both beside it, and on from there.
 
     Parameters
     ----------
@@ -284,10 +299,19 @@ def split(pair, task, thrust, steering, below, relaxed):
     gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
     laps = (gained - task.ahead) / TURN_RAD
     nearer = float(math.floor(laps + 0.5))
-    best = tooth_split(pair, task, thrust, steering, free, follow, nearer)
-    other = nearer + 1.0 if laps > nearer else nearer - 1.0
-    way = tooth_split(pair, task, thrust, steering, free, follow, other)
+    number = nearer + 1.0 if laps > nearer else nearer - 1.0
+    best = tooth_split(pair, task, thrust, steering, free, follow, number)
+    way = tooth_split(pair, task, thrust, steering, free, follow, nearer)
+    step = number - nearer
     if way.delta_v < best.delta_v:
+        best, number, step = way, nearer, -step
+    # The optimum of free phase is one for its times of thrust; fewer may be needed farther on.
+    farther = MOST_LAPS if free.times.first + free.times.second > BUSY * task.span else 0
+    for _ in range(farther):
+        number += step
+        way = tooth_split(pair, task, thrust, steering, free, follow, number)
+        if way.delta_v >= best.delta_v:
+            break
         best = way
     return free if relaxed and free.delta_v < best.delta_v else best
 
