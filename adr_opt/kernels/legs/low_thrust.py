@@ -190,6 +190,9 @@ def first_share(pair, climb, tilt):
 def free_split(pair, task, thrust, steering):
     """Optimum with a free phase of the target, and converged times of thrust.
 
+    Where many splits cost the same, the arcs' parts of the times creep for long, towards more time
+    or less; the ΔV does not, and there may be a leg where the last split has not enough time.
+
     Parameters
     ----------
     pair : DriftPair
@@ -202,12 +205,16 @@ def free_split(pair, task, thrust, steering):
     Returns
     -------
     split : LowThrustSplit
+        Of infinite ΔV if the thrust of all the time is too little for it.
     follow : float
         How much b_z changes with b_y.
     """
     climb, tilt = first_guess(pair, task)
     room = task.span - pair.approach
+    shares = steering.first_share, steering.second_share
+    most = room * max(shares[0], shares[1])
     now = starting(ArcTimes(0.0, 0.0))
+    last, follow = NEVER, 0.0
     for number in range(MOST_ROUNDS):
         known = task.lag + pair.node_rate_i * (task.span - 0.5 * now.times.first)
         known -= pair.node_rate_j * (0.5 * now.times.second + pair.approach)
@@ -215,16 +222,16 @@ def free_split(pair, task, thrust, steering):
         known += by_climb * climb + by_tilt * tilt - more
         left_over = Rest(known, -by_climb, -by_tilt, room - 0.5 * now.here)
         free = least_turns(pair, task.span, 0.0, steering.bowl, left_over, climb, tilt)
-        climb, tilt = free.climb, free.tilt
+        climb, tilt, follow = free.climb, free.tilt, free.follow
         delta_v, first, found = laid_out(pair, thrust, steering, free.least, climb, tilt)
-        if found.first + found.second > room:
-            break
-        # Where many splits cost the same, the arcs' parts of the times creep for long.
+        if found.first * shares[0] + found.second * shares[1] > most:
+            return NEVER, 0.0
+        last = LowThrustSplit(delta_v, first, climb, tilt, 0.0, found)
         creeps = number >= CREEPING and has_settled_together(now, found, task.span)
         if creeps or has_settled(now, found, task.span):
-            return LowThrustSplit(delta_v, first, climb, tilt, 0.0, found), free.follow
+            break
         now = followed(now, found, room)
-    return NEVER, 0.0
+    return last, follow
 
 
 @inlined
