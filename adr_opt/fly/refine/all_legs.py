@@ -29,7 +29,7 @@ from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .propelled import propelled_by_leg
-from .spiral import spirals_by_leg
+from .spiral import NoSpiral, spirals_by_leg
 from .thrust_leg import Tows, refine_thrust_leg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
@@ -115,7 +115,7 @@ def refine(
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
     done: dict[int, RefinedLeg] = {}
-    missing: dict[int, str] = {}
+    missing: dict[int, Missing] = {}
     report(0, len(legs))
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
@@ -136,14 +136,15 @@ def refine(
         while left:
             ended, left = wait(left, POLL_S, FIRST_COMPLETED)
             for future in ended:
+                number = running[future]
                 if future.cancelled():
-                    missing[running[future]] = INTERRUPTED
+                    missing[number] = Missing(leg=number, reason=INTERRUPTED)
                     continue
                 try:
-                    number = running[future]
                     done[number] = calls.result(future).replace(chaser=whose.get(number))
                 except ArithmeticError as error:
-                    missing[running[future]] = str(error)
+                    tow = error.name if isinstance(error, NoSpiral) else None
+                    missing[number] = Missing(leg=number, reason=str(error), tow=tow)
             if ended:
                 report(len(done) + len(missing), len(legs))
             if enough():
@@ -159,7 +160,7 @@ def refine(
         versions=versions(),
         bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
         legs=tuple(done[number] for number in sorted(done)),
-        missing=tuple(Missing(leg=number, reason=missing[number]) for number in sorted(missing)),
+        missing=tuple(missing[number] for number in sorted(missing)),
     )
 
 

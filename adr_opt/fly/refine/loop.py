@@ -21,7 +21,7 @@ from ...plan.refined_plan import Freedom, Gravity, RefinedPlan, reference
 from ...plan.routes import routes_of
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
-from ..flight.flyable import refuse_without_burns
+from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from .all_legs import refine
@@ -67,7 +67,7 @@ class Round:
             self.corrections.corrected(
                 leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
             )
-            + leg.removal_m_s
+            + leg.planned_removal_m_s
             for leg in self.refined.legs
         )
 
@@ -211,8 +211,8 @@ def solve_refined(  # noqa: PLR0913
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
-    refuse_without_burns(mission.instance)
-    lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
+    refuse_given(mission.instance)
+    lessons, best, held = Lessons(mission.instance, spend_savings), _Best(), list[Round]()
 
     able = [spec_of(method), *([spec_of(bound, BOUNDS)] if bound else [])]
     planning_jobs = jobs if any(one.uses_cores for one in able) else None
