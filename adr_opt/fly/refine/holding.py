@@ -29,7 +29,8 @@ def troubles(problem: Problem, refined: RefinedPlan) -> tuple[str, ...]:
     """Reasons why a refined plan does not hold; empty if it does.
 
     Every leg must be there and arrive, every spiral must release its object on the disposal orbit,
-    and every tank must be enough, less the margin that is kept back. Times need no look: refined legs arrive when the plan says, or not at all.
+    and every tank must be enough, less the margin that is kept back. Times need no look: refined
+    legs arrive when the plan says, or not at all.
     """
     return tuple(_troubles(problem, refined))
 
@@ -123,7 +124,9 @@ def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
 def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
     """A refined leg with the current tow of its plan."""
     tow = plan.legs[leg.leg - 1].tow
-    if tow is None or leg.tow is None or tow.start_s == leg.tow.start_s:
+    if tow is None or leg.tow is None or leg.tow.thrust is not None:
+        return leg
+    if tow.start_s == leg.tow.start_s:
         return leg
     bodies = TrueBodies(instance, gravity, [leg.destination])
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
