@@ -25,7 +25,7 @@ MOST_OF_A_LINE = 4
 """Number of drift legs from which a line is fitted to their costs; below it, the mean excess."""
 
 
-LONGER = 1.2
+LONGER = 1.5
 """Time for a spiral over what it had, where that was too short."""
 
 
