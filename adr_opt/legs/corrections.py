@@ -11,8 +11,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..common.constants import DAY_S
+from ..common.wording import counted
 from ..kernels.legs.found import ConnectionArrays
 from ..plan.leg_kinds import leg_kinds
+
+Key = tuple[str, str, str]
+"""Origin, destination and kind of legs."""
+
+Span = tuple[float, float]
+
+WITHIN_S = 1e-3
+"""Tolerance of times that are barred [s]."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +41,17 @@ class Corrections:
         Positive; 1 by default.
     additions_m_s : mapping of kind to float
         Not negative; 0 by default [m/s].
+    barred_s : mapping of (origin, destination, kind) to tuple of (float, float)
+        Times between which no connection of a pair may leave and arrive [s].
+    stays_s : mapping of name to float
+        Time by which a chaser stays longer with an object that it tows; positive [s].
     """
 
-    shares: Mapping[tuple[str, str, str], float] = field(default_factory=dict)
+    shares: Mapping[Key, float] = field(default_factory=dict)
     factors: Mapping[str, float] = field(default_factory=dict)
     additions_m_s: Mapping[str, float] = field(default_factory=dict)
+    barred_s: Mapping[Key, tuple[Span, ...]] = field(default_factory=dict)
+    stays_s: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not all(share > 0.0 for share in self.shares.values()):
@@ -44,11 +60,14 @@ class Corrections:
             raise ValueError("factors: must be positive and finite")
         if not all(0.0 <= addition < math.inf for addition in self.additions_m_s.values()):
             raise ValueError("additions_m_s: must be finite and not negative")
+        if not all(0.0 < stay < math.inf for stay in self.stays_s.values()):
+            raise ValueError("stays_s: must be positive and finite")
 
     def __bool__(self) -> bool:
         """Whether there are any corrections."""
         factors = (*self.shares.values(), *self.factors.values())
-        return any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
+        changed = any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
+        return changed or bool(self.barred_s or self.stays_s)
 
     def applied(self, origin: str, destination: str, found: ConnectionArrays) -> ConnectionArrays:
         """The connections of a pair at corrected ΔV, without excluded ones."""
@@ -59,6 +78,9 @@ class Corrections:
             mine = found.family == number
             factor, addition = self._line(origin, destination, kind.name)
             delta_v[mine] = factor * found.delta_v[mine] + addition
+            for begin, end in self.barred_s.get((origin, destination, kind.name), ()):
+                within = (found.departure > begin - WITHIN_S) & (found.arrival < end + WITHIN_S)
+                delta_v[mine & within] = math.inf
         if np.isfinite(delta_v).all():
             return found._replace(delta_v=delta_v)
         flyable = np.isfinite(delta_v)
@@ -95,11 +117,22 @@ class Corrections:
                 parts.append(f"{addition:.1f} m/s more for {kind.adjective} transfers")
         known = [one for one in self.shares.values() if one not in (1.0, math.inf)]
         barred = sum(one == math.inf for one in self.shares.values())
+        lost = sum(map(len, self.barred_s.values()))
         if known:
             span = f"{min(known):.3g} to {max(known):.3g}"
             parts.append(f"and {span} times as much between {len(known)} pairs of bodies")
         if barred:
             parts.append(f"no transfer between {barred} pairs without a known trajectory")
+        if lost:
+            parts.append(
+                f"no transfer within the times of {counted(lost, 'leg')} not found in them"
+            )
+        if self.stays_s:
+            longest = max(self.stays_s.values()) / DAY_S
+            parts.append(
+                f"up to {longest:.3g} days more for the tows of "
+                f"{counted(len(self.stays_s), 'object')}"
+            )
         return ", ".join(parts) or "none"
 
 

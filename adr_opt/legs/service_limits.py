@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from ..problem.drives import drive_of
 from ..problem.instance import Instance
 
 
-def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
+def limits_of(
+    instance: Instance, chaser: int | None = None, stays_s: Mapping[str, float] | None = None
+) -> ServiceLimits:
     """Time limits of an instance as kernels take them; the arrays are read-only.
 
     A tow follows the service at once, or later: the chaser is free only after it. So it counts to
@@ -29,6 +31,8 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     instance : Instance
     chaser : int, optional
         Number of the one whose times they are; by default those in which some chaser is there.
+    stays_s : mapping of name to float, optional
+        Time that tows of objects get beyond what they take [s].
     """
     mission, first = instance.mission, instance.first_target
     # Nothing is counted in the period of a body without an orbit.
@@ -49,7 +53,9 @@ def limits_of(instance: Instance, chaser: int | None = None) -> ServiceLimits:
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
             closes[body] = -math.inf
-    for body, time_s in removal_times(instance, numbers).items():
+    stays_s = stays_s or {}
+    for body, least_s in removal_times(instance, numbers).items():
+        time_s = least_s + stays_s.get(instance.names[body], 0.0)
         service[body] += time_s
         closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
         closes[body] = min(closed + time_s, duration)

@@ -57,28 +57,40 @@ def legs(
     priced: list[Leg] = []
     i, ready = mission.rules.start, mission.rules.ready
     tows = removals_of(mission.instance, mission.connecting.drive)
+    stays_s = [mission.connecting.corrections.stays_s.get(mission.names[j], 0.0) for j in moves]
     spared = 0.0  # of the tank by the model, other than by corrected connections
     for at, j in enumerate(moves):
         leg = transfer_leg(mission, (i, j), float(ready), timing.connections, at)
         spare = timing.delta_vs[at] - mission.connecting.spent_m_s(i) - leg.delta_v_m_s
         spared = 0.0 if mission.rules.is_station[j] else spared + spare
         left = float(timing.lefts[at] - SLACK_M_S + spared) + mission.reserve_m_s
-        end = float(timing.ends[at]) - (tows[j].time_s if j in tows else 0.0)
+        free = float(timing.ends[at]) - stays_s[at]
+        end = free - (tows[j].time_s if j in tows else 0.0)
         priced.append(leg.replace(end_s=end, delta_v_left_m_s=left))
-        i, ready = j, timing.ends[at]
-    return weighed(mission.instance, mission.chaser, _towing(mission, tows, moves, priced))
+        i, ready = j, free
+    last_stay_s = stays_s[-1] if stays_s else 0.0
+    towing = _towing(mission, tows, moves, priced, last_stay_s)
+    return weighed(mission.instance, mission.chaser, towing)
 
 
 def _towing(
-    mission: Mission, tows: Mapping[int, RemovalFlight], moves: list[int], legs: list[Leg]
+    mission: Mission,
+    tows: Mapping[int, RemovalFlight],
+    moves: list[int],
+    legs: list[Leg],
+    last_stay_s: float,
 ) -> Iterator[Leg]:
-    """Legs with the tows that follow them, each as late as the next leg allows."""
+    """Legs with the tows that follow them, each as late as the next leg allows.
+
+    The last one follows its service after a stay.
+    """
     for at, (j, leg) in enumerate(zip(moves, legs, strict=True)):
         tow = tows.get(j)
         if tow is None:
             yield leg
             continue
-        start = leg.end_s if at + 1 == len(legs) else legs[at + 1].leaves_s - tow.time_s
+        is_last = at + 1 == len(legs)
+        start = leg.end_s + last_stay_s if is_last else legs[at + 1].leaves_s - tow.time_s
         yield leg.replace(tow=tow_flown(mission.transfer_inputs[1][j], tow, start))
 
 

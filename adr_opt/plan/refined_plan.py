@@ -268,10 +268,22 @@ class RefinedLeg(Record):
 
 
 class Missing(Record):
-    """A leg that was not refined, and the reason: ``interrupted``, or an error."""
+    """A leg that was not refined, and the reason: ``interrupted``, or an error.
+
+    ``tow`` is the object before or after the leg for whose tow no spiral was found; where it was
+    not that, files say nothing of it.
+    """
 
     leg: Annotated[int, Field(ge=1)]
     reason: Name
+    tow: Name | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = plainly(self)
+        if self.tow is None:
+            content.pop("tow", None)
+        return content
 
 
 class RefinedPlan(Shown, Record):

@@ -18,8 +18,10 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.export.flights.refined_oem import write_refined
 from adr_opt.fly.flight import fly_refined
+from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.states import state_of
 from adr_opt.fly.refine.thrust_states import thrust_states
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.plan.refined_thrust import RefinedThrust
@@ -180,6 +182,42 @@ def test_legs_without_time_are_missing() -> None:
     found = adr_opt.refine(instance, plan.replace(routes=(route.replace(legs=(hurried, *others)),)))
     assert [missing.leg for missing in found.missing] == [1]
     assert "in time" in found.missing[0].reason
+
+
+def test_lost_legs_bar_those_within_their_times() -> None:
+    """After a leg that was not found no connection of its pair lies within its times, others do."""
+    instance, plan = mission(1)
+    lost = refined(1).replace(
+        legs=refined(1).legs[1:], status="incomplete", missing=[{"leg": 1, "reason": "no way"}]
+    )
+    lessons = Lessons(instance)
+    lessons.learn(plan, lost)
+    first = plan.legs[0]
+    key = first.origin, first.destination, first.kind
+    assert lessons.corrections.barred_s == {key: ((first.departure_s, first.arrival_s),)}
+    assert not lessons.corrections.stays_s
+    assert "no transfer within the times of 1 leg" in str(lessons.corrections)
+    finder = ConnectionFinder(instance)
+    i, j = (instance.names.index(name) for name in key[:2])
+    every, some = (one.found(i, j) for one in (finder, finder.corrected(lessons.corrections)))
+    within = (every.departure >= first.departure_s) & (every.arrival <= first.arrival_s)
+    assert within.any()
+    assert not within.all()
+    assert some.departure.size == every.departure.size - within.sum()
+    assert not ((some.departure >= first.departure_s) & (some.arrival <= first.arrival_s)).any()
+
+
+def test_a_tank_that_breaks_is_planned_again() -> None:
+    """Where the flown legs break a tank, the mission ends with a plan that does not."""
+    instance = electric(0, tows=True).with_limits(propellant_kg=1.85)
+    found = adr_opt.solve_refined(instance, "greedy-guarded")
+    assert "is over by" in found.rounds[0].troubles[0]
+    assert len(found.rounds) > 1
+    assert found.holds
+    assert found.plan is not None
+    assert found.refined is not None
+    assert not adr_opt.check(instance, found.plan)
+    assert fly_refined(instance, found.refined).holds
 
 
 def test_an_ephemeris_has_all_of_the_flight(tmp_path: Path) -> None:

@@ -220,7 +220,7 @@ def test_lessons_are_the_dearest_leg_and_the_mean() -> None:
     lost = refined.replace(
         legs=refined.legs[1:], status="incomplete", missing=[{"leg": 1, "reason": "no way"}]
     )
-    lessons = Lessons()
+    lessons = Lessons(breaking()[0])
     lessons.learn(plan, lost)
     lessons.learn(plan, lost)
     corrections = lessons.corrections
@@ -233,7 +233,7 @@ def test_lessons_are_the_dearest_leg_and_the_mean() -> None:
         costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
         charged = corrections.corrected(leg.origin, leg.destination, leg.kind, costs[0])
         assert charged == pytest.approx(max(costs))
-    saving = Lessons(spend_savings=True)
+    saving = Lessons(breaking()[0], spend_savings=True)
     saving.learn(plan, lost)
     for leg in lost.legs:
         charged = saving.corrections.corrected(
@@ -250,7 +250,7 @@ def test_whatever_is_learnt_a_plan_costs_what_its_legs_did(spend_savings: bool) 
     assert plan is not None
     flown = breaking()[1].refined
     assert flown is not None
-    lessons, heard = Lessons(spend_savings), []
+    lessons, heard = Lessons(breaking()[0], spend_savings), []
     for _ in range(12):
         legs = []
         for leg in flown.legs:
@@ -286,7 +286,7 @@ def test_what_drifting_legs_cost_more_is_an_addition() -> None:
     one = shape.legs[0]
 
     def told(costs: list[tuple[float, float]]) -> Corrections:
-        lessons = Lessons()
+        lessons = Lessons(breaking()[0])
         legs = tuple(
             one.model_copy(
                 update={
@@ -319,7 +319,7 @@ def test_savings_are_spent_where_one_wants_to() -> None:
     tight = instance.with_limits(delta_v_m_s=0.97 * needed)
     plain = adr_opt.solve_refined(tight, "exact", time_limit=60.0)
     assert_holds(tight, plain)
-    lessons = Lessons()
+    lessons = Lessons(tight)
     lessons.learn(plain.plan, plain.refined)
     assert lessons.corrections.factors == {"short": 1.0}
     spent = adr_opt.solve_refined(tight, "exact", time_limit=60.0, spend_savings=True)

@@ -19,11 +19,15 @@ from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import TrueBodies
 from adr_opt.fly.refine.ephemeris import tracks
+from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.near_circle import near_circle
+from adr_opt.fly.refine.releases import strayed
 from adr_opt.fly.refine.spiral import SpiralTow, spirals_by_leg, towed_by_spiral
+from adr_opt.fly.refine.spiral_excess import spirals_excess_m_s
 from adr_opt.fly.refine.states import state_of
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.mission.problem import problem_of
 from adr_opt.plan.cargo import followed
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
@@ -210,6 +214,61 @@ def test_spirals_with_little_time_stay_eccentric() -> None:
     mean = near_circle(state_of(found.released), FIELDS["j2"])
     assert abs(mean[0] - tow.radius_m) < 10.0
     assert 1e-3 < math.hypot(mean[1], mean[2]) < 0.03
+
+
+def test_spirals_beyond_the_plan_are_charged_to_legs() -> None:
+    """A leg that costs its excess more leaves the chaser as light after the planned spiral."""
+    masses = {target.name: target.mass_kg or 0.0 for target in mission()[0].targets}
+    for leg, tow in spirals():
+        object_kg = masses[leg.destination]
+        assert tow.thrust is not None
+        alone = leg.replace(tow_before=None, after_launch=None)
+        lighter = (tow.thrust.mass_kg - object_kg) * math.exp(
+            -spirals_excess_m_s(alone, masses) / tow.thrust.exhaust_m_s
+        )
+        kept = math.exp(-tow.planned_m_s / tow.thrust.exhaust_m_s)
+        left = (lighter + object_kg) * kept
+        assert left == pytest.approx(tow.thrust.mass_kg - tow.thrust.propellant_kg, abs=1e-9)
+        other = {"tow": None, "origin": leg.destination, "tow_before": tow}
+        launched = alone.model_copy(update=other)
+        assert spirals_excess_m_s(launched, masses) == 0.0
+        planned = (tow.thrust.mass_kg * kept - object_kg) * math.exp(
+            -spirals_excess_m_s(launched.model_copy(update={"after_launch": True}), masses)
+            / tow.thrust.exhaust_m_s
+        )
+        assert planned + object_kg == pytest.approx(left, abs=1e-9)
+
+
+def test_hurried_spirals_get_more_time() -> None:
+    """A spiral that was not found, or left the orbit eccentric, has more time in the next plan."""
+    instance, plan = mission()
+    leg, tow = spirals()[0]
+    planned = plan.legs[leg.leg - 1]
+    assert planned.tow is not None
+    mean = np.array([*tow.released.position_m, *tow.released.velocity_m_s])
+    mean[3:] *= 1.01
+    off = tow.released.replace(velocity_m_s=tuple(mean[3:].tolist()))
+    stray = with_tow(leg, tow.replace(released=off))
+    assert [one.name for one in strayed(instance, stray)] == [leg.destination]
+    assert not tuple(strayed(instance, refined()))
+    lost = refined().replace(
+        legs=[one for one in refined().legs if one is not leg], status="incomplete",
+        missing=[{"leg": leg.leg, "reason": "no spiral", "tow": leg.destination}],
+    )  # fmt: skip
+    had_s = planned.tow.end_s - planned.end_s
+    for known in (stray, lost):
+        lessons = Lessons(instance)
+        lessons.learn(plan, known)
+        stay_s = lessons.corrections.stays_s[leg.destination]
+        assert stay_s + planned.tow.end_s - planned.tow.start_s == pytest.approx(1.5 * had_s)
+        assert not lessons.corrections.barred_s
+        again = problem_of(instance).corrected(lessons.corrections)
+        found = adr_opt.solve(again, method="greedy-guarded").plan
+        assert found is not None
+        assert not adr_opt.check(instance, found)
+        for one in found.legs:
+            if one.destination == leg.destination and one.tow is not None:
+                assert one.tow.end_s - one.end_s > 1.5 * had_s - 1.0
 
 
 def test_tows_out_of_order_are_refused() -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import TrueBodies
 from .one_leg import refine_leg
 from .propelled import propelled_by_leg
-from .spiral import spirals_by_leg
+from .spiral import NoSpiral, spirals_by_leg
 from .thrust_leg import Tows, refine_thrust_leg
 
 GRAVITIES = ("two-body", "j2", "j3", "j4")
@@ -42,6 +43,17 @@ POLL_S = 0.1
 """Interval at which the stopping criterion is queried [s]."""
 
 Report = Callable[[int, int], None]
+
+
+class Refining(NamedTuple):
+    """Parameters of :func:`refine`."""
+
+    gravity: Gravity | None
+    freedom: Freedom | None
+    jobs: int | None
+    cluster: str | None
+    enough: Callable[[], bool]
+    report: Report
 
 
 def refine(
@@ -95,10 +107,34 @@ def refine(
         The plan belongs to another instance or cannot be flown, its legs do not follow each
         other, or a parameter is not one of those.
     """
-    instance = instance_of(instance)
-    gravity = gravity or instance.dynamics
+    return refined_again(
+        instance_of(instance), plan, Refining(gravity, freedom, jobs, cluster, enough, report), {}
+    )
+
+
+def refined_again(
+    instance: Instance, plan: Plan, wanted: Refining, known: dict[Hashable, RefinedLeg]
+) -> RefinedPlan:
+    """Refine a plan, legs of low thrust only where they are not known from another plan.
+
+    Parameters
+    ----------
+    instance : Instance
+    plan : Plan
+    wanted : Refining
+    known : dict
+        Refined legs of low thrust of plans of the instance, in the same field, by what they were
+        made of; those of this plan are added.
+
+    Raises
+    ------
+    InputError
+        As of :func:`refine`.
+    """
+    jobs, cluster, enough, report = wanted[2:]
+    gravity = wanted.gravity or instance.dynamics
     _check_word("gravity", gravity, GRAVITIES)
-    freedom = _freedom(instance, freedom)
+    freedom = _freedom(instance, wanted.freedom)
     if jobs is not None and jobs < 0:
         raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
     if jobs is not None and cluster is not None:
@@ -115,8 +151,16 @@ def refine(
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
     done: dict[int, RefinedLeg] = {}
-    missing: dict[int, str] = {}
-    report(0, len(legs))
+    missing: dict[int, Missing] = {}
+    made_of = {
+        number: (leg.replace(delta_v_left_m_s=0.0), propelled[number], tows[number])
+        for number, leg in legs
+        if leg.traits.has_arcs
+    }
+    for number, what in made_of.items():
+        if what in known:
+            done[number] = known[what].replace(leg=number, chaser=whose.get(number))
+    report(len(done), len(legs))
     with closing(_calls(jobs, cluster)) as calls:
         running: dict[Future[RefinedLeg], int] = {
             (
@@ -131,24 +175,27 @@ def refine(
                 )
             ): number
             for number, leg in legs
+            if number not in done
         }  # fmt: skip
         left = set(running)
         while left:
             ended, left = wait(left, POLL_S, FIRST_COMPLETED)
             for future in ended:
+                number = running[future]
                 if future.cancelled():
-                    missing[running[future]] = INTERRUPTED
+                    missing[number] = Missing(leg=number, reason=INTERRUPTED)
                     continue
                 try:
-                    number = running[future]
                     done[number] = calls.result(future).replace(chaser=whose.get(number))
                 except ArithmeticError as error:
-                    missing[running[future]] = str(error)
+                    tow = error.name if isinstance(error, NoSpiral) else None
+                    missing[number] = Missing(leg=number, reason=str(error), tow=tow)
             if ended:
                 report(len(done) + len(missing), len(legs))
             if enough():
                 for future in left:
                     future.cancel()
+    known |= {what: done[number] for number, what in made_of.items() if number in done}
     return RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
@@ -159,7 +206,7 @@ def refine(
         versions=versions(),
         bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
         legs=tuple(done[number] for number in sorted(done)),
-        missing=tuple(Missing(leg=number, reason=missing[number]) for number in sorted(missing)),
+        missing=tuple(missing[number] for number in sorted(missing)),
     )
 
 

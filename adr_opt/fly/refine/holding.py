@@ -18,6 +18,7 @@ from ...problem.instance import Instance
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
 from .bodies import Gravity, TrueBodies
+from .releases import strayed
 from .towing import towed
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
@@ -27,8 +28,9 @@ MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 def troubles(problem: Problem, refined: RefinedPlan) -> tuple[str, ...]:
     """Reasons why a refined plan does not hold; empty if it does.
 
-    Every leg must be there and arrive, and every tank must be enough, less the margin that is kept
-    back. Times need no look: refined legs arrive when the plan says, or not at all.
+    Every leg must be there and arrive, every spiral must release its object on the disposal orbit,
+    and every tank must be enough, less the margin that is kept back. Times need no look: refined
+    legs arrive when the plan says, or not at all.
     """
     return tuple(_troubles(problem, refined))
 
@@ -39,6 +41,7 @@ def _troubles(problem: Problem, refined: RefinedPlan) -> Iterator[str]:
     for leg in refined.legs:
         if leg.residual_m > MOST_MISS_M or leg.residual_m_s > MOST_MISS_M_S:
             yield f"leg {leg.leg} misses by {leg.residual_m:.3g} m"
+    yield from map(str, strayed(problem.instance, refined))
     fillings = legs_by_tank(problem.instance, refined)
     for tank, filled in zip(tanks_of(problem.instance, refined), fillings, strict=True):
         over = (tank.over_m_s or 0.0) + problem.margin * filled.full_m_s
@@ -104,10 +107,14 @@ def beginning(
 
 
 def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
-    """The first legs of a chaser, the last tow starting at once, as no leg follows."""
+    """The first legs of a chaser, the last tow starting at once, as no leg follows.
+
+    A spiral keeps its times, for which it was refined.
+    """
     tows = removals_by_name(instance, None)
     for at, (_, leg) in enumerate(flown.legs[:held], start=1):
-        if leg.tow is None or at < held or held == len(flown.legs):
+        by_spiral = leg.tow is None or not leg.tow.burns
+        if by_spiral or at < held or held == len(flown.legs):
             yield leg
         else:
             row = instance.orbits()[instance.names.index(leg.destination)]
@@ -117,7 +124,9 @@ def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
 def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
     """A refined leg with the current tow of its plan."""
     tow = plan.legs[leg.leg - 1].tow
-    if tow is None or leg.tow is None or tow.start_s == leg.tow.start_s:
+    if tow is None or leg.tow is None or leg.tow.thrust is not None:
+        return leg
+    if tow.start_s == leg.tow.start_s:
         return leg
     bodies = TrueBodies(instance, gravity, [leg.destination])
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
@@ -144,7 +153,10 @@ def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
 
 def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
     """Whether a chaser may end after a number of legs."""
-    last, end = flown.legs[count - 1][1].destination, flown.chaser.end
+    leg, end = flown.legs[count - 1][1], flown.chaser.end
+    last = leg.destination
+    if leg.traits.from_nowhere and leg.tow is not None and not leg.tow.burns:
+        return False  # its spiral is refined with the leg after it only
     if isinstance(end, AtStation):
         return last == end.station
     return last not in instance.station_names

@@ -6,13 +6,15 @@ import math
 from collections.abc import Iterable
 from statistics import LinearRegression, linear_regression
 
-from ...legs.corrections import Corrections
+from ...legs.corrections import Corrections, Key, Span
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...problem.instance import Instance
 from .all_legs import INTERRUPTED
+from .releases import strayed
+from .spiral_excess import spirals_excess_m_s
 
-Key = tuple[str, str, str]
 Cost = tuple[float, float]
 """Planned and flown ΔV [m/s]."""
 
@@ -23,6 +25,10 @@ MOST_OF_A_LINE = 4
 """Number of drift legs from which a line is fitted to their costs; below it, the mean excess."""
 
 
+LONGER = 1.5
+"""Time for a spiral over what it had, where that was too short."""
+
+
 class Lessons:
     """Costs of the legs refined so far, against their plans.
 
@@ -30,20 +36,28 @@ class Lessons:
     is a factor. For those that drift it is an addition as well: the model does not know their
     phase, and to close that within a day or two costs what it costs, however small the rest is.
     Those of a pair that has been flown cost what the dearest of its legs did, against the mean;
-    they are left out if no trajectory was found. So a plan costs from then on at least what its
-    legs were flown with.
+    they are left out if no trajectory was found, of low thrust those within the times of the leg:
+    it lacked time. So a plan costs from then on at least what its legs were flown with.
+
+    A spiral takes more than planned, and its leg is charged with it. One that was not found, or
+    left the orbit eccentric, gets more time.
 
     Parameters
     ----------
+    instance : Instance
     spend_savings : bool
         Whether connections may become cheaper than the model says. Where flown legs save ΔV they
         do so by burns that the model does not know; a plan that counts on it may be one that
         ``check`` refuses.
     """
 
-    def __init__(self, spend_savings: bool = False) -> None:
+    def __init__(self, instance: Instance, spend_savings: bool = False) -> None:
+        self._instance = instance
+        self._masses = {target.name: float(target.mass_kg or 0.0) for target in instance.targets}
         self._savings = spend_savings
         self._legs: dict[Key, set[Cost]] = {}
+        self._barred: dict[Key, tuple[Span, ...]] = {}
+        self._stays: dict[str, float] = {}
 
     @staticmethod
     def _key(leg: Leg | RefinedLeg) -> Key:
@@ -52,12 +66,28 @@ class Lessons:
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Record the refined costs of a plan's legs."""
         for leg in refined.legs:
-            costs = leg.planned_delta_v_m_s, leg.flown_delta_v_m_s
+            flown = leg.flown_delta_v_m_s + spirals_excess_m_s(leg, self._masses)
+            costs = leg.planned_delta_v_m_s, flown
             self._legs.setdefault(self._key(leg), set()).add(costs)
+        hurried = {one.name for one in strayed(self._instance, refined)}
         for missing in refined.missing:
-            if missing.reason != INTERRUPTED:
-                lost = plan.legs[missing.leg - 1]
-                self._legs.setdefault(self._key(lost), set()).add((lost.delta_v_m_s, math.inf))
+            if missing.tow is not None:
+                hurried.add(missing.tow)
+            elif missing.reason != INTERRUPTED:
+                self._lose(plan.legs[missing.leg - 1])
+        for one in plan.legs:
+            if one.tow is not None and one.destination in hurried:
+                had, takes = one.tow.end_s - one.end_s, one.tow.end_s - one.tow.start_s
+                stay = LONGER * had - takes
+                self._stays[one.destination] = max(stay, self._stays.get(one.destination, 0.0))
+
+    def _lose(self, leg: Leg) -> None:
+        """Record that no trajectory was found for a leg."""
+        key = self._key(leg)
+        if leg.traits.has_arcs:
+            self._barred[key] = (*self._barred.get(key, ()), (leg.departure_s, leg.arrival_s))
+        else:
+            self._legs.setdefault(key, set()).add((leg.delta_v_m_s, math.inf))
 
     @property
     def corrections(self) -> Corrections:
@@ -81,7 +111,7 @@ class Lessons:
             )
             for key, costs in self._legs.items()
         }
-        return Corrections(shares, factors, additions)
+        return Corrections(shares, factors, additions, dict(self._barred), dict(self._stays))
 
 
 def _line(legs: list[Cost], least: float, *, drifts: bool) -> tuple[float, float]:

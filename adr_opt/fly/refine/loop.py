@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from itertools import chain
 from typing import Any
@@ -17,14 +17,14 @@ from ...legs.corrections import Corrections
 from ...mission.problem import AnyProblem, Problem, problem_of
 from ...mission.result import Result
 from ...plan.plan import Plan
-from ...plan.refined_plan import Freedom, Gravity, RefinedPlan, reference
+from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan, reference
 from ...plan.routes import routes_of
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
-from ..flight.flyable import refuse_without_burns
+from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
-from .all_legs import refine
+from .all_legs import Refining, refined_again
 from .holding import beginning, troubles
 from .lessons import Lessons
 
@@ -67,7 +67,7 @@ class Round:
             self.corrections.corrected(
                 leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
             )
-            + leg.removal_m_s
+            + leg.planned_removal_m_s
             for leg in self.refined.legs
         )
 
@@ -211,8 +211,8 @@ def solve_refined(  # noqa: PLR0913
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
-    refuse_without_burns(mission.instance)
-    lessons, best, held = Lessons(spend_savings), _Best(), list[Round]()
+    refuse_given(mission.instance)
+    lessons, best, held = Lessons(mission.instance, spend_savings), _Best(), list[Round]()
 
     able = [spec_of(method), *([spec_of(bound, BOUNDS)] if bound else [])]
     planning_jobs = jobs if any(one.uses_cores for one in able) else None
@@ -226,6 +226,8 @@ def solve_refined(  # noqa: PLR0913
     def over() -> bool:
         return stop is not None and stop.remaining_s() <= 0.0
 
+    refining = Refining(gravity, freedom, jobs, None, over, lambda done, total: None)
+    known: dict[Hashable, RefinedLeg] = {}
     while True:
         here = mission.corrected(lessons.corrections) if held else mission
         result = run(PLANNERS, here, method, wanted, stop=stop, progress=progress, **hearing)
@@ -233,9 +235,7 @@ def solve_refined(  # noqa: PLR0913
             reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
             return _ended(mission, result, best, tuple(held), reason)
         plan = result.plan
-        refined = refine(
-            mission.instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, enough=over
-        )
+        refined = refined_again(mission.instance, plan, refining, known)
         wrong = troubles(kept_back, refined)
         held.append(
             Round(

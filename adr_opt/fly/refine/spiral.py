@@ -146,6 +146,21 @@ class _Spiral(NamedTuple):
         return _Spiral(self.start_s, self.force * math.exp(grown), shapes)
 
 
+class NoSpiral(ArithmeticError):
+    """No spiral tows an object in the time that there is.
+
+    Parameters
+    ----------
+    reason : str
+    name : str
+        Of the object.
+    """
+
+    def __init__(self, reason: str, name: str = "") -> None:
+        super().__init__(reason)
+        self.name = name
+
+
 def towed_by_spiral(bodies: TrueBodies, tow: SpiralTow) -> RefinedTow:
     """Tow an object by a spiral in true dynamics.
 
@@ -157,9 +172,16 @@ def towed_by_spiral(bodies: TrueBodies, tow: SpiralTow) -> RefinedTow:
 
     Raises
     ------
-    ArithmeticError
+    NoSpiral
         The thrust does not suffice in the time that there is.
     """
+    try:
+        return _towed(bodies, tow)
+    except ArithmeticError as error:
+        raise NoSpiral(str(error), tow.name) from error
+
+
+def _towed(bodies: TrueBodies, tow: SpiralTow) -> RefinedTow:
     earliest_s = max(tow.ready_s, tow.end_s - AGAIN * (tow.end_s - tow.start_s))
     task = _Task(bodies, tow)
     try:
