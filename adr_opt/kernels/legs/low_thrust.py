@@ -67,12 +67,11 @@ OFF, OFF_M_S = 2e-3, 0.01
 times of thrust, and another one with less of them may be cheaper."""
 
 WIDER = 1.05
-"""Factor on the limit of lower bounds when legs are searched for: a whole number of laps may be
-that much cheaper than the free phase that the limit is asked of."""
+"""Factor on the limit of lower bounds when legs are searched for. Estimates that are compared with
+it leave out that a leg may need less where it thrusts for long, or makes another number of laps."""
 
 LIGHTER = 1.01
-"""Factor on the acceleration of the lightest chaser in lower bounds: where a leg thrusts nearly all
-the time, its ΔV is the least to within the effect of some promille of the mass."""
+"""Factor on the acceleration of the lightest chaser in lower bounds."""
 
 TIP_M_S = 1e-9
 """Lower limit of the norms of both arcs as a divisor [m/s]."""
@@ -293,7 +292,7 @@ def split(pair, task, thrust, steering, below, relaxed):
     below : float
         No leg that costs as much is wanted [m/s].
     relaxed : bool
-        Whether the optimum of free phase counts as a third one.
+        Whether the optimum of free phase counts as well. With little thrust it is the least.
 
     Returns
     -------
@@ -302,6 +301,9 @@ def split(pair, task, thrust, steering, below, relaxed):
     free, follow = free_split(pair, task, thrust, steering)
     if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
         return NEVER
+    is_busy = free.times.first + free.times.second > BUSY * task.span
+    if relaxed and not is_busy:
+        return free
     coasting = task.span - pair.approach - free.times.first - free.times.second
     gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
     laps = (gained - task.ahead) / TURN_RAD
@@ -313,8 +315,7 @@ def split(pair, task, thrust, steering, below, relaxed):
     if way.delta_v < best.delta_v:
         best, number, step = way, nearer, -step
     # The optimum of free phase is one for its times of thrust; fewer may be needed farther on.
-    farther = MOST_LAPS if free.times.first + free.times.second > BUSY * task.span else 0
-    for _ in range(farther):
+    for _ in range(MOST_LAPS if is_busy else 0):
         number += step
         way = tooth_split(pair, task, thrust, steering, free, follow, number)
         if way.delta_v >= best.delta_v:
@@ -423,10 +424,9 @@ def bound_below(pair, lightest, heaviest, departure, arrival, below):
     """
     wanted = WIDER * below
     pushed = Thrust(LIGHTER * lightest.acceleration, lightest.exhaust)
-    least = leg_below(pair, heaviest, departure, arrival, wanted, False).split.delta_v
-    for thrust in (lightest, pushed):
-        way = leg_below(pair, thrust, departure, arrival, min(wanted, WIDER * least), True)
-        least = min(least, way.split.delta_v)
+    least = leg_below(pair, pushed, departure, arrival, wanted, True).split.delta_v
+    wanted = min(wanted, WIDER * least)
+    least = min(least, leg_below(pair, heaviest, departure, arrival, wanted, True).split.delta_v)
     return least - OFF * least - OFF_M_S if least < math.inf else math.inf
 
 
