@@ -18,9 +18,9 @@ import numpy as np
 from ...common.constants import MU_M3_S2, OBLATENESS_M2
 from ...kernels.orbits import coast, elements, equinoctial
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array, osculating
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .short_periods import Array, osculating
 
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from ...kernels.orbits import mean_thrusting, primer
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import ThrustArcs
 from ...plan.plan import LowThrustArc
-from .short_periods import Array
 from .thrust_task import Programme, ThrustTask
 
 FASTER = 1.02
