@@ -28,6 +28,16 @@ def check_names(
             seen.add(one.name)
 
 
+def check_decay(targets: Sequence[Target], *, drifts: bool) -> None:
+    """Orbits decay only in secular motion under J2."""
+    for number, target in enumerate(targets):
+        if target.decay_m_per_day is not None and not drifts:
+            raise ValueError(
+                f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: nothing "
+                'decays in two-body motion; leave it out, or write dynamics "j2"'
+            )
+
+
 def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> None:
     """Stations named by chasers must exist, and limited propellant must be measurable by mass."""
     known = [station.name for station in stations]

@@ -47,6 +47,7 @@ class Instance(Shown, InstanceFile):
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
+    _folder: Path | None = PrivateAttr(default=None)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
@@ -70,6 +71,7 @@ class Instance(Shown, InstanceFile):
         """A validated copy that keeps data outside the file."""
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
+        made._folder = self._folder
         if made.transfer.given == self.transfer.given:
             made._given = self._given
         return made
@@ -329,6 +331,7 @@ class Instance(Shown, InstanceFile):
             What reads the connections is not installed.
         """
         instance = read_model(path, cls)
+        instance._folder = Path(path).parent
         reference = instance.transfer.given
         if reference is None:
             return instance
@@ -340,8 +343,30 @@ class Instance(Shown, InstanceFile):
             given = only(functions)
         return instance.with_given(given, reference.file, reference.functions)
 
+    @property
+    def folder(self) -> Path:
+        """The folder of the file that the instance was read from, which has its ephemerides.
+
+        Raises
+        ------
+        InputError
+            It was not read from a file.
+        """
+        if self._folder is None:
+            raise InputError(
+                f"the ephemerides of {self.name!r} are in a file that is not known; read the "
+                "instance with adr_opt.load from a file beside it"
+            )
+        return self._folder
+
+    def beside(self, folder: str | os.PathLike[str]) -> Self:
+        """The same instance with its ephemerides in a folder."""
+        made = self.model_copy()
+        made._folder = Path(folder)
+        return made
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the instance file and, beside it, the file of given connections if any.
+        """Write the instance file and, beside it, given connections and ephemerides if any.
 
         Raises
         ------
@@ -358,6 +383,8 @@ class Instance(Shown, InstanceFile):
                 write_given(folder / reference.file, given)
             if reference.functions is not None and given.functions is not None:
                 write_functions(folder / reference.functions, given.functions)
+        if self.ephemerides is not None and self._folder is not None:
+            self.ephemerides.copy_files(self._folder, Path(path).parent)
         write_text(path, self.to_json())
 
     @property
