@@ -282,6 +282,17 @@ class Instance(Shown, InstanceFile):
         return tuple(found)
 
     @property
+    def decays_m_per_day(self) -> tuple[float, ...]:
+        """By what the semi-major axes of the bodies shrink, in order of their numbers."""
+        targets = (target.decay_m_per_day or 0.0 for target in self.targets)
+        return (*(0.0 for _ in range(self.first_target)), *targets)
+
+    @property
+    def decays(self) -> bool:
+        """Whether the orbit of any body decays."""
+        return any(self.decays_m_per_day)
+
+    @property
     def is_approximate(self) -> bool:
         """Whether any orbit is eccentric, so that the model is an approximation.
 
@@ -397,7 +408,7 @@ class Instance(Shown, InstanceFile):
 
         Columns are :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
         """
-        return orbit_rows(self.known_orbits, self.oblateness_m2)
+        return orbit_rows(self.known_orbits, self.oblateness_m2, self.decays_m_per_day)
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """Cost of matching eccentricity vectors alone, v·|Δe|/2.
