@@ -3,9 +3,10 @@
 A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
 of J2 (docs/model.md section 1). Where an orbit decays, the argument of latitude is quadratic in
-time; radius and node, which change far less, keep to those of the epoch. Elements, rates and states of a body at a time are asked for here,
-and no other room knows how a row holds them: :mod:`.elements` has those of many bodies as arrays,
-:func:`body_row` makes a row, and :mod:`.body_rows` changes some.
+time; radius and node, which change far less, keep to those of the epoch. Elements, rates and states
+of a body at a time are asked for here, and no other room knows how a row holds them:
+:mod:`.elements` has those of many bodies as arrays, :func:`body_row` makes a row, and
+:mod:`.body_rows` changes some.
 
 Every element takes a time, also those that do not change in today's dynamics. So an orbit that
 changes with time is a change of this room.

@@ -86,7 +86,7 @@ class ByTable:
             _frame_of(span.segment, epoch)
             _ = span.segment.method
 
-    def covered(self, begin_s: float, end_s: float) -> None:
+    def check_covered(self, begin_s: float, end_s: float) -> None:
         """Raise :class:`InputError` unless the ephemeris covers a time without a gap."""
         reached = begin_s
         for span in self._spans:

@@ -168,7 +168,7 @@ def _parabola(times: Array, values: Array) -> tuple[float, float, float]:
 
 def _axis_of(pace: float, eccentricity: float, tilt: float) -> float:
     """Semi-major axis whose argument of latitude advances at a pace [m]."""
-    axis = (MU_M3_S2 / pace**2) ** (1.0 / 3.0)
+    axis = float((MU_M3_S2 / pace**2) ** (1.0 / 3.0))
     for _ in range(20):
         _, perigee_rate, anomaly_rate = secular_rates(axis, eccentricity, tilt, OBLATENESS_M2)
         step = 2.0 / 3.0 * axis * ((perigee_rate + anomaly_rate) / pace - 1.0)
