@@ -29,12 +29,17 @@ def check_names(
 
 
 def check_decay(targets: Sequence[Target], *, drifts: bool) -> None:
-    """Orbits decay only in secular motion under J2."""
+    """Orbits decay only in secular motion under J2, and of objects that are not towed."""
     for number, target in enumerate(targets):
         if target.decay_m_per_day is not None and not drifts:
             raise ValueError(
                 f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: nothing "
                 'decays in two-body motion; leave it out, or write dynamics "j2"'
+            )
+        if target.decay_m_per_day and target.removal == "tow":
+            raise ValueError(
+                f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: tows of "
+                "decaying objects are not planned yet; leave it out, or choose another removal"
             )
 
 
