@@ -287,6 +287,10 @@ class Instance(Shown, InstanceFile):
         targets = (target.decay_m_per_day or 0.0 for target in self.targets)
         return (*(0.0 for _ in range(self.first_target)), *targets)
 
+    def decay_of(self, body: str) -> float:
+        """By what the semi-major axis of a body shrinks [m/day]."""
+        return self.decays_m_per_day[self.names.index(body)]
+
     @property
     def decays(self) -> bool:
         """Whether the orbit of any body decays."""
