@@ -51,7 +51,7 @@ class FittedOrbit(NamedTuple):
     fit: Fit
 
 
-def fitted(ephemeris: Ephemeris, duration_s: float) -> FittedOrbit:
+def fitted(ephemeris: Ephemeris, duration_s: float, *, decays: bool = True) -> FittedOrbit:
     """Mean elements of a body fitted over a mission.
 
     Parameters
@@ -60,6 +60,8 @@ def fitted(ephemeris: Ephemeris, duration_s: float) -> FittedOrbit:
         In the frame of the instance.
     duration_s : float
         From the epoch.
+    decays : bool
+        Whether the phase may be quadratic in time; stations are planned without.
 
     Raises
     ------
@@ -81,7 +83,7 @@ def fitted(ephemeris: Ephemeris, duration_s: float) -> FittedOrbit:
         shape, offset = _vectors(spread, e_node, e_ahead, perigee_rate, size, tilt)
         eccentricity = float(np.hypot(*shape))
         lead = np.unwrap(latitude - (perigee_rate + anomaly_rate) * spread)
-        start, slope, bend = _parabola(spread, lead)
+        start, slope, bend = _parabola(spread, lead, decays=decays)
         pace = perigee_rate + anomaly_rate + slope
         size = _axis_of(pace, eccentricity, tilt)
     node_rate, _, anomaly_rate = secular_rates(size, eccentricity, tilt, OBLATENESS_M2)
@@ -157,12 +159,13 @@ def j3_offset(axis_m: float, inclination: float) -> float:
     return -0.5 * J3 / J2 * EARTH_RADIUS_M / axis_m * math.sin(inclination)
 
 
-def _parabola(times: Array, values: Array) -> tuple[float, float, float]:
+def _parabola(times: Array, values: Array, *, decays: bool) -> tuple[float, float, float]:
     """Value and slope at t = 0, and second derivative, of the parabola nearest to values."""
     if times.size == 1:
         return float(values[0]), 0.0, 0.0
     span = float(times[-1])
-    square, linear, constant = np.polyfit(times / span, values, 2)
+    found = np.polyfit(times / span, values, 2 if decays else 1)
+    square, linear, constant = found if decays else (0.0, *found)
     return float(constant), float(linear) / span, 2.0 * float(square) / span**2
 
 

@@ -133,7 +133,7 @@ def _fitted(
         ephemeris = known.of(body)
         if isinstance(ephemeris, ByTable):
             ephemeris.check_covered(0.0, duration_s)
-        fits[body] = fitted(ephemeris, duration_s)
+        fits[body] = fitted(ephemeris, duration_s, decays=body not in instance.station_names)
         left.append(left_over(ephemeris, fits[body], duration_s))
     targets = tuple(
         target.replace(
