@@ -23,7 +23,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Target: frozenset({
         "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal", "object_id",
-        "fit",
+        "decay_m_per_day", "fit",
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
@@ -38,7 +38,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
 walks may take any; so are the separation of missions and the longest leg, which only forbid plans,
 and the limit of exceptions, which `check` counts. A frame, designators of objects, ephemerides and
-what is fitted to them beside orbits change nothing; a decay is not known."""
+what is fitted to them beside orbits change nothing; a decay is in the connections."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""
