@@ -14,7 +14,10 @@ from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly_mean
 from adr_opt.fly.flight.aimed import true_state
 from adr_opt.fly.trajectory.bodies import body_states
+from adr_opt.judge.check.leg import Physics
+from adr_opt.judge.verify.sequences import ways_after
 from adr_opt.kernels.orbits import elements, ephemeris
+from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.legs.nearest_pairs import neighbours
 from adr_opt.legs.timetable import Timetable
 from adr_opt.mission.certify import certificate_of
@@ -170,3 +173,26 @@ def test_proofs_about_decaying_orbits_are_verified(seed: int) -> None:
     solved = adr_opt.solve(field, "exact", time_limit=60.0)
     verdict = adr_opt.verify(field, solved.plan, certificate_of(field, solved))
     assert verdict.verified, verdict.reasons
+
+
+@over_seeds(range(6), gate=1)
+def test_every_sequence_to_a_decaying_orbit_is_there(seed: int) -> None:
+    """What `verify` finds by the physics of `check` is among the connections, and as good."""
+    field = decaying(seed, targets=3, most_m_per_day=3000.0 * (-1) ** seed, days=4.0)
+    connecting, physics = ConnectionFinder(field), Physics.of(field, None)
+    looked = 0
+    for i, j in ((1, 2), (2, 3), (3, 2)):
+        found = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+        for time in np.arange(0.0, field.mission.duration_s, 2500.0):
+            for way in ways_after(field, physics, None, i, j, float(time)):
+                if way.arrival > field.mission.duration_s or way.delta_v > 3000.0:
+                    continue
+                looked += 1
+                most = way.delta_v + connecting.planning_resolution_m_s + 1e-4
+                as_good = (
+                    (found.departure >= way.departure - way.early - 16.002)
+                    & (found.arrival <= way.arrival + 1e-3)
+                    & (found.delta_v <= most)
+                )
+                assert as_good.any()
+    assert looked > 300
