@@ -358,7 +358,6 @@ class Instance(Shown, InstanceFile):
             given = only(functions)
         return instance.with_given(given, reference.file, reference.functions)
 
-    @property
     def folder(self) -> Path:
         """The folder of the file that the instance was read from, which has its ephemerides.
 

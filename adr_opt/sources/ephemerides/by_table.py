@@ -17,7 +17,7 @@ from ..catalogue.records import shown
 from .ephemeris import Array
 from .interpolation import interpolated
 from .message_times import seconds_since
-from .oem import Segment
+from .oem import MessageSegment
 from .turning import TurningAxes
 
 SYNONYMS = {"J2000": "EME2000", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}
@@ -32,10 +32,10 @@ class Span(NamedTuple):
 
     begin: float
     end: float
-    segment: Segment
+    segment: MessageSegment
 
 
-class Table(NamedTuple):
+class ParsedSegment(NamedTuple):
     """A parsed segment: times [s], states [m, m/s], and how they are turned."""
 
     knots: Array
@@ -54,7 +54,7 @@ class ByTable:
     ----------
     body : str
         Name of the body.
-    segments : sequence of Segment
+    segments : sequence of MessageSegment
         All of the body.
     epoch : datetime
         Of the instance.
@@ -70,12 +70,12 @@ class ByTable:
     """
 
     def __init__(
-        self, body: str, segments: Sequence[Segment], epoch: datetime, frame: Frame,
+        self, body: str, segments: Sequence[MessageSegment], epoch: datetime, frame: Frame,
         axes: TurningAxes,
     ) -> None:  # fmt: skip
         self.body, self._epoch, self._frame, self._axes = body, epoch, frame, axes
         self._spans = sorted((_span(one, epoch) for one in segments), key=lambda span: span[:2])
-        self._tables: dict[int, Table] = {}
+        self._tables: dict[int, ParsedSegment] = {}
         for before, after in zip(self._spans, self._spans[1:], strict=False):
             if after.begin < before.end - CLOSE_S:
                 raise InputError(
@@ -124,7 +124,7 @@ class ByTable:
         turned: Array = (found.reshape(-1, 2, 3) @ table.matrix.T).reshape(-1, 6)
         return turned
 
-    def _table(self, segment: Segment) -> Table:
+    def _table(self, segment: MessageSegment) -> ParsedSegment:
         labels, states = segment.states()
         system = segment.says("TIME_SYSTEM", "")
         knots = seconds_since(self._epoch, labels, system, segment.where)
@@ -132,7 +132,7 @@ class ByTable:
             raise InputError(f"{segment.where}: its times do not rise")
         own = _frame_of(segment, self._epoch)
         matrix = None if own is None else rotation(own, self._frame)
-        return Table(knots, states, own is None, matrix)
+        return ParsedSegment(knots, states, own is None, matrix)
 
     def _uncovered(self, time_s: float) -> InputError:
         spans = ", ".join(
@@ -145,7 +145,7 @@ class ByTable:
         )
 
 
-def _span(segment: Segment, epoch: datetime) -> Span:
+def _span(segment: MessageSegment, epoch: datetime) -> Span:
     labels = [
         segment.fields.get(f"USEABLE_{end}_TIME") or segment.fields[f"{end}_TIME"]
         for end in ("START", "STOP")
@@ -154,7 +154,7 @@ def _span(segment: Segment, epoch: datetime) -> Span:
     return Span(float(begin), float(end), segment)
 
 
-def _frame_of(segment: Segment, epoch: datetime) -> Frame | None:
+def _frame_of(segment: MessageSegment, epoch: datetime) -> Frame | None:
     """Fixed frame of a segment; None for TEME of date.
 
     Raises

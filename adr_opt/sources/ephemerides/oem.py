@@ -25,7 +25,7 @@ COLUMNS = (7, 10)
 
 
 @dataclass(frozen=True)
-class Segment:
+class MessageSegment:
     """A segment of a message.
 
     Attributes
@@ -108,7 +108,7 @@ class Segment:
         return times, states
 
 
-def read_oem(content: bytes, source: str) -> list[Segment]:
+def read_oem(content: bytes, source: str) -> list[MessageSegment]:
     """The segments of a message.
 
     Raises
@@ -127,7 +127,7 @@ def read_oem(content: bytes, source: str) -> list[Segment]:
     return found
 
 
-def _segments(text: str, source: str) -> Iterator[Segment]:
+def _segments(text: str, source: str) -> Iterator[MessageSegment]:
     fields: dict[str, str] = {}
     rows: list[str] = []
     begin, in_metadata, in_covariance = 0, False, False
@@ -137,7 +137,7 @@ def _segments(text: str, source: str) -> Iterator[Segment]:
             continue
         if line == "META_START":
             if begin:
-                yield _checked(Segment(source, begin, fields, tuple(rows)))
+                yield _checked(MessageSegment(source, begin, fields, tuple(rows)))
             fields, rows, begin, in_metadata, in_covariance = {}, [], number, True, False
         elif line == "META_STOP":
             in_metadata = False
@@ -153,10 +153,10 @@ def _segments(text: str, source: str) -> Iterator[Segment]:
         elif begin and not in_covariance:
             rows.append(line)
     if begin:
-        yield _checked(Segment(source, begin, fields, tuple(rows)))
+        yield _checked(MessageSegment(source, begin, fields, tuple(rows)))
 
 
-def _checked(segment: Segment) -> Segment:
+def _checked(segment: MessageSegment) -> MessageSegment:
     missing = [keyword for keyword in NEEDED if not segment.fields.get(keyword)]
     if missing:
         raise InputError(f"{segment.source}: line {segment.line}: {missing[0]} is missing")

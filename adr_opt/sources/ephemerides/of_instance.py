@@ -14,7 +14,7 @@ from .by_sgp4 import ByElements
 from .by_table import ByTable
 from .elements_file import read_elements
 from .ephemeris import Ephemeris
-from .oem import Segment, read_oem
+from .oem import MessageSegment, read_oem
 from .turning import TurningAxes
 
 
@@ -67,7 +67,7 @@ def ephemerides_of(instance: Instance) -> Ephemerides:
     if reference is None:
         raise InputError(f"{instance.name!r} has no ephemerides; make it with import --ephemerides")
     assert instance.frame is not None  # the instance requires it
-    contents = reference.contents(instance.folder)
+    contents = reference.contents(instance.folder())
     designators = {station.name: station.object_id for station in instance.stations}
     designators |= {target.name: target.object_id for target in instance.targets}
     return of_contents(
@@ -129,8 +129,8 @@ def of_contents(
 
 
 def by_body(
-    segments: Iterable[Segment], designators: Mapping[str, str | None]
-) -> dict[str, list[Segment]]:
+    segments: Iterable[MessageSegment], designators: Mapping[str, str | None]
+) -> dict[str, list[MessageSegment]]:
     """Segments of each body: those whose object has its name or its designator.
 
     Raises
@@ -146,7 +146,7 @@ def by_body(
             by_designator[designator.upper()] = (
                 None if designator.upper() in by_designator else body
             )
-    found: dict[str, list[Segment]] = {}
+    found: dict[str, list[MessageSegment]] = {}
     for segment in segments:
         object_name, object_id = segment.names
         named = by_name.get(object_name.casefold()) or by_designator.get(object_id.upper())
