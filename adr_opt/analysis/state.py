@@ -318,12 +318,8 @@ def going_on(instance: Instance, state: ChaserState) -> Chaser:
     else:
         # Where connections are given there may be none, and nothing comes of the one that is said.
         orbit = instance.known_orbits[instance.names.index(body)] or LEO
-        if instance.decay_of(body):
-            raise InputError(
-                f"the orbit of {body!r} decays, and the chaser that is there cannot be planned "
-                "to start from such an orbit yet; leave its decay_m_per_day out of the instance"
-            )
-    return chaser.replace(**changes, start=InOrbit(orbit=orbit))
+    decay = instance.decay_of(body) or None
+    return chaser.replace(**changes, start=InOrbit(orbit=orbit, decay_m_per_day=decay))
 
 
 def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:

@@ -284,8 +284,7 @@ class Instance(Shown, InstanceFile):
     @property
     def decays_m_per_day(self) -> tuple[float, ...]:
         """By what the semi-major axes of the bodies shrink, in order of their numbers."""
-        targets = (target.decay_m_per_day or 0.0 for target in self.targets)
-        return (*(0.0 for _ in range(self.first_target)), *targets)
+        return self._numbering.decays_m_per_day
 
     def decay_of(self, body: str) -> float:
         """By what the semi-major axis of a body shrinks [m/day]."""

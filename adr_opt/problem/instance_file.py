@@ -91,7 +91,7 @@ class InstanceFile(Record):
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         check_names(self.stations, self.targets, self.chasers)
-        check_decay(self.targets, drifts=self.dynamics == "j2")
+        check_decay(self.targets, self.chasers, drifts=self.dynamics == "j2")
         if self.ephemerides is not None and self.frame is None:
             raise ValueError("field ephemerides: in no frame; give the field frame")
         check_stations(self.stations, self.chasers)

@@ -9,6 +9,7 @@ import pytest
 from seeds import over_seeds
 
 import adr_opt
+from adr_opt.analysis import replan
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly_mean
@@ -196,3 +197,25 @@ def test_every_sequence_to_a_decaying_orbit_is_there(seed: int) -> None:
                 )
                 assert as_good.any()
     assert looked > 300
+
+
+@over_seeds(range(4), gate=1)
+def test_the_rest_of_a_mission_starts_from_decaying_targets(seed: int) -> None:
+    """A chaser that is at a target goes on from where the decay has carried that."""
+    field = decaying(seed)
+    plan = adr_opt.solve(field, "beam", time_limit=60.0).plan
+    at_s = plan.legs[1].end_s + 60.0
+    made = replan(field, plan, at_s)
+    assert adr_opt.check(made.instance, made.plan) == ()
+    (state,) = made.states
+    assert state.body is not None
+    for time in np.linspace(0.0, 4.0 * DAY_S, 9):
+        rows = [
+            instance.orbits()[instance.names.index(name)]
+            for instance, name in (
+                (field, state.body),
+                (made.instance, made.instance.chaser.name),
+            )
+        ]
+        positions = [ephemeris.state_at(row, time)[0] for row in rows]
+        assert positions[1] == pytest.approx(positions[0], abs=1e-6)
