@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -21,14 +22,16 @@ from adr_opt.common.errors import InputError
 from adr_opt.problem.fit import Fit
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
-from adr_opt.sources.catalogue import ElementSet
+from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of
 from adr_opt.sources.ephemerides.by_sgp4 import ByElements
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.ephemerides.fit import fitted, j3_offset
+from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import left_over, planned_states
+from adr_opt.sources.ephemerides.oem import read_oem
 from adr_opt.sources.ephemerides.of_instance import of_contents
 from adr_opt.sources.ephemerides.turning import TurningAxes
 
@@ -332,3 +335,65 @@ def test_decays_that_make_no_sense_are_refused(changes: dict[str, Any], said: st
     target = tiny.targets[0]
     with pytest.raises(InputError, match=said):
         tiny.replace(targets=(target.replace(**{"decay_m_per_day": 5.0, **changes}),))
+
+
+DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
+
+
+@pytest.mark.external
+@pytest.mark.slow
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no folder {DATA} (ADR_OPT_EXTERNAL_DATA)")
+@pytest.mark.parametrize(
+    "name",
+    ["tle/celestrak_2025-02_iridium-33-debris.txt", "omm/celestrak_2025-04_iridium-33-debris.csv"],
+)
+def test_real_fragments_are_near_their_fits(name: str) -> None:
+    """Of 60 fragments over a week, at most 1 km is left at the epoch and 5 km along the track."""
+    found = read(DATA / name, skip_bad=True)
+    made = with_ephemerides(to_instance(found, max_targets=60, skip_bad=True), "x.json")
+    assert np.median([one.epoch_m for one in made.left]) < 1e3
+    assert np.median([one.along_m for one in made.left]) < 5e3
+    assert np.median([one.across_m for one in made.left]) < 1e3
+
+
+@pytest.mark.external
+@pytest.mark.skipif(not DATA.is_dir(), reason=f"no folder {DATA} (ADR_OPT_EXTERNAL_DATA)")
+def test_messages_of_others_are_read_or_refused() -> None:
+    """Every example of an OEM gives its segments, or one sentence that says why not."""
+    refused_ones = {"OEMExample7.txt.post": "no OEM", "OEMExample7.txt.pre": "REF_FRAME is missing"}
+    paths = sorted((DATA / "ccsds").glob("OEM*"))
+    assert len(paths) >= 13
+    for path in paths:
+        if path.name in refused_ones:
+            with pytest.raises(InputError, match=refused_ones[path.name]):
+                read_oem(path.read_bytes(), path.name)
+            continue
+        for segment in read_oem(path.read_bytes(), path.name):
+            times, states = segment.states()
+            assert len(times) == len(states) >= 2
+
+
+def test_messages_in_xml_say_what_those_in_lines_say() -> None:
+    """The same metadata and states in both notations are the same segment."""
+    record = RECORDS[2]
+    text = oem(record.label, record.object_id, EPOCH, of_date(record))
+    (plain,) = read_oem(text.encode(), "a.oem")
+    leaves = "".join(f"<{key}>{value}</{key}>" for key, value in plain.fields.items())
+    names = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
+    rows = "".join(
+        "<stateVector>"
+        + "".join(f"<{n}>{part}</{n}>" for n, part in zip(names, row.split(), strict=True))
+        + "</stateVector>"
+        for row in plain.rows
+    )
+    xml = (
+        '<?xml version="1.0"?><oem version="2.0"><header/><body><segment>'
+        f"<metadata>{leaves}</metadata><data>{rows}</data></segment></body></oem>"
+    )
+    (other,) = read_oem(xml.encode(), "a.xml")
+    assert (other.fields, other.rows) == (plain.fields, plain.rows)
+    for bad in (xml[:-20], xml.replace("<X>", "<Z>", 1).replace("</X>", "</Z>", 1),
+                xml.replace("<X>", '<X units="m">', 1),
+                xml.replace("<oem", "<!DOCTYPE oem><oem", 1)):  # fmt: skip
+        with pytest.raises(InputError, match=r"a\.xml"):
+            read_oem(bad.encode(), "a.xml")

@@ -1,4 +1,4 @@
-"""CCSDS Orbit Ephemeris Messages (502.0-B, section 5) in key-value notation.
+"""CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation here.
 
 Reading finds the segments and their metadata; the states of a segment are parsed when they are
 asked for.
@@ -114,14 +114,17 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
     Raises
     ------
     InputError
-        It is none in key-value notation, or a segment lacks metadata or states.
+        It is none, or a segment lacks metadata or states.
     """
     text = content.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
     if text.startswith("<"):
-        raise InputError(f"{source}: XML; give the OEM in key-value notation (KVN)")
-    if not text.startswith("CCSDS_OEM_VERS"):
+        from .oem_xml import read_xml
+
+        found = read_xml(content, source)
+    elif text.startswith("CCSDS_OEM_VERS"):
+        found = list(_segments(text, source))
+    else:
         raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
-    found = list(_segments(text, source))
     if not found:
         raise InputError(f"{source}: an OEM without a segment; give one with states")
     return found
@@ -137,7 +140,7 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
             continue
         if line == "META_START":
             if begin:
-                yield _checked(MessageSegment(source, begin, fields, tuple(rows)))
+                yield checked(MessageSegment(source, begin, fields, tuple(rows)))
             fields, rows, begin, in_metadata, in_covariance = {}, [], number, True, False
         elif line == "META_STOP":
             in_metadata = False
@@ -153,10 +156,11 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
         elif begin and not in_covariance:
             rows.append(line)
     if begin:
-        yield _checked(MessageSegment(source, begin, fields, tuple(rows)))
+        yield checked(MessageSegment(source, begin, fields, tuple(rows)))
 
 
-def _checked(segment: MessageSegment) -> MessageSegment:
+def checked(segment: MessageSegment) -> MessageSegment:
+    """A segment, if it has the metadata and states that it needs."""
     missing = [keyword for keyword in NEEDED if not segment.fields.get(keyword)]
     if missing:
         raise InputError(f"{segment.source}: line {segment.line}: {missing[0]} is missing")
