@@ -185,6 +185,20 @@ def test_messages_go_round_through_an_instance(cli: Cli) -> None:
         assert np.linalg.norm(found - by_elements(record).state(times)[:, :3], axis=1).max() < 1.0
 
 
+def test_another_file_of_the_name_of_a_message_stays(cli: Cli) -> None:
+    """A message is not copied over another file beside the instance."""
+    record = RECORDS[0]
+    Path("all.json").write_text(as_json([record]), encoding="utf-8")
+    text = oem(record.label, record.object_id, EPOCH, of_date(record),
+               span_s=(-1200.0, 2.0 * DAY_S + 1200.0))  # fmt: skip
+    Path("a.oem").write_text(text, encoding="utf-8")
+    Path("mission").mkdir()
+    Path("mission/a.oem").write_text("something else", encoding="utf-8")
+    asked = ["import", "all.json", *FILES, "--oem", "a.oem", "--out", "mission/out.json", "--quiet"]
+    refused(cli(*asked), "another file of this name is there")
+    assert [path.name for path in Path("mission").iterdir()] == ["a.oem"]
+
+
 def test_an_import_keeps_element_sets_beside_the_instance(cli: Cli) -> None:
     """States of an imported instance are SGP4's; a copy elsewhere takes the file along."""
     Path("all.json").write_text(as_json(RECORDS), encoding="utf-8")

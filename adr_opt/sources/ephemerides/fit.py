@@ -90,9 +90,13 @@ def fitted(ephemeris: Ephemeris, duration_s: float, *, decays: bool = True) -> F
     ascending = float(np.unwrap(node - node_rate * spread).mean())
     perigee = math.atan2(shape[1], shape[0])
     decay = 2.0 / 3.0 * size / anomaly_rate * bend * DAY_S
+    if not abs(decay) <= LARGEST_DECAY_M_PER_DAY:
+        raise InputError(
+            f"{ephemeris.body!r}: no orbit fits its ephemeris, which decays by {decay:.0f} m a day"
+        )
     return FittedOrbit(
         _orbit(ephemeris.body, size, eccentricity, tilt, ascending, perigee, start - perigee),
-        round(max(-LARGEST_DECAY_M_PER_DAY, min(decay, LARGEST_DECAY_M_PER_DAY)), 6),
+        round(decay, 6),
         Fit(eccentricity_offset=(round(float(offset[0]), 9), round(float(offset[1]), 9))),
     )
 

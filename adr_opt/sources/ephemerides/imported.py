@@ -48,12 +48,19 @@ class WithEphemerides:
         """
         check_writable(path)
         folder = Path(path).parent
-        for name in self.contents:
-            check_writable(folder / name)
+        reference = self.imported.instance.ephemerides
+        assert reference is not None
+        changed = {}
         for name, content in self.contents.items():
             there = folder / name
-            if not there.is_file() or there.read_bytes() != content:
-                write_bytes(there, content)
+            check_writable(there)
+            if there.is_file() and there.read_bytes() == content:
+                continue
+            if there.is_file() and reference.kind == "oem":
+                raise InputError(f"{there}: another file of this name is there; rename the message")
+            changed[there] = content
+        for there, content in changed.items():
+            write_bytes(there, content)
         write_text(path, self.imported.instance.to_json())
 
     def to_dict(self) -> dict[str, Any]:
