@@ -17,7 +17,7 @@ from ..catalogue.records import shown
 from .ephemeris import Array
 from .interpolation import interpolated
 from .message_times import seconds_since
-from .oem import MessageSegment
+from .oem_segment import MessageSegment
 from .turning import TurningAxes
 
 SYNONYMS = {"J2000": "EME2000", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}

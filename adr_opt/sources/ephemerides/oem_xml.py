@@ -6,7 +6,7 @@ from xml.parsers import expat
 
 from ...common.errors import InputError
 from ..catalogue.records import shown
-from .oem import MessageSegment, checked
+from .oem_segment import MessageSegment, checked
 
 STATE = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
 """Elements of a state, in the order of a row."""

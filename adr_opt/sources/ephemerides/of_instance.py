@@ -14,7 +14,8 @@ from .by_sgp4 import ByElements
 from .by_table import ByTable
 from .elements_file import read_elements
 from .ephemeris import Ephemeris
-from .oem import MessageSegment, read_oem
+from .oem import read_oem
+from .oem_segment import MessageSegment
 from .turning import TurningAxes
 
 
