@@ -21,9 +21,9 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.refined import _World
 from adr_opt.fly.refine.bodies import mean_at, moved, state_at_epoch
-from adr_opt.fly.refine.short_periods import osculating
 from adr_opt.kernels.orbits import equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
+from adr_opt.kernels.orbits.short_periods import osculating
 
 SAMPLES = 200
 """Number of times at which a body is compared with its mean model."""

@@ -311,7 +311,7 @@ def drift() -> Any:
         node_rate = ephemeris.node_rate(radius, angle, OBLATENESS_M2)
         rate = ephemeris.latitude_rate(radius, angle, OBLATENESS_M2)
         here, there = (
-            np.array([radius, angle, node, 0.0, node_rate, rate, 0.0, 0.0, 0.0])
+            np.array([radius, angle, node, 0.0, node_rate, rate, 0.0, 0.0, 0.0, 0.0])
             for node in (0.0, asked)
         )
         pair = drifts.prepare(

@@ -318,7 +318,8 @@ def going_on(instance: Instance, state: ChaserState) -> Chaser:
     else:
         # Where connections are given there may be none, and nothing comes of the one that is said.
         orbit = instance.known_orbits[instance.names.index(body)] or LEO
-    return chaser.replace(**changes, start=InOrbit(orbit=orbit))
+    decay = instance.decay_of(body) or None
+    return chaser.replace(**changes, start=InOrbit(orbit=orbit, decay_m_per_day=decay))
 
 
 def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:

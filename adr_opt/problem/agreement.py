@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..common.constants import EARTH_RADIUS_M
 from .bodies import Station, Target
-from .chasers import AtStation, Chaser, TankByMass
+from .chasers import AtStation, Chaser, InOrbit, TankByMass
 from .settings import MissionSettings, Objective, TransferSettings
 
 
@@ -26,6 +26,28 @@ def check_names(
                     "give each its own"
                 )
             seen.add(one.name)
+
+
+def check_decay(targets: Sequence[Target], chasers: Sequence[Chaser], *, drifts: bool) -> None:
+    """Orbits decay only in secular motion under J2, and of objects that are not towed."""
+    for number, chaser in enumerate(chasers):
+        start = chaser.start
+        if isinstance(start, InOrbit) and start.decay_m_per_day is not None and not drifts:
+            raise ValueError(
+                f"field chasers[{number}].start.decay_m_per_day = {start.decay_m_per_day!r}: "
+                'nothing decays in two-body motion; leave it out, or write dynamics "j2"'
+            )
+    for number, target in enumerate(targets):
+        if target.decay_m_per_day is not None and not drifts:
+            raise ValueError(
+                f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: nothing "
+                'decays in two-body motion; leave it out, or write dynamics "j2"'
+            )
+        if target.decay_m_per_day and target.removal == "tow":
+            raise ValueError(
+                f"field targets[{number}].decay_m_per_day = {target.decay_m_per_day!r}: tows of "
+                "decaying objects are not planned yet; leave it out, or choose another removal"
+            )
 
 
 def check_stations(stations: Sequence[Station], chasers: Sequence[Chaser]) -> None:

@@ -13,6 +13,7 @@ from pydantic import (
 )
 
 from ..common.records import LARGEST_MASS_KG, Name, Record, Window, check_window, without
+from .fit import Decay, Fit
 from .orbit import Orbit
 from .services import SERVICES, ServiceKind
 
@@ -75,7 +76,9 @@ class Target(Record):
     has to service it. ``removal`` "kit": the chaser leaves a kit with it, and goes on without;
     "tow": it carries the object, which has ``mass_kg``, down to the disposal altitude of the
     mission and goes on from there. It may have no orbit where connections are given. ``object_id``
-    is its international designator, for exports, and in no file that does not state it.
+    is its international designator, for exports. ``decay_m_per_day``: by what its semi-major axis
+    shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a fit of its orbit
+    to an ephemeris. None of the three is in files that do not state it.
     """
 
     name: Name
@@ -86,6 +89,8 @@ class Target(Record):
     mass_kg: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_KG)] | None = None
     removal: Removal = "visit"
     object_id: ObjectId | None = None
+    decay_m_per_day: Decay | None = None
+    fit: Fit | None = None
 
     @property
     def service(self) -> ServiceKind:
@@ -93,8 +98,15 @@ class Target(Record):
         return SERVICES[self.removal]
 
     @model_serializer(mode="wrap")
-    def _without_no_designator(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "object_id")
+    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "object_id", "decay_m_per_day", "fit")
+
+    @model_validator(mode="after")
+    def _has_what_decays(self) -> Self:
+        for field in ("decay_m_per_day", "fit"):
+            if self.orbit is None and getattr(self, field) is not None:
+                raise ValueError(f"field {field}: there is no orbit to which it belongs")
+        return self
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:

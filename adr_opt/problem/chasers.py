@@ -30,6 +30,7 @@ from ..common.records import (
     without,
 )
 from ..common.sentences import sentence
+from .fit import Decay
 from .orbit import Orbit
 
 TANK_BY_MASS = {"dry_mass_kg", "propellant_kg", "isp_s"}
@@ -47,9 +48,17 @@ class AtStation(Record):
 
 
 class InOrbit(Record):
-    """Start in an orbit of its own, which is a body under the chaser's name."""
+    """Start in an orbit of its own, which is a body under the chaser's name.
+
+    ``decay_m_per_day`` is that of a target at which it waits; in no file that does not state it.
+    """
 
     orbit: Orbit
+    decay_m_per_day: Decay | None = None
+
+    @model_serializer(mode="wrap")
+    def _without_no_decay(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "decay_m_per_day")
 
 
 def _kind(value: Any) -> str | None:

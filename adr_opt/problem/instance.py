@@ -47,6 +47,7 @@ class Instance(Shown, InstanceFile):
 
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
+    _folder: Path | None = PrivateAttr(default=None)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
@@ -70,6 +71,7 @@ class Instance(Shown, InstanceFile):
         """A validated copy that keeps data outside the file."""
         made = super().replace(**changes)
         made._time_value_m_s_per_h = self._time_value_m_s_per_h
+        made._folder = self._folder
         if made.transfer.given == self.transfer.given:
             made._given = self._given
         return made
@@ -280,6 +282,20 @@ class Instance(Shown, InstanceFile):
         return tuple(found)
 
     @property
+    def decays_m_per_day(self) -> tuple[float, ...]:
+        """By what the semi-major axes of the bodies shrink, in order of their numbers."""
+        return self._numbering.decays_m_per_day
+
+    def decay_of(self, body: str) -> float:
+        """By what the semi-major axis of a body shrinks [m/day]."""
+        return self.decays_m_per_day[self.names.index(body)]
+
+    @property
+    def decays(self) -> bool:
+        """Whether the orbit of any body decays."""
+        return any(self.decays_m_per_day)
+
+    @property
     def is_approximate(self) -> bool:
         """Whether any orbit is eccentric, so that the model is an approximation.
 
@@ -329,6 +345,7 @@ class Instance(Shown, InstanceFile):
             What reads the connections is not installed.
         """
         instance = read_model(path, cls)
+        instance._folder = Path(path).parent
         reference = instance.transfer.given
         if reference is None:
             return instance
@@ -340,8 +357,29 @@ class Instance(Shown, InstanceFile):
             given = only(functions)
         return instance.with_given(given, reference.file, reference.functions)
 
+    def folder(self) -> Path:
+        """The folder of the file that the instance was read from, which has its ephemerides.
+
+        Raises
+        ------
+        InputError
+            It was not read from a file.
+        """
+        if self._folder is None:
+            raise InputError(
+                f"the ephemerides of {self.name!r} are in a file that is not known; read the "
+                "instance with adr_opt.load from a file beside it"
+            )
+        return self._folder
+
+    def beside(self, folder: str | os.PathLike[str]) -> Self:
+        """The same instance with its ephemerides in a folder."""
+        made = self.model_copy()
+        made._folder = Path(folder)
+        return made
+
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the instance file and, beside it, the file of given connections if any.
+        """Write the instance file and, beside it, given connections and ephemerides if any.
 
         Raises
         ------
@@ -358,6 +396,8 @@ class Instance(Shown, InstanceFile):
                 write_given(folder / reference.file, given)
             if reference.functions is not None and given.functions is not None:
                 write_functions(folder / reference.functions, given.functions)
+        if self.ephemerides is not None and self._folder is not None:
+            self.ephemerides.copy_files(self._folder, Path(path).parent)
         write_text(path, self.to_json())
 
     @property
@@ -370,7 +410,7 @@ class Instance(Shown, InstanceFile):
 
         Columns are :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
         """
-        return orbit_rows(self.known_orbits, self.oblateness_m2)
+        return orbit_rows(self.known_orbits, self.oblateness_m2, self.decays_m_per_day)
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """Cost of matching eccentricity vectors alone, v·|Δe|/2.

@@ -15,7 +15,9 @@ from .orbit import Orbit
 from .settings import KeepOutZone, TransferSettings
 
 
-def orbit_rows(orbits: Sequence[Orbit | None], oblateness_m2: float) -> npt.NDArray[np.float64]:
+def orbit_rows(
+    orbits: Sequence[Orbit | None], oblateness_m2: float, decays_m_per_day: Sequence[float]
+) -> npt.NDArray[np.float64]:
     """Orbits as kernels take them.
 
     Parameters
@@ -23,6 +25,8 @@ def orbit_rows(orbits: Sequence[Orbit | None], oblateness_m2: float) -> npt.NDAr
     orbits : sequence of Orbit or None
     oblateness_m2 : float
         J2 R² of the dynamics [m²].
+    decays_m_per_day : sequence of float
+        By what the semi-major axes shrink.
 
     Returns
     -------
@@ -31,7 +35,12 @@ def orbit_rows(orbits: Sequence[Orbit | None], oblateness_m2: float) -> npt.NDAr
         orbit.
     """
     nothing = (math.nan,) * len(ORBIT_COLUMNS)
-    return np.array([nothing if orbit is None else orbit.row(oblateness_m2) for orbit in orbits])
+    return np.array(
+        [
+            nothing if orbit is None else orbit.row(oblateness_m2, decay)
+            for orbit, decay in zip(orbits, decays_m_per_day, strict=True)
+        ]
+    )
 
 
 def zone_rows(zones: Sequence[KeepOutZone]) -> npt.NDArray[np.float64]:

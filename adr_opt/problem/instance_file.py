@@ -22,6 +22,7 @@ from ..common.files import to_text
 from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
 from .agreement import (
+    check_decay,
     check_exceptions,
     check_expense,
     check_names,
@@ -33,6 +34,7 @@ from .agreement import (
 )
 from .bodies import Station, Target
 from .chasers import Chaser, TankByMass
+from .ephemerides import EphemeridesFile
 from .epoch import Epoch
 from .frame import Frame
 from .settings import KeepOutZone, MissionSettings, Objective, TransferSettings
@@ -45,7 +47,8 @@ class InstanceFile(Record):
     """The fields of an instance; :class:`adr_opt.Instance` is the plannable object.
 
     ``frame``: the inertial frame that orbits and burns are in. Null means unknown,
-    and is not written to files.
+    and is not written to files. ``ephemerides``: files with the true states of bodies, from which
+    orbits were fitted; not written either if there are none.
     """
 
     format: Literal["adr-opt-instance/2"] = FORMAT
@@ -60,10 +63,11 @@ class InstanceFile(Record):
     transfer: TransferSettings = TransferSettings()
     objective: Objective = Objective()
     keep_out_zones: Annotated[tuple[KeepOutZone, ...], Field(strict=False)] = ()
+    ephemerides: EphemeridesFile | None = None
 
     @model_serializer(mode="wrap")
-    def _without_no_frame(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "frame")
+    def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return without(write(self), "frame", "ephemerides")
 
     @model_validator(mode="after")
     def _something_drifts(self) -> Self:
@@ -87,6 +91,9 @@ class InstanceFile(Record):
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         check_names(self.stations, self.targets, self.chasers)
+        check_decay(self.targets, self.chasers, drifts=self.dynamics == "j2")
+        if self.ephemerides is not None and self.frame is None:
+            raise ValueError("field ephemerides: in no frame; give the field frame")
         check_stations(self.stations, self.chasers)
         check_prizes(
             (target.prize for target in self.targets),

@@ -66,6 +66,16 @@ class Numbering:
         )
 
     @property
+    def decays_m_per_day(self) -> tuple[float, ...]:
+        """By what the semi-major axes of the bodies shrink."""
+        starts = [chaser.start for chaser in self.chasers if chaser.name in self.start_bodies]
+        return (
+            *(0.0 for _ in self.stations),
+            *((isinstance(at, InOrbit) and at.decay_m_per_day) or 0.0 for at in starts),
+            *(target.decay_m_per_day or 0.0 for target in self.targets),
+        )
+
+    @property
     def starts(self) -> tuple[int, ...]:
         """Number of each chaser's start body."""
         names = self.names

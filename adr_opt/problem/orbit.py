@@ -55,13 +55,15 @@ class Orbit(Record):
             latitude,
         )
 
-    def row(self, oblateness_m2: float) -> tuple[float, ...]:
+    def row(self, oblateness_m2: float, decay_m_per_day: float = 0.0) -> tuple[float, ...]:
         """Kernel row: the circle, its rates, and the shape of the orbit.
 
         Parameters
         ----------
         oblateness_m2 : float
             J2 R², 0 for two bodies.
+        decay_m_per_day : float
+            By what the semi-major axis shrinks.
 
         Returns
         -------
@@ -73,6 +75,7 @@ class Orbit(Record):
             eccentricity=self.eccentricity,
             perigee=math.radians(self.argument_of_perigee_deg),
             oblateness_m2=oblateness_m2,
+            decay_m_per_day=decay_m_per_day,
         )
 
     def eccentricity_vector(self) -> npt.NDArray[np.float64]:

@@ -445,7 +445,7 @@ def test_what_has_to_be_turned_needs_the_library(
     tiny: Instance, plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Without astropy a file in the instance's own frame is written, one in another refused."""
-    monkeypatch.setitem(sys.modules, "astropy", None)
+    monkeypatch.setitem(sys.modules, "erfa", None)
     write_plan(tiny, plan, tmp_path / "a.oem")
     for name, frame in (("b.oem", "GCRF"), ("b.script", None), ("b.czml", None)):
         with pytest.raises(adr_opt.MissingExtra, match=r"astropy.*\[astro\]"):

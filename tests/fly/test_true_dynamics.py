@@ -14,10 +14,10 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.fly.flight.refined import _World
 from adr_opt.fly.refine.bodies import _ahead, mean_at, moved, state_at_epoch
-from adr_opt.fly.refine.short_periods import mean_elements, osculating
 from adr_opt.fly.trajectory import propagate
 from adr_opt.kernels.orbits import coast, collocation, equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS, gradient, pull
+from adr_opt.kernels.orbits.short_periods import mean_elements, osculating
 
 Array = np.ndarray
 DAY_S = 86400.0

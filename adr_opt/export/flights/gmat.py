@@ -335,8 +335,7 @@ def _mean_elements(
     instance: Instance, axes: Axes, body: str, time_s: float
 ) -> tuple[float, float, float, float, float, float]:
     """The planning circle as mean elements in GMAT's units (km, degrees)."""
-    orbit = instance.body_orbits[instance.names.index(body)]
-    row = np.array(orbit.row(instance.oblateness_m2))
+    row = instance.orbits()[instance.names.index(body)]
     angles = (
         ephemeris.inclination_at(row, time_s),
         ephemeris.node_at(row, time_s),

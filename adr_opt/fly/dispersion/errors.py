@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from ...common.errors import InputError
-from ..refine.short_periods import Array
+from ...kernels.orbits.short_periods import Array
 
 MOST_MAGNITUDE, MOST_POINTING_DEG = 0.2, 10.0
 MOST_POSITION_M, MOST_VELOCITY_M_S = 1e5, 100.0

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
-from ..refine.short_periods import Array
+from ...kernels.orbits.short_periods import Array
 from .errors import FlightErrors
 from .feedback import LegPart
 

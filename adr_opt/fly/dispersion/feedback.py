@@ -22,9 +22,9 @@ import numpy as np
 from ...common.constants import MU_M3_S2
 from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
 from ..refine.bodies import Gravity
-from ..refine.short_periods import Array
 from ..refine.states import state_of
 from .errors import FlightErrors
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ..flight.result import of_chaser
-from ..refine.short_periods import Array
 from .errors import FlightErrors
 
 CONFIDENCE_SIGMA = 1.959964

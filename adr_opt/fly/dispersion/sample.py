@@ -12,13 +12,13 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
 from ..flight.refined import refuse_strangers
 from ..flight.tanks import legs_by_tank, refined_routes
 from ..refine.bodies import Gravity
-from ..refine.short_periods import Array
 from .errors import FlightErrors
 from .exact import fly_exactly
 from .feedback import LegPart, fly, parts_of

@@ -58,7 +58,9 @@ class MeanCourse(LegEnds):
         return found
 
 
-def true_state(orbit: Orbit, oblateness_m2: float, time_s: float) -> Array:
+def true_state(
+    orbit: Orbit, oblateness_m2: float, time_s: float, decay_m_per_day: float = 0.0
+) -> Array:
     """Mean state of a body at a time on its true orbit, shape (6,) [m, m/s].
 
     Parameters
@@ -69,16 +71,25 @@ def true_state(orbit: Orbit, oblateness_m2: float, time_s: float) -> Array:
         J2 R², 0 for two bodies.
     time_s : float
         Since the epoch.
+    decay_m_per_day : float
+        By what its semi-major axis shrinks.
     """
-    mean, frame = elements.equinoctial_at(np.array(orbit.row(oblateness_m2)), time_s)
+    row = np.array(orbit.row(oblateness_m2, decay_m_per_day))
+    mean, frame = elements.equinoctial_at(row, time_s)
     state: Array = equinoctial.state_of(mean, frame)
     return state
 
 
-def following(orbit: Orbit, oblateness_m2: float, time_s: float, length_m: float) -> Array:
+def following(
+    orbit: Orbit,
+    oblateness_m2: float,
+    time_s: float,
+    length_m: float,
+    decay_m_per_day: float = 0.0,
+) -> Array:
     """State of the point that follows a body on its orbit, slightly delayed, (6,)."""
-    speed = math.hypot(*true_state(orbit, oblateness_m2, time_s)[3:])
-    return true_state(orbit, oblateness_m2, time_s - length_m / speed)
+    speed = math.hypot(*true_state(orbit, oblateness_m2, time_s, decay_m_per_day)[3:])
+    return true_state(orbit, oblateness_m2, time_s - length_m / speed, decay_m_per_day)
 
 
 class Aim:
@@ -112,6 +123,7 @@ class Aim:
         if not self._burns:
             raise NoWay("no burn comes before the approach")
         self._origin, self._target = orbit_of[leg.origin], orbit_of[leg.destination]
+        self._decays = instance.decay_of(leg.origin), instance.decay_of(leg.destination)
         self._instance, self._lead_in = instance, lead_in
         self._angles = planned_angles(instance, leg, lead_in)
 
@@ -163,9 +175,10 @@ class Aim:
         )
         rule, start_s = self._instance.transfer, self._burns[0].time_s
         standoff_s, oblateness = self._approach[0].time_s, self._instance.oblateness_m2
-        start = _led(origin, self._lead_in, start_s, oblateness)
+        start = _led(origin, self._lead_in, start_s, oblateness, self._decays[0])
+        goal = following(target, oblateness, standoff_s, rule.standoff_m, self._decays[1])
         return MeanCourse(
-            start=start, goal=following(target, oblateness, standoff_s, rule.standoff_m),
+            start=start, goal=goal,
             start_s=start_s, end_s=standoff_s, angle=self._angles[0],
             gravity=self._instance.dynamics, lowest_m=EARTH_RADIUS_M + rule.min_altitude_m,
             highest_m=EARTH_RADIUS_M + rule.max_altitude_m, oblateness_m2=oblateness,
@@ -176,19 +189,26 @@ class Aim:
         begin, end = self._approach[0].time_s, self._approach[-1].time_s
         oblateness = self._instance.oblateness_m2
         course = MeanCourse(
-            start=flown.states[-1], goal=true_state(self._target, oblateness, end),
+            start=flown.states[-1],
+            goal=true_state(self._target, oblateness, end, self._decays[1]),
             start_s=begin, end_s=end, angle=self._angles[1],
             gravity=self._instance.dynamics, oblateness_m2=oblateness,
         )  # fmt: skip
         return close(course, *with_a_middle(self._approach, self._angles[1])).delta_v_m_s
 
 
-def _led(orbit: Orbit, lead_in: tuple[Burn, ...], time_s: float, oblateness_m2: float) -> Array:
+def _led(
+    orbit: Orbit,
+    lead_in: tuple[Burn, ...],
+    time_s: float,
+    oblateness_m2: float,
+    decay_m_per_day: float,
+) -> Array:
     """State after lead-in burns: as large as the plan's, against the actual motion."""
     if not lead_in:
-        return true_state(orbit, oblateness_m2, time_s)
+        return true_state(orbit, oblateness_m2, time_s, decay_m_per_day)
     now = lead_in[0].time_s
-    state = true_state(orbit, oblateness_m2, now)
+    state = true_state(orbit, oblateness_m2, now, decay_m_per_day)
     for burn in lead_in:
         mean_motion.coast(state, burn.time_s - now, oblateness_m2)
         now = burn.time_s

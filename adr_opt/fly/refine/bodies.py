@@ -16,11 +16,12 @@ from typing import Literal
 import numpy as np
 
 from ...common.constants import MU_M3_S2, OBLATENESS_M2
+from ...common.errors import InputError
 from ...kernels.orbits import coast, elements, equinoctial
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array, osculating
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .short_periods import Array, osculating
 
 Gravity = Literal["two-body", "j2", "j3", "j4"]
 
@@ -60,17 +61,27 @@ class TrueBodies:
     corrected : bool
         Whether mean motions are corrected; without it bodies leave their mean model by kilometres
         a day.
+
+    Raises
+    ------
+    InputError
+        An orbit decays.
     """
 
     def __init__(
         self, instance: Instance, gravity: Gravity, names: Iterable[str], *, corrected: bool = True
     ) -> None:
+        names = tuple(dict.fromkeys(names))
+        for name in names:
+            if instance.decay_of(name):
+                raise InputError(
+                    f"the orbit of {name!r} decays, and flights in true dynamics are without drag; "
+                    "leave decay_m_per_day out of the instance to refine without it"
+                )
         self.gravity = gravity
         every = dict(zip(instance.names, instance.body_orbits, strict=True))
         span = instance.mission.duration_s if corrected else 0.0
-        self.epoch_states = {
-            name: state_at_epoch(every[name], gravity, span) for name in dict.fromkeys(names)
-        }
+        self.epoch_states = {name: state_at_epoch(every[name], gravity, span) for name in names}
 
     def state(self, name: str, time_s: float) -> Array:
         """Inertial state of a body at a time since the epoch, shape (6,) [m, m/s]."""

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...common.errors import InputError
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...plan.refined_thrust import RefinedThrust
 from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S, STEP_S, Arc
 from .bodies import Gravity, moved
-from .short_periods import Array
 from .states import state_of
 from .thrust_states import thrust_states
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .short_periods import Array
+from ...kernels.orbits.short_periods import Array
 
 MOST_ROUNDS = 2000
 

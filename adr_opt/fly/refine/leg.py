@@ -17,9 +17,9 @@ import numpy as np
 from ...common.constants import MU_M3_S2
 from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from .bodies import Gravity
 from .least import fewest, least_impulses
-from .short_periods import Array
 
 POSITION_M, SPEED_M_S = 1e-3, 1e-6
 """Tolerances of a leg at its goal: a thousandth of those in the contract of refined plans."""

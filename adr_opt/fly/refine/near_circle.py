@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ...kernels.orbits import equinoctial
-from .short_periods import Array, mean_elements
+from ...kernels.orbits.short_periods import Array, mean_elements
 
 
 def near_circle(state: Array, zonals: Array) -> Array:

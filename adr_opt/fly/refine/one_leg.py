@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn, Leg
 from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from ...problem.instance import Instance
@@ -15,7 +16,6 @@ from ..trajectory.kepler import drift, secular
 from .bodies import TrueBodies, moved
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
 from .own_burns import cheapest_near
-from .short_periods import Array
 from .states import recorded, state_of
 from .towing import towed
 

@@ -19,9 +19,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from .least import least_impulses
 from .leg import MOST_CONVEX, WORTH, FlownImpulses, LegEnds, NoWay, close, fly
-from .short_periods import Array
 
 CHANGE_WEIGHT = 2.0 / 3.0
 """w, chosen such that flown burns stay close to the planned ones, for circles and eccentric orbits;

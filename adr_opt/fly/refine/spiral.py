@@ -17,6 +17,7 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...kernels.orbits import mean_thrusting, primer, thrusting
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push, ThrustArcs
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedTow
@@ -26,7 +27,6 @@ from ...problem.instance import Instance
 from .bodies import TrueBodies
 from .near_circle import near_circle
 from .propelled import towing_by_leg
-from .short_periods import Array
 from .states import recorded
 from .thrust_guess import LEAST_THRESHOLD
 from .thrust_record import steered_arcs

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import BodyState, RefinedState
-from .short_periods import Array
 
 
 def recorded(event: str, time_s: float, state: Array) -> RefinedState:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .short_periods import Array
+from ...kernels.orbits.short_periods import Array
 from .thrust_search import derivative_of, minimum_norm
 from .thrust_task import Integration, Programme, ThrustTask
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from ...kernels.orbits import mean_thrusting, primer
+from ...kernels.orbits.short_periods import Array
 from ...plan.plan import LowThrustArc
-from .short_periods import Array
 from .thrust_shapes import middles, with_shapes
 from .thrust_task import Programme, ThrustTask
 

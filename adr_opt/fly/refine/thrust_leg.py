@@ -11,6 +11,7 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...kernels.orbits import thrusting
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Leg
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
 from ...plan.refined_thrust import RefinedThrust
@@ -18,7 +19,6 @@ from ...problem.instance import Instance
 from .bodies import TrueBodies, moved
 from .leg import FlownImpulses, LegEnds, close, residual
 from .propelled import Propelled
-from .short_periods import Array
 from .spiral import SpiralTow, towed_by_spiral
 from .states import recorded, state_of
 from .thrust_close import closed

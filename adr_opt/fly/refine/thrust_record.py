@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push
 from ...plan.refined_thrust import SteeredArc
-from .short_periods import Array
 
 
 def steered_arcs(push: Push, laws: Array, windows: Array) -> tuple[SteeredArc, ...]:

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.optimize import minimize
 
+from ...kernels.orbits.short_periods import Array
 from ...plan.plan import LowThrustArc
-from .short_periods import Array
 from .thrust_guess import LARGEST_THRESHOLD, LEAST_THRESHOLD, first_guess
 from .thrust_task import Programme, ThrustTask
 

@@ -15,9 +15,9 @@ import numpy as np
 from ...common.constants import OBLATENESS_M2
 from ...kernels.orbits import mean_thrusting, sunlight
 from ...kernels.orbits.ephemeris import secular_rates
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import ThrustArcs
 from ...plan.plan import LowThrustArc
-from .short_periods import Array
 from .thrust_task import ThrustTask
 
 NOTHING = ThrustArcs(np.empty((0, 5)), np.empty(0), np.empty(0), np.empty(0))

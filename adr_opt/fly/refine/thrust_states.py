@@ -6,10 +6,10 @@ import numpy as np
 
 from ...kernels.orbits import thrusting
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push
 from ...plan.refined_thrust import RefinedThrust
 from .bodies import Gravity
-from .short_periods import Array
 
 
 def thrust_states(

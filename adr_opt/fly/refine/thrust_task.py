@@ -12,10 +12,10 @@ import numpy as np
 from ...common.constants import MU_M3_S2
 from ...kernels.orbits import mean_thrusting, primer, thrusting
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push, ThrustArcs
 from .bodies import Gravity
 from .near_circle import near_circle
-from .short_periods import Array
 
 NO_WINDOWS = np.empty((0, 3))
 

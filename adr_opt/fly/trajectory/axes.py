@@ -1,21 +1,12 @@
-"""Reference frame of a file, and the rotation into it from an instance's own.
-
-Rotations are worked out by astropy, which goes from TEME through the rotating Earth to the
-celestial frame of the IERS by the precession and nutation of 2006 and 2000A. The angle of the Earth
-falls out again on the way, so that no data of its rotation matter, and nothing is asked of the
-network. EME2000 differs from GCRF by the constant frame bias, 0.8 m in low orbit.
-"""
+"""Reference frame of a file, and the rotation into it from an instance's own."""
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
-from datetime import UTC, datetime
 
-import numpy as np
-
-from ...common.errors import InputError, MissingExtra
+from ...common.errors import InputError
 from ...problem.frame import FRAMES, OF_DATE, Frame, FrameName
+from ...problem.frame_rotation import rotation
 from ...problem.instance import Instance
 from .kepler import Array
 
@@ -96,49 +87,3 @@ def _named(name: str, instance: Instance) -> Frame:
         if name == known:
             return Frame(name=known, axes_epoch=instance.epoch if known in OF_DATE else None)
     raise InputError(f"frame = {name!r}: use one of {', '.join(FRAMES)}")
-
-
-def rotation(start: Frame, end: Frame) -> Array | None:
-    """Rotation matrix between two frames; None if their axes are equal.
-
-    Raises
-    ------
-    MissingExtra
-        astropy is not installed.
-    """
-    if start == end or {start.name, end.name} <= {"GCRF", "ICRF"}:
-        return None
-    matrix: Array = _from_gcrf(end) @ _from_gcrf(start).T
-    return matrix
-
-
-def _from_gcrf(frame: Frame) -> Array:
-    """Rotation matrix from GCRF, shape (3, 3)."""
-    try:
-        import erfa
-        from astropy import coordinates  # noqa: F401
-    except ImportError:
-        raise MissingExtra("turning states into another frame", "astropy", "astro") from None
-    if frame.axes_epoch is not None:
-        return _to_teme(frame.axes_epoch)
-    if frame.name == "EME2000":
-        bias, _, _ = erfa.bp06(erfa.DJ00, 0.0)
-        return np.asarray(bias)
-    return np.eye(3)
-
-
-def _to_teme(time: datetime) -> Array:
-    """Axes of TEME at a time as rows, in GCRF."""
-    from astropy import units
-    from astropy.coordinates import GCRS, TEME, CartesianRepresentation
-    from astropy.time import Time
-    from astropy.utils import iers
-
-    axes = CartesianRepresentation(np.eye(3), unit=units.one)
-    # Astropy takes the table that came with it instead of loading one, and warns of times beyond.
-    with warnings.catch_warnings(), iers.earth_orientation_table.set(iers.IERS_B.open()):
-        warnings.simplefilter("ignore")
-        when = Time(time.astimezone(UTC).replace(tzinfo=None), scale="utc")
-        turned = TEME(axes, obstime=when).transform_to(GCRS(obstime=when))
-        found: Array = np.ascontiguousarray(turned.cartesian.xyz.to_value(units.one).T)
-    return found

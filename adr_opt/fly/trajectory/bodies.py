@@ -50,9 +50,10 @@ def body_states(
         orbit = instance.body_orbits[instance.names.index(body)]
     except ValueError:
         raise InputError(f"{body!r} is not a body of the instance") from None
+    row = np.array(orbit.row(instance.oblateness_m2, instance.decay_of(body)))
     if true_orbits and orbit.eccentricity > 0.0:
-        return _on_ellipse(orbit, instance.oblateness_m2, times)
-    return _on_circle(orbit, instance.oblateness_m2, times)
+        return _on_ellipse(orbit, row, instance.oblateness_m2, times)
+    return _on_circle(orbit, row, times)
 
 
 def leaving_state(
@@ -120,8 +121,7 @@ def true_state_at_epoch(orbit: Orbit) -> tuple[Array, Array]:
     )
 
 
-def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
-    row = np.array(orbit.row(oblateness_m2))
+def _on_circle(orbit: Orbit, row: Array, times: Array) -> tuple[Array, Array]:
     u = elements.latitudes(row, times)[:, None]
     node, ahead = _axes(orbit)
     radius = float(ephemeris.radius_at(row, EPOCH_S))
@@ -131,13 +131,18 @@ def _on_circle(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array,
     return _precessed(positions, velocities, float(ephemeris.node_rate_at(row, EPOCH_S)) * times)
 
 
-def _on_ellipse(orbit: Orbit, oblateness_m2: float, times: Array) -> tuple[Array, Array]:
+def _on_ellipse(
+    orbit: Orbit, row: Array, oblateness_m2: float, times: Array
+) -> tuple[Array, Array]:
     """Kepler motion at the pace of the mean anomaly, with moving perigee and node."""
-    row = np.array(orbit.row(oblateness_m2))
     perigee_rate = float(ephemeris.perigee_rate_at(row, EPOCH_S))
     anomaly_rate = float(ephemeris.latitude_rate_at(row, EPOCH_S)) - perigee_rate
-    pace = anomaly_rate / float(ephemeris.mean_motion(ephemeris.radius_at(row, EPOCH_S)))
-    positions, velocities = propagate(*true_state_at_epoch(orbit), pace * times)
+    motion = float(ephemeris.mean_motion(ephemeris.radius_at(row, EPOCH_S)))
+    flown = anomaly_rate / motion * times
+    faster = float(ephemeris.latitude_acceleration_at(row, EPOCH_S))
+    if faster:
+        flown = flown + 0.5 * faster / motion * times * times
+    positions, velocities = propagate(*true_state_at_epoch(orbit), flown)
     if not ephemeris.planes_drift(oblateness_m2):
         return positions, velocities
     node, ahead = _axes(orbit)

@@ -109,7 +109,7 @@ def ends_of(
         lags = _half_drift(radius, inclination, change, 0.5 * (rate_i + rate_j), rule.oblateness)
         halfway = rate_i * span - lags * span
         node = halfway + math.remainder(node - halfway, 2.0 * math.pi)
-    approach = rule.approach_revolutions * ephemeris.revolution_at(destination, arrival)
+    approach = rule.approach_revolutions * ephemeris.revolution_at(destination, ephemeris.EPOCH_S)
     met = arrival - approach
     ahead = ephemeris.latitude_at(destination, met) - ephemeris.latitude_at(origin, departure)
     ahead += math.cos(inclination) * (node - rate_j * approach)

@@ -102,7 +102,9 @@ def check_transfer(
     origin, destination, rule = physics.left[i], physics.elements[j], physics.rule
     pair = co_elliptic.prepare(origin, destination, 0.0, rule, ephemeris.EPOCH_S)
     if instance.dynamics == "j2":
-        sequence = yield from _check_drifting_planes(pair, rule, number, leg, free)
+        sequence = yield from _check_drifting_planes(
+            pair, rule, (origin, destination), number, leg, free
+        )
     else:
         sequence = yield from _check_sequence(pair, rule, number, leg, free)
     if sequence is None:
@@ -207,7 +209,12 @@ def _check_sequence(
 
 
 def _check_drifting_planes(
-    pair: co_elliptic.Pair, rule: co_elliptic.TransferRule, number: int, leg: Leg, free: float
+    pair: co_elliptic.Pair,
+    rule: co_elliptic.TransferRule,
+    bodies: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]],
+    number: int,
+    leg: Leg,
+    free: float,
 ) -> Generator[Violation, None, StatedSequence | None]:
     """Check a leg where nodes drift: its line of nodes is that of its turn and sequence."""
     laps, departure = leg.phasing_revolutions, leg.departure_s
@@ -232,9 +239,11 @@ def _check_drifting_planes(
     alpha_i, alpha_j, theta = ephemeris.relative_node(
         pair.inclination_i, 0.0, pair.inclination_j, apart
     )
-    past = (pair.latitude_i + pair.rate_i * departure - alpha_i) / math.pi
+    # A decaying orbit turns at another rate at each time.
+    past = (float(ephemeris.latitude_at(bodies[0], departure)) - alpha_i) / math.pi
     half_turns = round(past)
-    crossing = departure + (half_turns - past) * math.pi / pair.rate_i
+    rate_i = float(ephemeris.latitude_rate_at(bodies[0], departure))
+    crossing = departure + (half_turns - past) * math.pi / rate_i
     if abs(crossing - departure) > TIME_TOLERANCE_S:
         yield Violation(
             number,
@@ -244,8 +253,9 @@ def _check_drifting_planes(
         )
         return None
     behind = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
-    behind -= pair.latitude_j + pair.rate_j * stand_off
-    late = math.remainder(behind, 2.0 * math.pi) / pair.rate_j
+    behind -= float(ephemeris.latitude_at(bodies[1], stand_off))
+    rate_j = float(ephemeris.latitude_rate_at(bodies[1], stand_off))
+    late = math.remainder(behind, 2.0 * math.pi) / rate_j
     return StatedSequence(departure, leg.arrival_s + late, laps, radius, theta)
 
 

@@ -243,7 +243,7 @@ def _check_service(
     """
     opens, closes = bodies.windows.get(leg.destination, (0.0, None))
     at_station = leg.destination in bodies.stations
-    end = max(arrival, opens) + _service_s(instance, elements, arrival, at_station)
+    end = max(arrival, opens) + _service_s(instance, elements, at_station)
     if abs(leg.end_s - end) > TIME_TOLERANCE_S:
         yield Violation(number, "service", f"end_s = {leg.end_s!r}, but it ends at {end!r}")
     free = end + (towed.time_s if towed else 0.0)
@@ -259,10 +259,8 @@ def _check_service(
     return end
 
 
-def _service_s(
-    instance: Instance, elements: npt.NDArray[np.float64], arrival: float, at_station: bool
-) -> float:
-    """Length of a chaser's stay at a body [s]."""
+def _service_s(instance: Instance, elements: npt.NDArray[np.float64], at_station: bool) -> float:
+    """Length of a chaser's stay at a body, in revolutions of the epoch [s]."""
     mission = instance.mission
     if not at_station and mission.service_s is not None:
         return mission.service_s
@@ -270,7 +268,8 @@ def _service_s(
     assert revolutions is not None
     if revolutions == 0.0:  # also of a body without an orbit, which has no period
         return 0.0
-    return revolutions * 2.0 * math.pi / float(ephemeris.latitude_rate_at(elements, arrival))
+    rate = float(ephemeris.latitude_rate_at(elements, ephemeris.EPOCH_S))
+    return revolutions * 2.0 * math.pi / rate
 
 
 def _check_tank(

@@ -16,13 +16,14 @@ from ...problem.settings import MissionSettings
 KNOWN: dict[type[Record], frozenset[str]] = {
     Instance: frozenset({
         "format", "name", "epoch", "dynamics", "stations", "targets", "chasers", "mission",
-        "transfer", "objective", "keep_out_zones", "frame",
+        "transfer", "objective", "keep_out_zones", "frame", "ephemerides",
     }),
     Station: frozenset({
         "name", "orbit", "max_refuellings", "max_propellant_kg", "object_id",
     }),
     Target: frozenset({
         "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal", "object_id",
+        "decay_m_per_day", "fit",
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
@@ -36,8 +37,8 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
 walks may take any; so are the separation of missions and the longest leg, which only forbid plans,
-and the limit of exceptions, which `check` counts. A frame and designators of objects change
-nothing."""
+and the limit of exceptions, which `check` counts. A frame, designators of objects, ephemerides and
+what is fitted to them beside orbits change nothing; a decay is in the connections."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})
 """Kinds of service that the verifier knows."""

@@ -185,7 +185,13 @@ def _drifting(
         return
     behind = event.alpha_j + math.pi * (event.half_turns + 1) + rule.standoff / pair.radius_j
     behind -= pair.latitude_j
-    for crossing, laps, about in _crossings(pair, rule, event.time, behind / pair.rate_j):
+    # Crossings are counted on a clock by which the target turns at the rate of the epoch.
+    bend_i, bend_j = (0.5 * each for each in (pair.acceleration_i, pair.acceleration_j))
+    begun = event.time + bend_j / pair.rate_j * event.time**2
+    for crossing, laps, even in _crossings(pair, rule, begun, behind / pair.rate_j):
+        about = _at_angle(pair.rate_j * even, pair.rate_j, bend_j)
+        rate_i = pair.rate_i + 2.0 * bend_i * event.time
+        rate_j = pair.rate_j + 2.0 * bend_j * about
         departure, met = event.time, about
         for _ in range(MOST_STEPS):
             radius = float(co_elliptic.phasing_radius(pair, rule, laps, met - departure))
@@ -196,7 +202,7 @@ def _drifting(
             )
             moved_i = math.remainder(alpha_i - event.alpha_i, 2.0 * math.pi)
             moved_j = math.remainder(alpha_j - event.alpha_j, 2.0 * math.pi)
-            left, there = event.time + moved_i / pair.rate_i, about + moved_j / pair.rate_j
+            left, there = event.time + moved_i / rate_i, about + moved_j / rate_j
             if not math.isfinite(left + there):
                 break  # no phasing orbit takes so long
             step = abs(left - departure) + abs(there - met)
@@ -209,6 +215,17 @@ def _drifting(
                 break
 
 
+def _at_angle(angle: float, rate: float, bend: float) -> float:
+    """Time at which rate · t + bend · t² is an angle, by Newton's method from bend = 0 [s]."""
+    time = angle / rate
+    for _ in range(MOST_STEPS if bend else 0):
+        step = ((rate + bend * time) * time - angle) / (rate + 2.0 * bend * time)
+        time -= step
+        if abs(step) < 0.01 * CLOSE_S:
+            break
+    return time
+
+
 def _next_event(pair: co_elliptic.Pair, time: float) -> _Event | None:
     """Next crossing of the target's plane; None if none is found."""
     there, half_turns = time, 0
@@ -216,11 +233,13 @@ def _next_event(pair: co_elliptic.Pair, time: float) -> _Event | None:
         alpha_i, alpha_j, theta = ephemeris.relative_node(
             pair.inclination_i, 0.0, pair.inclination_j, pair.lag + pair.lag_rate * there
         )
-        past = (pair.latitude_i + pair.rate_i * there - alpha_i) / math.pi
+        gained = (pair.rate_i + 0.5 * pair.acceleration_i * there) * there
+        past = (pair.latitude_i + gained - alpha_i) / math.pi
         if step == 0:
             half_turns = math.ceil(past)
         # The node that was left for may be counted a whole turn away by now.
-        late = math.remainder(half_turns - past, 2.0) * math.pi / pair.rate_i
+        rate_i = pair.rate_i + pair.acceleration_i * there
+        late = math.remainder(half_turns - past, 2.0) * math.pi / rate_i
         there += late
         if abs(late) < CLOSE_S:
             return _Event(there, round(past), alpha_i, alpha_j, theta)

@@ -99,6 +99,8 @@ class Pair(NamedTuple):
     eccentricity_j: float
     perigee_lag: float  # ω_j − ω_i at t = 0 [rad]
     perigee_lag_rate: float  # [rad/s]
+    acceleration_i: float  # of the arguments of latitude of decaying orbits, else 0 [rad/s²]
+    acceleration_j: float
 
 
 @inlined
@@ -255,7 +257,55 @@ def prepare(orbit_i, orbit_j, extra_delta_v, rule, time):
         eccentricity_j,
         perigee_j - perigee_i,
         perigee_rate_j - perigee_rate_i,
+        ephemeris.latitude_acceleration_at(orbit_i, time),
+        ephemeris.latitude_acceleration_at(orbit_j, time),
     )
+
+
+@inlined
+def decays(pair):
+    """Whether either orbit decays, so that its argument of latitude is quadratic in time."""
+    return pair.acceleration_i != 0.0 or pair.acceleration_j != 0.0
+
+
+@inlined
+def time_at(latitude, rate, acceleration, angle):
+    """Time at which an argument of latitude, given for t = 0, is at an angle [s].
+
+    Parameters
+    ----------
+    latitude, rate, acceleration : float
+        At t = 0 [rad], [rad/s], [rad/s²].
+    angle : float
+        Whole turns counted [rad].
+    """
+    ahead = angle - latitude
+    if acceleration == 0.0:
+        return ahead / rate
+    # The root that stays finite without an acceleration.
+    return 2.0 * ahead / (rate + math.sqrt(max(rate * rate + 2.0 * acceleration * ahead, 0.0)))
+
+
+@inlined
+def latitude_of_i(pair, time):
+    """Argument of latitude of the origin at a time [rad]."""
+    if pair.acceleration_i == 0.0:
+        return pair.latitude_i + pair.rate_i * time
+    return pair.latitude_i + (pair.rate_i + 0.5 * pair.acceleration_i * time) * time
+
+
+@inlined
+def latitude_of_j(pair, time):
+    """Argument of latitude of the destination at a time [rad]."""
+    if pair.acceleration_j == 0.0:
+        return pair.latitude_j + pair.rate_j * time
+    return pair.latitude_j + (pair.rate_j + 0.5 * pair.acceleration_j * time) * time
+
+
+@inlined
+def rate_of_j(pair, time):
+    """Rate of the argument of latitude of the destination at a time [rad/s]."""
+    return pair.rate_j + pair.acceleration_j * time
 
 
 @kernel

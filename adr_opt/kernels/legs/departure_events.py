@@ -19,7 +19,9 @@ def events_of(pair, duration, spacing):
         The other fields of :class:`.precession.Event`.
     """
     steps = max(1, math.ceil(spacing * pair.rate_i / math.pi - 1e-9))
-    most = int(max(duration, 0.0) * pair.rate_i / math.pi / steps) + 3
+    length = max(duration, 0.0)
+    fastest = pair.rate_i + max(pair.acceleration_i, 0.0) * length
+    most = int(length * fastest / math.pi / steps) + 3
     half_turns, numbers = np.empty(most, np.int64), np.empty((most, 5))
     event = precession.first_event(pair)
     count, after = 0, steps * math.pi / pair.rate_i

@@ -31,6 +31,8 @@ class DriftPair(NamedTuple):
         Of the chaser that has left and stays, and of the target [rad/s].
     latitude, latitude_rate_i, latitude_rate_j : float
         u_j − u_i at t = 0 [rad], and the rates of both [rad/s].
+    acceleration_i, acceleration_j : float
+        Second derivatives of both where orbits decay [rad/s²].
     lead : float
         How far the stand-off is behind the target [rad].
     approach : float
@@ -64,6 +66,8 @@ class DriftPair(NamedTuple):
     half: float
     fraction: float
     oblateness: float
+    acceleration_i: float
+    acceleration_j: float
 
 
 class Task(NamedTuple):
@@ -136,6 +140,8 @@ def prepare(orbit_i, orbit_j, rule, time):
         math.pi / ephemeris.latitude_rate(0.5 * (ri + rj), inclination, rule.oblateness),
         rule.first_leg_fraction,
         rule.oblateness,
+        ephemeris.latitude_acceleration_at(orbit_i, time),
+        ephemeris.latitude_acceleration_at(orbit_j, time),
     )
 
 
@@ -155,6 +161,9 @@ def task_of(pair, departure, arrival, shape):
         lag -= TURN_RAD * math.ceil((left - math.pi) / TURN_RAD)
     met = arrival - pair.approach
     ahead = pair.latitude + pair.latitude_rate_j * met - pair.latitude_rate_i * departure
+    if pair.acceleration_i != 0.0 or pair.acceleration_j != 0.0:
+        ahead += 0.5 * pair.acceleration_j * met * met
+        ahead -= 0.5 * pair.acceleration_i * departure * departure
     ahead += pair.cosine * (lag + pair.node_rate_i * span - pair.node_rate_j * pair.approach)
     return Task(span, lag, ahead - pair.lead, shape)
 

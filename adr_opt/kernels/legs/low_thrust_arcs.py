@@ -70,6 +70,7 @@ def weighted(pair, turn):
         pair.inclination_j, pair.cosine, pair.cosine_i, pair.sine_i, pair.cosine_j,
         pair.node_rate_i, pair.node_rate_j, pair.latitude, pair.latitude_rate_i,
         pair.latitude_rate_j, pair.lead, pair.approach, pair.half, pair.fraction, pair.oblateness,
+        pair.acceleration_i, pair.acceleration_j,
     )  # fmt: skip
 
 

@@ -111,7 +111,9 @@ def event_at(pair, half_turns, time, alpha_i, alpha_j):
         found_i, found_j, theta = line(pair, lag)
         alpha_i, alpha_j = near(found_i, alpha_i), near(found_j, alpha_j)
         before = time
-        time = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
+        time = co_elliptic.time_at(
+            pair.latitude_i, pair.rate_i, pair.acceleration_i, alpha_i + math.pi * half_turns
+        )
         if abs(time - before) < CLOSE_S:
             break
     return Event(half_turns, time, lag, alpha_i, alpha_j, theta)
@@ -151,7 +153,11 @@ def meeting(pair, rule, half_turns, alpha_j, time):
     """Time at which the target allows arrival at the stand-off, nearest to a given time [s]."""
     latitude = alpha_j + math.pi * (half_turns + 1) + rule.standoff / pair.radius_j
     behind = latitude - pair.latitude_j - pair.rate_j * time
-    return time + (behind - TURN_RAD * math.floor(behind / TURN_RAD + 0.5)) / pair.rate_j
+    if pair.acceleration_j == 0.0:
+        return time + (behind - TURN_RAD * math.floor(behind / TURN_RAD + 0.5)) / pair.rate_j
+    behind -= 0.5 * pair.acceleration_j * time * time
+    turns = TURN_RAD * math.floor(behind / TURN_RAD + 0.5)
+    return co_elliptic.time_at(pair.latitude_j, pair.rate_j, pair.acceleration_j, latitude - turns)
 
 
 class FixedPoint(NamedTuple):
@@ -192,7 +198,9 @@ def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha
         lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
         found_i, found_j, theta = line(pair, lag)
         alpha_i, alpha_j = near(found_i, alpha_i), near(found_j, alpha_j)
-        left = (alpha_i + math.pi * half_turns - pair.latitude_i) / pair.rate_i
+        left = co_elliptic.time_at(
+            pair.latitude_i, pair.rate_i, pair.acceleration_i, alpha_i + math.pi * half_turns
+        )
         met = meeting(pair, rule, half_turns, alpha_j, stand_off)
         step = abs(left - departure) + abs(met - stand_off)
         departure, stand_off = left, met
@@ -231,7 +239,7 @@ def _past_line(pair, rule, revolutions, departure, stand_off):
     r = co_elliptic.phasing_radius(pair, rule, revolutions, time)
     lag = pair.lag + pair.lag_rate * departure + carried(pair, rule, revolutions, r, time)
     alpha_i, alpha_j, _ = line(pair, lag)
-    turned = pair.latitude_i + pair.rate_i * departure - alpha_i
+    turned = co_elliptic.latitude_of_i(pair, departure) - alpha_i
     half_turns = math.floor(turned / math.pi + 0.5)
     return (turned - math.pi * half_turns) / pair.rate_i, half_turns, alpha_j
 

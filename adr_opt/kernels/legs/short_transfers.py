@@ -208,9 +208,10 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
     known, shorts = sifted
     event, lap = number[0], TURN_RAD / pair.rate_j
     approach = rule.approach_revolutions * lap
+    decays = co_elliptic.decays(pair)
     longest = pair.longest + rule.max_phasing_revolutions * pair.longest_lap
     latest = min(longest, duration - event - approach) + BAND_S
-    turned = pair.latitude_j + pair.rate_j * (event + base) - rule.standoff / pair.radius_j
+    turned = co_elliptic.latitude_of_j(pair, event + base) - rule.standoff / pair.radius_j
     first = math.floor((turned - number[3]) / math.pi + 0.5) + 1
     zoned, cheapest = rule.zones.shape[0] > 0, most + resolution
     # About how fast the line of nodes moves while the chaser gets ready, against the chaser.
@@ -219,6 +220,12 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
     near = number[4] < NEAR_RAD or pace > RESTLESS
     for row in range(grid.found.shape[0]):
         met = event + base + row * lap
+        if decays:
+            # Laps grow shorter, and are counted from the first one.
+            met = co_elliptic.time_at(
+                pair.latitude_j, pair.rate_j, pair.acceleration_j,
+                turned + rule.standoff / pair.radius_j + TURN_RAD * row,
+            )  # fmt: skip
         if met - event > latest:
             break
         below = cheapest - resolution
@@ -296,8 +303,12 @@ def short(pair, rule, duration, spacing, most, resolution):
         bases[size] = met - numbers[e, 0]
         size += 1
     span = pair.longest + rule.max_phasing_revolutions * pair.longest_lap - pair.shortest
-    rows = int((span + 2.0 * BAND_S) / lap + 1e-6) + 1
-    crossings = int(max(duration, 0.0) / lap * 2.0) + 8
+    decays, least_lap = co_elliptic.decays(pair), lap
+    if decays:
+        late = max(duration, 0.0) + span
+        least_lap = TURN_RAD / max(pair.rate_j, co_elliptic.rate_of_j(pair, late))
+    rows = int((span + 2.0 * BAND_S) / least_lap + 1e-6) + 1
+    crossings = int(max(duration, 0.0) / least_lap * 2.0) + 8
     known = Known(np.empty(crossings), np.empty(crossings))
     for c in range(crossings):
         known.delta_v[c], known.until[c] = math.inf, math.inf
@@ -310,13 +321,16 @@ def short(pair, rule, duration, spacing, most, resolution):
     for end in range(size, 0, -BLOCK):
         begin = max(end - BLOCK, 0)
         in_time = duration - numbers[begin, 0] - approach - pair.shortest + 2.0 * BAND_S
-        fixed_points.lay_out(
-            pair, grid, numbers[begin:end], bases[begin:end],
-            min(int(max(in_time, 0.0) / lap + 1e-6) + 1, rows),
-        )  # fmt: skip
+        if not decays:
+            fixed_points.lay_out(
+                pair, grid, numbers[begin:end], bases[begin:end],
+                min(int(max(in_time, 0.0) / lap + 1e-6) + 1, rows),
+            )  # fmt: skip
         for e in range(end - 1, begin - 1, -1):
             theta = numbers[e, 4]
             sure = curves.time.shape[0] > 0 and FLAT_RAD <= theta <= math.pi - FLAT_RAD
+            # Rows of a grid are whole laps apart, which those of decaying orbits are not.
+            sure = sure and not decays
             place = grid.place[e - begin] if sure else -1
             placed = _PlacedEvent(half_turns[e], numbers[e], place, bases[e])
             count = _sift(pair, rule, curves, grid, placed, limits, sifted, count)

@@ -48,12 +48,14 @@ def node_rates(bodies: npt.ArrayLike, time_s: npt.ArrayLike) -> FloatArray:
 
 def latitudes(bodies: npt.ArrayLike, time_s: npt.ArrayLike) -> FloatArray:
     """Arguments of latitude [rad]."""
-    return _moved(bodies, columns.ARGUMENT_OF_LATITUDE, columns.LATITUDE_RATE, time_s)
+    time = np.asarray(time_s, dtype=np.float64)
+    steady = _moved(bodies, columns.ARGUMENT_OF_LATITUDE, columns.LATITUDE_RATE, time)
+    return steady + 0.5 * _column(bodies, columns.LATITUDE_ACCELERATION) * time * time
 
 
 def latitude_rates(bodies: npt.ArrayLike, time_s: npt.ArrayLike) -> FloatArray:
     """Rates of the arguments of latitude [rad/s]."""
-    return _column(bodies, columns.LATITUDE_RATE)
+    return _moved(bodies, columns.LATITUDE_RATE, columns.LATITUDE_ACCELERATION, time_s)
 
 
 def eccentricities(bodies: npt.ArrayLike, time_s: npt.ArrayLike) -> FloatArray:

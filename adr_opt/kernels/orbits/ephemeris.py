@@ -2,9 +2,11 @@
 
 A body is a row of :data:`ORBIT_COLUMNS`, angles at t = 0. It moves on a circle whose node and
 argument of latitude advance at the rates of the row: those of two-body motion, or the secular ones
-of J2 (docs/model.md section 1). Elements, rates and states of a body at a time are asked for here,
-and no other room knows how a row holds them: :mod:`.elements` has those of many bodies as arrays,
-:func:`body_row` makes a row, and :mod:`.body_rows` changes some.
+of J2 (docs/model.md section 1). Where an orbit decays, the argument of latitude is quadratic in
+time; radius and node, which change far less, keep to those of the epoch. Elements, rates and states
+of a body at a time are asked for here, and no other room knows how a row holds them:
+:mod:`.elements` has those of many bodies as arrays, :func:`body_row` makes a row, and
+:mod:`.body_rows` changes some.
 
 Every element takes a time, also those that do not change in today's dynamics. So an orbit that
 changes with time is a change of this room.
@@ -14,13 +16,14 @@ import math
 
 import numpy as np
 
-from ...common.constants import MU_M3_S2
+from ...common.constants import DAY_S, MU_M3_S2
 from ..core.compile import inlined, kernel
 from .columns import (
     ARGUMENT_OF_LATITUDE,
     COASTING_RAAN_RATE,
     ECCENTRICITY,
     INCLINATION,
+    LATITUDE_ACCELERATION,
     LATITUDE_RATE,
     PERIGEE,
     PERIGEE_RATE,
@@ -103,6 +106,7 @@ def body_row(
     eccentricity: float = 0.0,
     perigee: float = 0.0,
     oblateness_m2: float = 0.0,
+    decay_m_per_day: float = 0.0,
 ) -> tuple[float, ...]:
     """Row of a body on a mean orbit, with its secular rates (docs/model.md section 1).
 
@@ -116,6 +120,8 @@ def body_row(
         Of the true orbit, and its argument of perigee at t = 0 [rad].
     oblateness_m2 : float
         J2 R², 0 for two bodies.
+    decay_m_per_day : float
+        By what the semi-major axis shrinks.
 
     Returns
     -------
@@ -128,6 +134,7 @@ def body_row(
     return (
         radius_m, inclination, node, latitude, node_rate, perigee_rate + anomaly_rate,
         eccentricity, perigee, perigee_rate,
+        1.5 * anomaly_rate / radius_m * (decay_m_per_day / DAY_S),
     )  # fmt: skip
 
 
@@ -178,13 +185,20 @@ def coasting_node_rate_at(orbit, time):
 @inlined
 def latitude_at(orbit, time):
     """Argument of latitude of a body at a time [rad]."""
-    return orbit[ARGUMENT_OF_LATITUDE] + orbit[LATITUDE_RATE] * time
+    rate = orbit[LATITUDE_RATE] + 0.5 * orbit[LATITUDE_ACCELERATION] * time
+    return orbit[ARGUMENT_OF_LATITUDE] + rate * time
 
 
 @inlined
 def latitude_rate_at(orbit, time):
     """Rate of the argument of latitude of a body at a time [rad/s]."""
-    return orbit[LATITUDE_RATE]
+    return orbit[LATITUDE_RATE] + orbit[LATITUDE_ACCELERATION] * time
+
+
+@inlined
+def latitude_acceleration_at(orbit, time):
+    """Second derivative of the argument of latitude of a body at a time, by its decay [rad/s²]."""
+    return orbit[LATITUDE_ACCELERATION]
 
 
 @inlined

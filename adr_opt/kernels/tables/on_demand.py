@@ -136,7 +136,7 @@ def _first_from(pair, steps, time):
     alpha_i, alpha_j, _ = precession.line(pair, pair.lag + pair.lag_rate * time)
     alpha_i = precession.near(alpha_i, first.alpha_i)
     alpha_j = precession.near(alpha_j, first.alpha_j)
-    turned = (pair.latitude_i + pair.rate_i * time - alpha_i) / math.pi
+    turned = (co_elliptic.latitude_of_i(pair, time) - alpha_i) / math.pi
     number = max(0, math.ceil((turned - first.half_turns) / steps))
     half_turns = first.half_turns + steps * number
     about = time + (half_turns - turned) * math.pi / pair.rate_i
@@ -191,6 +191,8 @@ def _of_listed(source, i, j, ready):
                 source, pair, j, event, met, earliest, (best_delta_v, best_arrival, best_cost)
             )
             met += lap
+            if pair.acceleration_j != 0.0:
+                met = precession.meeting(pair, rule, event.half_turns, event.alpha_j, met)
             if met - event.time > pair.longest + (
                 rule.max_phasing_revolutions * pair.longest_lap + BAND_S
             ):

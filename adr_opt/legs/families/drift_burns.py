@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S, MU_M3_S2, TURN_RAD
 from ...common.errors import InputError
-from ...kernels.legs import drift, drift_arcs, drift_pair
+from ...kernels.legs import co_elliptic, drift, drift_arcs, drift_pair
 from ...kernels.legs.burns import (
     APPROACH,
     CO_ELLIPTIC,
@@ -168,7 +168,7 @@ class Drifting:
         self._rj = float(ephemeris.radius_at(orbit_j, arrival))
         self._inclination_i = float(ephemeris.inclination_at(orbit_i, departure))
         self._inclination_j = float(ephemeris.inclination_at(orbit_j, arrival))
-        self._rate_j = float(ephemeris.latitude_rate_at(orbit_j, arrival))
+        self._rate_j = float(ephemeris.latitude_rate_at(orbit_j, ephemeris.EPOCH_S))
         self._approach = rule.approach_revolutions * TURN_RAD / self._rate_j
         self._planned = self._radius(drift.best_split(self._pair, departure, arrival).climb)
 
@@ -256,9 +256,12 @@ class Drifting:
     @staticmethod
     def _crossing(orbit: FloatArray, latitude: float, near: float) -> float:
         """Time at which a body is at an argument of latitude, nearest to a given time [s]."""
-        then, rate = ephemeris.latitude_tangent(orbit, ephemeris.EPOCH_S)
+        acceleration = float(ephemeris.latitude_acceleration_at(orbit, near))
+        about = ephemeris.EPOCH_S if acceleration == 0.0 else near
+        then, rate = ephemeris.latitude_tangent(orbit, about)
         behind = latitude - then - rate * near
-        return float(near + (behind - TURN_RAD * round(behind / TURN_RAD)) / rate)
+        behind -= TURN_RAD * round(behind / TURN_RAD)
+        return float(near + co_elliptic.time_at(0.0, rate, acceleration, behind))
 
     def _departures(self, first: Turn, begin: float, freedom: float) -> list[tuple[float, int]]:
         """The chaser's crossings of the line of nodes in a time span, with parity."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -113,6 +113,8 @@ class Imported:
     warnings : tuple of str
     station : str
         Where the station is from, or the orbit in which the chaser starts where there is none.
+    records : dict
+        Element sets of the bodies by name.
     """
 
     instance: Instance
@@ -120,6 +122,7 @@ class Imported:
     dropped: tuple[Dropped, ...]
     warnings: tuple[str, ...]
     station: str
+    records: Mapping[str, ElementSet] = field(default_factory=dict)
 
     @property
     def home(self) -> Orbit | None:
@@ -253,6 +256,10 @@ def to_instance(
             *_warnings(targets, host, instance, epoch),
         ),
         station=LAUNCHED if 0 in instance.launches else placed,
+        records={
+            **({home: host} if host and refuelling else {}),
+            **{one.name: record for one, record in zip(instance.targets, targets, strict=True)},
+        },
     )
 
 

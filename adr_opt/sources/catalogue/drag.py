@@ -15,6 +15,9 @@ from ...common.wording import counted
 from .propagation import FLOAT, satellite_of
 from .records import ElementSet
 
+LEFT_OUT = "drag, which plans leave out, "
+"""Beginning of the warning."""
+
 MOST_KM = 100.0
 """Along-track displacement that causes a warning [km]."""
 
@@ -62,7 +65,7 @@ def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: flo
         more = f", and so {'does' if down == 2 else 'do'} {down - 1} more" if down > 1 else ""
         said = f"{records[worst].label} comes down before its end{more}"
     return (
-        f"drag, which plans leave out, moves {sum(far)} of {counted(len(records), 'object')} more "
+        f"{LEFT_OUT}moves {sum(far)} of {counted(len(records), 'object')} more "
         f"than {MOST_KM:g} km along the track within the {duration_s / DAY_S:.4g} days of the "
         "mission, by their B* or the derivative of their mean motion; " + said
     )

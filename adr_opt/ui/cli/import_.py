@@ -21,6 +21,7 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from ...problem.orbit import Orbit
     from ...sources.catalogue import Imported
+    from ...sources.ephemerides.imported import WithEphemerides
 
 LEAST_STEP_DAYS = 0.01
 """Least step of the grid of long transfers; smaller ones are taken for typing errors."""
@@ -71,6 +72,8 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 @take.number("--departure-spacing-days", "D", "Least time between departures.")
 @take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
 @take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
+@take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
+@take.many("--oem", "FILE", "CCSDS OEM with ephemerides of targets; repeatable.", name="messages")
 @take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
 @take.as_json
 @take.quiet
@@ -92,6 +95,8 @@ def command(
     departure_spacing_days: float | None,
     resolution: float | None,
     criticality: bool,
+    ephemerides: bool,
+    messages: tuple[str, ...],
     skip_bad: bool,
     as_json: bool,
     quiet: bool,
@@ -100,7 +105,7 @@ def command(
     """Make an instance of the objects in FILE..., propagated by SGP4 to one epoch.
 
     Formats are recognised by content: TLE, three-line sets, and OMM as XML, KVN, JSON or CSV.
-    Orbits are mean elements in TEME.
+    Orbits are mean elements in TEME; with --ephemerides or --oem, those that fit the states best.
     """
     from ...common.files import write_text
     from ...common.records import LARGEST_DURATION_S
@@ -109,7 +114,7 @@ def command(
     from .bars import busy_bar
     from .live import wanted
 
-    check_out(out, *files, crew_given["prizes_path"])
+    check_out(out, *files, *messages, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
     check_positive(max_targets=max_targets, duration_days=duration_days)
@@ -131,6 +136,9 @@ def command(
     )
     if crew.thrust_n is not None and (dynamics != "j2" or max_drift_days == 0.0):
         raise InputError("--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days")
+    if (ephemerides or messages) and dynamics != "j2":
+        option = "--oem" if messages else "--ephemerides"
+        raise InputError(f"{option}: orbits are fitted under J2; leave --dynamics j2")
     epoch = None if epoch_text is None else parse_epoch(epoch_text)
     mission = catalogue.MissionOutline(
         epoch=epoch, duration_s=DAY_S * duration_days, dynamics=dynamics, transfer=transfer,
@@ -148,11 +156,22 @@ def command(
             crew=crew,
             demands=demands,
         )
-    write_text(out, made.instance.to_json())
+    if not (ephemerides or messages):
+        write_text(out, made.instance.to_json())
+        if as_json:
+            emit_json({"path": out, "formats": found.formats, **made.to_dict()})
+        if not quiet:
+            _tell(made, out)
+        return 0
+    from ...sources.ephemerides.imported import with_ephemerides
+
+    with busy_bar(wanted(as_json, quiet), "fitting orbits"):
+        fitted = with_ephemerides(made, out, messages)
+    fitted.write(out)
     if as_json:
-        emit_json({"path": out, "formats": found.formats, **made.to_dict()})
+        emit_json({"path": out, "formats": found.formats, **fitted.to_dict()})
     if not quiet:
-        _tell(made, out)
+        _tell(fitted.imported, out, fitted)
     return 0
 
 
@@ -216,7 +235,7 @@ def parse_epoch(text: str) -> datetime:
         raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None
 
 
-def _tell(made: Imported, out: str) -> None:
+def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> None:
     bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
     for drop in bad[:MOST_LISTED]:
         say(f"left out: {drop}")
@@ -233,8 +252,14 @@ def _tell(made: Imported, out: str) -> None:
     taken = f"{count} of {counted(made.read, 'object')} as target{'' if count == 1 else 's'}"
     say(
         f"wrote {out}: {instance.name}, {taken}, "
-        f"mean elements (SGP4, TEME) at {instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
+        f"mean elements ({'SGP4' if fitted is None else 'fitted'}, TEME) at "
+        f"{instance.epoch:%Y-%m-%dT%H:%M:%SZ}"
     )
+    if fitted is not None:
+        from ...sources.ephemerides.left_over import told as left_told
+
+        say(f"ephemerides beside it: {', '.join(fitted.contents)}")
+        say(left_told(fitted.left))
     left_out = f"left out: {listed or 'nothing'}"
     placed = f"start {made.station}" if made.home is None else _placed(made, made.home)
     say(f"{placed}; {left_out}")

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
-from ...kernels.orbits import equinoctial
+from . import equinoctial
 
 Array = npt.NDArray[np.float64]
 

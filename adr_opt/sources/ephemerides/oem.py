@@ -1,0 +1,63 @@
+"""CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation here.
+
+Reading finds the segments and their metadata; the states of a segment are parsed when they are
+asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from ...common.errors import InputError
+from ..catalogue.records import shown
+from .oem_segment import MessageSegment, checked
+from .oem_xml import read_xml
+
+
+def read_oem(content: bytes, source: str) -> list[MessageSegment]:
+    """The segments of a message.
+
+    Raises
+    ------
+    InputError
+        It is none, or a segment lacks metadata or states.
+    """
+    text = content.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
+    if text.startswith("<"):
+        found = read_xml(content, source)
+    elif text.startswith("CCSDS_OEM_VERS"):
+        found = list(_segments(text, source))
+    else:
+        raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
+    if not found:
+        raise InputError(f"{source}: an OEM without a segment; give one with states")
+    return found
+
+
+def _segments(text: str, source: str) -> Iterator[MessageSegment]:
+    fields: dict[str, str] = {}
+    rows: list[str] = []
+    begin, in_metadata, in_covariance = 0, False, False
+    for number, row in enumerate(text.splitlines(), 1):
+        line = row.strip()
+        if not line or line.startswith("COMMENT"):
+            continue
+        if line == "META_START":
+            if begin:
+                yield checked(MessageSegment(source, begin, fields, tuple(rows)))
+            fields, rows, begin, in_metadata, in_covariance = {}, [], number, True, False
+        elif line == "META_STOP":
+            in_metadata = False
+        elif line in ("COVARIANCE_START", "COVARIANCE_STOP"):
+            in_covariance = line == "COVARIANCE_START"
+        elif in_metadata:
+            keyword, is_given, value = line.partition("=")
+            keyword = keyword.strip()
+            if not is_given or keyword in fields:
+                fault = "is given twice" if is_given else "has no value"
+                raise InputError(f"{source}: line {number}: {shown(keyword)} {fault}")
+            fields[keyword] = value.strip()
+        elif begin and not in_covariance:
+            rows.append(line)
+    if begin:
+        yield checked(MessageSegment(source, begin, fields, tuple(rows)))

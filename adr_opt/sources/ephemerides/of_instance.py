@@ -1,0 +1,163 @@
+"""Ephemerides of the bodies of an instance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from datetime import datetime
+from functools import partial
+
+from ...common.errors import InputError
+from ...problem.ephemerides import EphemerisKind
+from ...problem.frame import Frame
+from ...problem.instance import Instance
+from .by_sgp4 import ByElements
+from .by_table import ByTable
+from .elements_file import read_elements
+from .ephemeris import Ephemeris
+from .oem import read_oem
+from .oem_segment import MessageSegment
+from .turning import TurningAxes
+
+
+class Ephemerides:
+    """Ephemerides of bodies by name, each made when it is asked for.
+
+    Parameters
+    ----------
+    makers : mapping
+        Body → how its ephemeris is made.
+    name : str
+        Of the instance.
+    """
+
+    def __init__(self, makers: Mapping[str, Callable[[], Ephemeris]], name: str) -> None:
+        self._makers, self._name = makers, name
+        self._made: dict[str, Ephemeris] = {}
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of the bodies that have one."""
+        return tuple(self._makers)
+
+    def of(self, body: str) -> Ephemeris:
+        """The ephemeris of a body.
+
+        Raises
+        ------
+        InputError
+            It has none, or it cannot be read.
+        """
+        if body not in self._makers:
+            raise InputError(f"{body!r} of {self._name!r} has no ephemeris; import it with one")
+        if body not in self._made:
+            self._made[body] = self._makers[body]()
+        return self._made[body]
+
+
+def ephemerides_of(instance: Instance) -> Ephemerides:
+    """Ephemerides beside an instance, read from the folder of its file; their digest is checked.
+
+    Raises
+    ------
+    InputError
+        The instance names none, or their files are missing, others than it says, or bad.
+    MissingExtra
+        sgp4 or astropy is not installed.
+    """
+    reference = instance.ephemerides
+    if reference is None:
+        raise InputError(f"{instance.name!r} has no ephemerides; make it with import --ephemerides")
+    assert instance.frame is not None  # the instance requires it
+    contents = reference.contents(instance.folder())
+    designators = {station.name: station.object_id for station in instance.stations}
+    designators |= {target.name: target.object_id for target in instance.targets}
+    return of_contents(
+        reference.kind, contents, designators, epoch=instance.epoch, frame=instance.frame,
+        name=instance.name,
+    )  # fmt: skip
+
+
+def ephemeris_of(instance: Instance, body: str) -> Ephemeris:
+    """Ephemeris of one body; for several, ask :func:`ephemerides_of` once.
+
+    Raises
+    ------
+    InputError, MissingExtra
+        As of :func:`ephemerides_of` and :meth:`Ephemerides.of`.
+    """
+    return ephemerides_of(instance).of(body)
+
+
+def of_contents(
+    kind: EphemerisKind,
+    contents: Mapping[str, bytes],
+    designators: Mapping[str, str | None],
+    *,
+    epoch: datetime,
+    frame: Frame,
+    name: str = "",
+) -> Ephemerides:
+    """Ephemerides from the content of files.
+
+    Parameters
+    ----------
+    kind : {"elements", "oem"}
+    contents : mapping
+        File → content.
+    designators : mapping
+        Body → its international designator, if known.
+    epoch, frame, name
+        Of the instance.
+
+    Raises
+    ------
+    InputError
+        A file is bad, or names two objects that are one body.
+    """
+    axes = TurningAxes(epoch, frame)
+    makers: dict[str, Callable[[], Ephemeris]] = {}
+    if kind == "elements":
+        for source, content in contents.items():
+            for body, record in read_elements(content, source).items():
+                makers[body] = partial(ByElements, body, record, epoch, axes)
+        return Ephemerides(makers, name)
+    segments = [
+        segment for source, content in contents.items() for segment in read_oem(content, source)
+    ]
+    for body, found in by_body(segments, designators).items():
+        makers[body] = partial(ByTable, body, found, epoch, frame, axes)
+    return Ephemerides(makers, name)
+
+
+def by_body(
+    segments: Iterable[MessageSegment], designators: Mapping[str, str | None]
+) -> dict[str, list[MessageSegment]]:
+    """Segments of each body: those whose object has its name or its designator.
+
+    Raises
+    ------
+    InputError
+        Two objects are one body.
+    """
+    by_name = {body.casefold(): body for body in designators}
+    by_designator: dict[str, str | None] = {}
+    for body, designator in designators.items():
+        if designator is not None:
+            # Of two bodies with one designator the name decides.
+            by_designator[designator.upper()] = (
+                None if designator.upper() in by_designator else body
+            )
+    found: dict[str, list[MessageSegment]] = {}
+    for segment in segments:
+        object_name, object_id = segment.names
+        named = by_name.get(object_name.casefold()) or by_designator.get(object_id.upper())
+        if named is None:
+            continue
+        others = found.setdefault(named, [])
+        if others and others[0].names != segment.names:
+            raise InputError(
+                f"{segment.where}: another ephemeris of {named!r} is in {others[0].source}, line "
+                f"{others[0].line}, of another object; give one of them"
+            )
+        others.append(segment)
+    return found
