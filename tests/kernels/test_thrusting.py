@@ -10,7 +10,7 @@ import pytest
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.fly.flight.thrust_flight import is_dark
 from adr_opt.fly.refine.near_circle import near_circle
-from adr_opt.kernels.orbits import coast, mean_thrusting, primer, thrusting
+from adr_opt.kernels.orbits import coast, mean_thrusting, primer, sunlight, thrusting
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.thrusting import Push, ThrustArcs
 
@@ -97,6 +97,38 @@ def test_thrust_lasts_as_long_as_asked_and_is_off_in_the_shadow(seed: int) -> No
     states = thrusting.follow(again, times, windows, wanted.laws, push, FIELDS["j2"])
     for time, there in zip(times, states, strict=True):
         assert not is_dark(thrusting.elements_of(there, time)[[0, 1, 2, 3, 4, 6]], since + time)
+
+
+def test_thrust_is_off_in_the_shortest_shadows() -> None:
+    """Spirals whose planes are about to leave the shadow, or to enter it, thrust in sunlight."""
+    rng = np.random.default_rng(1)
+    law, zonals = np.array([[0.0, 0.0, -1.0, 0.0, 0.0]]), FIELDS["j2"]
+    grazes = 0
+    for _ in range(60):
+        since = rng.uniform(8e8, 9e8)
+        sun = np.array(sunlight.sun_direction(since))
+        r = EARTH_RADIUS_M + rng.uniform(600e3, 1000e3)
+        # The Sun's height above the plane at which the orbit passes some kilometres off the shadow.
+        height = math.acos(min((EARTH_RADIUS_M + rng.uniform(-2e4, 3e4)) / r, 1.0))
+        height = 0.5 * math.pi - height
+        across = np.cross(sun, rng.normal(size=3))
+        across /= np.linalg.norm(across)
+        normal = math.sin(height) * sun + math.cos(height) * across
+        start = np.cross(normal, rng.normal(size=3))
+        start /= np.linalg.norm(start)
+        state = np.r_[r * start, math.sqrt(MU_M3_S2 / r) * np.cross(normal, start)]
+        push = Push(0.3, EXHAUST_M_S, 300.0, since)
+        wanted = ThrustArcs(law, np.zeros(1), np.zeros(1), np.array([3.0 * DAY_S]))
+        now, room = thrusting.elements_of(state, 0.0), np.empty((500, 3))
+        count, _, _ = thrusting.fly(now, 2.0 * DAY_S, push, wanted, zonals, room)
+        windows = room[:count]
+        grazes += count > 1
+        times = np.concatenate([np.arange(begin, end, 30.0) for begin, end, _ in windows])
+        again = thrusting.elements_of(state, 0.0)
+        states = thrusting.follow(again, times, windows, law, push, zonals)
+        for time, there in zip(times, states, strict=True):
+            assert not is_dark(thrusting.elements_of(there, time)[[0, 1, 2, 3, 4, 6]], since + time)
+    assert grazes > 10
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -45,7 +45,7 @@ POLL_S = 0.1
 Report = Callable[[int, int], None]
 
 
-class Refining(NamedTuple):
+class Wanted(NamedTuple):
     """Parameters of :func:`refine`."""
 
     gravity: Gravity | None
@@ -108,12 +108,12 @@ def refine(
         other, or a parameter is not one of those.
     """
     return refined_again(
-        instance_of(instance), plan, Refining(gravity, freedom, jobs, cluster, enough, report), {}
+        instance_of(instance), plan, Wanted(gravity, freedom, jobs, cluster, enough, report), {}
     )
 
 
 def refined_again(
-    instance: Instance, plan: Plan, wanted: Refining, known: dict[Hashable, RefinedLeg]
+    instance: Instance, plan: Plan, wanted: Wanted, known: dict[Hashable, RefinedLeg]
 ) -> RefinedPlan:
     """Refine a plan, legs of low thrust only where they are not known from another plan.
 
@@ -121,7 +121,7 @@ def refined_again(
     ----------
     instance : Instance
     plan : Plan
-    wanted : Refining
+    wanted : Wanted
     known : dict
         Refined legs of low thrust of plans of the instance, in the same field, by what they were
         made of; those of this plan are added.

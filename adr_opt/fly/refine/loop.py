@@ -24,7 +24,7 @@ from ...run.methods import BOUNDS, PLANNERS
 from ..flight.flyable import refuse_given
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
-from .all_legs import Refining, refined_again
+from .all_legs import Wanted, refined_again
 from .holding import beginning, troubles
 from .lessons import Lessons
 
@@ -226,7 +226,7 @@ def solve_refined(  # noqa: PLR0913
     def over() -> bool:
         return stop is not None and stop.remaining_s() <= 0.0
 
-    refining = Refining(gravity, freedom, jobs, None, over, lambda done, total: None)
+    refining = Wanted(gravity, freedom, jobs, None, over, lambda done, total: None)
     known: dict[Hashable, RefinedLeg] = {}
     while True:
         here = mission.corrected(lessons.corrections) if held else mission

@@ -75,7 +75,7 @@ def shadow_of(
     return math.atan2(-y, -x), math.acos(least) if least < 1.0 else 0.0
 
 
-class Windows(NamedTuple):
+class LitWindows(NamedTuple):
     """Means over windows of thrust in sunlight.
 
     Attributes
@@ -92,7 +92,7 @@ class Windows(NamedTuple):
     double: Vector
 
 
-def windows_of(window: float, place: float, middle: float, half: float) -> Windows:
+def windows_of(window: float, place: float, middle: float, half: float) -> LitWindows:
     """Windows about a place and its opposite, without the shadow.
 
     The circle is cut where a window or the shadow begins or ends, and summed up piece by piece.
@@ -117,7 +117,7 @@ def windows_of(window: float, place: float, middle: float, half: float) -> Windo
                     (math.cos(times * low) - math.cos(times * high)) / times,
                 )
     single, double = sums / share
-    return Windows(
+    return LitWindows(
         share / mean, share / (2.0 * math.pi),
         (float(single[0]), float(single[1])), (float(double[0]), float(double[1])),
     )  # fmt: skip

@@ -33,6 +33,10 @@ NEAR_RAD = 0.05
 CLEAR_M = 5e3
 """Clearance from the shadow: by how much an osculating orbit changes over that distance [m]."""
 
+GRAZED_M, BESIDE_RAD = 3e4, 0.15
+"""Clearance below which the darkest place is looked at once more, from twice that distance, and
+half the width of a short shadow."""
+
 MOST_LANDINGS = 30
 """Maximum number of steps to a given time."""
 
@@ -208,20 +212,20 @@ def _land(now, time, engine, zonals, work, rates):
 
 
 @inlined
-def _is_lit(now, longitude, sun):
-    """Whether a place of the osculating orbit is in sunlight, with some clearance."""
+def _clearance(now, longitude, sun):
+    """Distance of a place of the orbit from the shadow; infinite before the Earth [m]."""
     c, s = math.cos(longitude), math.sin(longitude)
     r = now[0] / (1.0 + now[1] * c + now[2] * s)
     x, y, z, _, _, _ = _frame(now[3], now[4], c, s)
     towards = x * sun[0] + y * sun[1] + z * sun[2]
-    return towards > 0.0 or r * math.sqrt(1.0 - towards * towards) > EARTH_RADIUS_M + CLEAR_M
+    return math.inf if towards > 0.0 else r * math.sqrt(1.0 - towards * towards) - EARTH_RADIUS_M
 
 
 @inlined
 def _is_on(now, longitude, law, least, sun):
     """Whether thrust is on at a place."""
     u = longitude - math.atan2(now[4], now[3])
-    return length(law, u) >= least and _is_lit(now, longitude, sun)
+    return length(law, u) >= least and _clearance(now, longitude, sun) > CLEAR_M
 
 
 @inlined
@@ -239,6 +243,7 @@ def _next_switch(now, is_on, law, least, sun):
     """Longitude at which thrust is switched next, at most half a revolution on; whether it is."""
     before = now[6]
     here, darkest = before + 0.5 * SCAN_RAD, _darkest(now, sun)
+    beside = darkest - 2.0 * BESIDE_RAD
     while here < now[6] + math.pi:
         # The shortest shadow has a place that is asked for.
         if before < darkest < here:
@@ -253,12 +258,16 @@ def _next_switch(now, is_on, law, least, sun):
                     low = middle
                 else:
                     high = middle
-            # From afar it is known to some kilometres only.
+            # From afar it is known to some kilometres only, which move edges of a short shadow far.
+            if abs(high - darkest) < BESIDE_RAD and beside - now[6] > NEAR_RAD:
+                return beside, False
             far = high - now[6] > 2.0 * NEAR_RAD
             return (high - NEAR_RAD, False) if far else (high, True)
         before = here
         here += SCAN_RAD
-    # No place beyond the last one that was asked for.
+    # No place beyond the last one that was asked for, nor past a shadow that may be grazed.
+    if now[6] + NEAR_RAD < beside < before and _clearance(now, darkest, sun) < GRAZED_M:
+        return beside, False
     return before, False
 
 
