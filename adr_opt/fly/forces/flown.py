@@ -1,0 +1,179 @@
+"""Flight of refined plans with all forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...common.constants import MU_M3_S2
+from ...common.errors import InputError
+from ...plan.refined_plan import RefinedPlan
+from ...problem.instance import Instance
+from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
+from ..flight.result import TankFlight
+from ..flight.tanks import legs_by_tank, tanks_of
+from ..refine.short_periods import Array
+from .corrected import Span, correction_m_s, ending
+from .library import Moving, World
+from .result import ForcedFlight, ForcedLeg, Off, total
+from .settings import Forces
+
+
+class Acting(NamedTuple):
+    """Forces on the chaser and on the bodies, as the library has them."""
+
+    chaser: Any
+    body: Any
+
+
+def fly_forced(
+    instance: Instance,
+    refined: RefinedPlan,
+    forces: Forces | None = None,
+    report: Callable[[int, int], None] = lambda done, total: None,
+) -> ForcedFlight:
+    """Fly a refined plan with all forces; nothing is corrected on the way.
+
+    Parameters
+    ----------
+    instance : Instance
+    refined : RefinedPlan
+    forces : Forces, optional
+        Those of :class:`Forces` by default.
+    report : callable
+        Hears of how many legs are flown, and of how many there are.
+
+    Raises
+    ------
+    InputError
+        The refined plan belongs to another instance, names an unknown body, has low thrust, or
+        leads into the Earth or away from it.
+    MissingExtra
+        The library is not installed.
+    """
+    refuse_strangers(instance, refined)
+    _refuse_thrust(refined)
+    settings = Forces() if forces is None else forces
+    world = World.of(instance)
+    acting = Acting(
+        world.all_forces(settings, settings.area_mass_m2_kg),
+        world.all_forces(settings, settings.of_targets_m2_kg),
+    )
+    legs: list[ForcedLeg] = []
+    report(0, len(refined.legs))
+    for planned in planned_legs(instance, refined):
+        try:
+            legs.append(fly_leg(world, acting, planned, instance.transfer.standoff_m))
+        except ArithmeticError as error:
+            raise InputError(f"leg {planned.leg.leg}: cannot be flown: {error}") from None
+        report(len(legs), len(refined.legs))
+    return ForcedFlight(
+        forces=settings,
+        gravity=refined.gravity,
+        legs=tuple(legs),
+        tanks=_with_corrections(instance, refined, legs),
+        missing=tuple(missing.leg for missing in refined.missing),
+    )
+
+
+def _refuse_thrust(refined: RefinedPlan) -> None:
+    """Raise :class:`InputError` for legs of low thrust."""
+    for leg in refined.legs:
+        if leg.thrust is not None:
+            raise InputError(
+                f"leg {leg.leg} has low thrust, and with all forces only legs of impulses are "
+                "flown; leave --forces full out"
+            )
+
+
+def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float) -> ForcedLeg:
+    """Fly one leg and its body side by side, and correct its end."""
+    leg = planned.leg
+    begin_s, end_s = leg.states[0].time_s, leg.standoff_s
+    last_s = max(begin_s, end_s - _revolution_s(planned.standoff))
+    burns = _burns_before(planned)
+    chaser, body, now = planned.chaser, planned.body, begin_s
+    start = chaser
+    for time in sorted({*burns, last_s, end_s}):
+        both = [Moving(chaser, acting.chaser), Moving(body, acting.body)]
+        chaser, body = world.coast(both, now, time)
+        now = time
+        if time == last_s:
+            start = chaser
+        if time in burns:
+            chaser = chaser + np.concatenate([np.zeros(3), burns[time]])
+    # The point that follows the body is where that was a moment ago.
+    delay = standoff_m / math.hypot(*body[3:])
+    following = world.coast([Moving(body, acting.body)], end_s + delay, end_s)[0]
+    span = Span(last_s, end_s, start, chaser)
+    last = ending(span, {at: dv for at, dv in burns.items() if at >= last_s})
+
+    def fly(impulses: Array) -> Array:
+        state, at = last.start, last_s
+        for time, impulse in zip(last.times, impulses, strict=True):
+            state = world.coast([Moving(state, acting.chaser)], at, float(time))[0].copy()
+            state[3:] += impulse
+            at = float(time)
+        return state
+
+    def off(goal: Array) -> Off:
+        return replace(_off(chaser, goal), correction_m_s=correction_m_s(last, goal, fly))
+
+    return ForcedLeg(
+        leg=leg.leg,
+        origin=leg.origin,
+        destination=leg.destination,
+        kind=leg.kind,
+        flown_delta_v_m_s=leg.spent_m_s,
+        planned_body=off(planned.standoff),
+        flown_body=off(following),
+    )
+
+
+def _burns_before(planned: PlannedLeg) -> dict[float, Array]:
+    """Burns before the approach, by time; those at one time together."""
+    found: dict[float, Array] = {}
+    for burn in planned.leg.burns:
+        if burn.phase == "approach":
+            return found
+        found[burn.time_s] = found.get(burn.time_s, np.zeros(3)) + np.array(burn.delta_v_m_s)
+    raise ArithmeticError("no burn begins the approach; add the approach burns")
+
+
+def _revolution_s(state: Array) -> float:
+    inverse = 2.0 / math.hypot(*state[:3]) - float(state[3:] @ state[3:]) / MU_M3_S2
+    return math.tau / math.sqrt(MU_M3_S2 * inverse**3)
+
+
+def _off(chaser: Array, goal: Array) -> Off:
+    """The state of a chaser relative to a stand-off, uncorrected."""
+    outward = goal[:3] / math.hypot(*goal[:3])
+    momentum = np.cross(goal[:3], goal[3:])
+    across = momentum / math.hypot(*momentum)
+    away = chaser[:3] - goal[:3]
+    return Off(
+        radial_m=float(outward @ away),
+        along_m=float(np.cross(across, outward) @ away),
+        across_m=float(across @ away),
+        speed_m_s=math.hypot(*(chaser[3:] - goal[3:])),
+        correction_m_s=None,
+    )
+
+
+def _with_corrections(
+    instance: Instance, refined: RefinedPlan, legs: list[ForcedLeg]
+) -> tuple[TankFlight, ...]:
+    """Tanks of the refined plan with the corrections to the planned bodies on top."""
+    by_number = {leg.leg: leg.planned_body for leg in legs}
+    found = []
+    tanks = legs_by_tank(instance, refined)
+    for tank, its in zip(tanks_of(instance, refined), tanks, strict=True):
+        more = total(by_number[leg.leg] for leg in its.legs)
+        burns = tank.flown_delta_v_m_s
+        flown = None if more is None or burns is None else burns + more
+        found.append(replace(tank, flown_delta_v_m_s=flown))
+    return tuple(found)
