@@ -13,7 +13,7 @@ from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
-from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
+from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..refine.short_periods import Array
@@ -58,11 +58,7 @@ def fly_forced(
     refuse_strangers(instance, refined)
     _refuse_thrust(refined)
     settings = Forces() if forces is None else forces
-    world = World.of(instance)
-    acting = Acting(
-        world.all_forces(settings, settings.area_mass_m2_kg),
-        world.all_forces(settings, settings.of_targets_m2_kg),
-    )
+    world, acting = all_forces(instance, settings)
     legs: list[ForcedLeg] = []
     report(0, len(refined.legs))
     for planned in planned_legs(instance, refined):
@@ -78,6 +74,22 @@ def fly_forced(
         tanks=_with_corrections(instance, refined, legs),
         missing=tuple(missing.leg for missing in refined.missing),
     )
+
+
+def all_forces(instance: Instance, settings: Forces) -> tuple[World, Acting]:
+    """Motion with all forces."""
+    world = World.of(instance)
+    return world, Acting(
+        world.all_forces(settings, settings.area_mass_m2_kg),
+        world.all_forces(settings, settings.of_targets_m2_kg),
+    )
+
+
+def plan_field(instance: Instance, gravity: str) -> tuple[World, Acting]:
+    """Motion with all forces off but the field of a refined plan, to compare integrators."""
+    world = World.of(instance)
+    forces = world.zonal(FIELDS[gravity])
+    return world, Acting(forces, forces)
 
 
 def _refuse_thrust(refined: RefinedPlan) -> None:
