@@ -3,9 +3,9 @@
     python bench/forces.py
     python bench/forces.py --peer
 
-Fields of the family `sso`, on a grid of weeks, are planned and refined with the plans' own burns; of
-their legs those that last a week are flown, and the short ones of nominal fields. First with all
-forces off, by which the integrator of the library is compared with that of `fly`; then with all
+Fields of the family `sso`, on a grid of weeks, are planned and refined with the plans' own burns.
+Of their legs those that last a week are flown, and the short ones of a nominal field. First with
+all forces off, by which the integrator of the library is compared with that of `fly`; then with all
 forces, by the activity of the Sun, with time and processor time. Then what the settings of the
 library leave out over a week. ``--peer`` measures heyoka, if it is installed, on a day.
 """
@@ -25,7 +25,7 @@ from machine import heading
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.fly.flight.refined import planned_legs
-from adr_opt.fly.forces import ForcedFlight, Forces, fly_forced, library
+from adr_opt.fly.forces import Forces, fly_forced, library
 from adr_opt.fly.forces.flown import fly_leg, plan_field
 from adr_opt.fly.forces.library import Moving, World
 from adr_opt.fly.forces.settings import WEATHER

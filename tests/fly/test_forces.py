@@ -22,9 +22,10 @@ from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight.refined import planned_legs
 from adr_opt.fly.forces import ForcedFlight, Forces, fly_forced
-from adr_opt.fly.forces.corrected import Span, correction_m_s, ending
+from adr_opt.fly.forces.corrected import Span, correction_m_s, last_lap
 from adr_opt.fly.forces.flown import fly_leg, plan_field
 from adr_opt.fly.forces.library import Array, Moving, World
+from adr_opt.fly.forces.push import direction
 from adr_opt.fly.trajectory.axes import rotation
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.frame import Frame
@@ -98,8 +99,12 @@ def test_without_the_forces_weeks_agree() -> None:
     """A leg that drifts for weeks agrees within the square of its weeks, in metres."""
     instance = drifting_instance()
     plan = adr_opt.refine(instance, drifting_plan())
-    weeks = max(leg.standoff_s - leg.states[0].time_s for leg in plan.legs) / (7.0 * DAY_S)
-    assert worst_without_forces(instance, plan) < weeks**2
+    assert worst_without_forces(instance, plan) < weeks_of(plan) ** 2
+
+
+def weeks_of(plan: RefinedPlan) -> float:
+    """Duration of the longest leg in weeks."""
+    return max(leg.standoff_s - leg.states[0].time_s for leg in plan.legs) / (7.0 * DAY_S)
 
 
 @pytest.mark.parametrize("year", [2000, 2015, 2026])
@@ -282,7 +287,7 @@ def test_a_delay_costs_two_small_burns() -> None:
         return state
 
     reached = world.coast([Moving(start, field.chaser)], 0.0, lap)[0]
-    last = ending(Span(0.0, lap, start, reached), {})
+    last = last_lap(Span(0.0, lap, start, reached), {})
     for length in (100.0, 10e3, -50e3):
         delay = length / math.hypot(*start[3:])
         goal = world.coast([Moving(start, field.chaser)], 0.0, lap - delay)[0]
@@ -346,12 +351,33 @@ def test_the_command_line_tells_all_of_it(tmp_path: Path, cli: Cli) -> None:
 
 
 @pytest.mark.slow
-def test_low_thrust_is_refused() -> None:
-    """Legs of low thrust are refused in one sentence."""
+def test_low_thrust_agrees_without_the_forces() -> None:
+    """Arcs of low thrust lead to their stand-offs within the square of their weeks, in metres."""
     instance = electric(0, targets=6)
     plan = adr_opt.refine(instance, solved(instance))
-    with pytest.raises(InputError, match="has low thrust"):
-        fly_forced(instance, plan)
+    assert plan.has_thrust
+    assert worst_without_forces(instance, plan) < weeks_of(plan) ** 2
+
+
+def test_thrust_points_where_its_law_says() -> None:
+    """Parts outward, ahead and across are those of the law of steering, at any latitude."""
+    rng = np.random.default_rng(0)
+    for _ in range(100):
+        inclination, angle = rng.uniform(5.0, 175.0), rng.uniform(0.0, 360.0)
+        a, b, c, d, e = steering = tuple(rng.normal(size=5).tolist())
+        state = circle(7e6, inclination, angle)
+        found = direction(state, np.array([0.0, 0.0, 1.0]), steering)
+        outward, ahead = state[:3] / 7e6, state[3:] / np.linalg.norm(state[3:])
+        cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        law = np.array(
+            [
+                a * sine - b * cosine,
+                c + 2.0 * (a * cosine + b * sine),
+                d * cosine + e * sine,
+            ]
+        )
+        parts = [found @ outward, found @ ahead, found @ np.cross(outward, ahead)]
+        assert parts == pytest.approx(law / np.linalg.norm(law), abs=1e-12)
 
 
 def test_an_orbit_into_the_earth_is_refused() -> None:

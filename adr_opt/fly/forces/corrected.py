@@ -32,7 +32,7 @@ CLOSE_M, CLOSE_M_S = 0.1, 1e-4
 Fly = Callable[[Array], Array]
 
 
-class Ending(NamedTuple):
+class LastLap(NamedTuple):
     """The last revolution of a leg, as it is flown without a correction.
 
     Attributes
@@ -65,21 +65,21 @@ class Span(NamedTuple):
     reached: Array
 
 
-def ending(span: Span, burns: dict[float, Array]) -> Ending:
+def last_lap(span: Span, burns: dict[float, Array]) -> LastLap:
     """The last revolution over a span, the burns of the leg by time."""
     start, begin_s, end_s = span.start, span.begin_s, span.end_s
     places = np.linspace(begin_s, end_s, PLACES + 1)
     times = np.array(sorted({*places.tolist(), *burns}))
     made = np.array([burns.get(float(time), np.zeros(3)) for time in times])
-    return Ending(start, times, made, end_s, span.reached)
+    return LastLap(start, times, made, end_s, span.reached)
 
 
-def correction_m_s(last: Ending, goal: Array, fly: Fly) -> float | None:
+def correction_m_s(last: LastLap, goal: Array, fly: Fly) -> float | None:
     """ΔV of the least impulses that lead to a goal; None if none are found [m/s].
 
     Parameters
     ----------
-    last : Ending
+    last : LastLap
     goal : (6,) float64
     fly : callable
         The state at the end with all forces, from all impulses, shape (n, 3).

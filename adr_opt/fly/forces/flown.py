@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,17 +16,11 @@ from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..refine.short_periods import Array
-from .corrected import Span, correction_m_s, ending
+from .corrected import Span, correction_m_s, last_lap
+from .course import Acting, Course, kicked
 from .library import Moving, World
 from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces
-
-
-class Acting(NamedTuple):
-    """Forces on the chaser and on the bodies, as the library has them."""
-
-    chaser: Any
-    body: Any
 
 
 def fly_forced(
@@ -50,13 +43,12 @@ def fly_forced(
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, names an unknown body, has low thrust, or
-        leads into the Earth or away from it.
+        The refined plan belongs to another instance, names an unknown body, or leads into the
+        Earth or away from it.
     MissingExtra
         The library is not installed.
     """
     refuse_strangers(instance, refined)
-    _refuse_thrust(refined)
     settings = Forces() if forces is None else forces
     world, acting = all_forces(instance, settings)
     legs: list[ForcedLeg] = []
@@ -92,45 +84,24 @@ def plan_field(instance: Instance, gravity: str) -> tuple[World, Acting]:
     return world, Acting(forces, forces)
 
 
-def _refuse_thrust(refined: RefinedPlan) -> None:
-    """Raise :class:`InputError` for legs of low thrust."""
-    for leg in refined.legs:
-        if leg.thrust is not None:
-            raise InputError(
-                f"leg {leg.leg} has low thrust, and with all forces only legs of impulses are "
-                "flown; leave --forces full out"
-            )
-
-
 def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float) -> ForcedLeg:
     """Fly one leg and its body side by side, and correct its end."""
     leg = planned.leg
+    course = Course(world, acting, leg)
     begin_s, end_s = leg.states[0].time_s, leg.standoff_s
     last_s = max(begin_s, end_s - _revolution_s(planned.standoff))
-    burns = _burns_before(planned)
-    chaser, body, now = planned.chaser, planned.body, begin_s
-    start = chaser
-    for time in sorted({*burns, last_s, end_s}):
-        both = [Moving(chaser, acting.chaser), Moving(body, acting.body)]
-        chaser, body = world.coast(both, now, time)
-        now = time
-        if time == last_s:
-            start = chaser
-        if time in burns:
-            chaser = chaser + np.concatenate([np.zeros(3), burns[time]])
+    start, body = course.beside(planned.chaser, planned.body, begin_s, last_s)
+    chaser, body = course.beside(start, body, last_s, end_s)
+    chaser = kicked(chaser, course.burns, end_s)
     # The point that follows the body is where that was a moment ago.
     delay = standoff_m / math.hypot(*body[3:])
     following = world.coast([Moving(body, acting.body)], end_s + delay, end_s)[0]
-    span = Span(last_s, end_s, start, chaser)
-    last = ending(span, {at: dv for at, dv in burns.items() if at >= last_s})
+    burns = {at: burn for at, burn in course.burns.items() if last_s <= at <= end_s}
+    last = last_lap(Span(last_s, end_s, start, chaser), burns)
 
     def fly(impulses: Array) -> Array:
-        state, at = last.start, last_s
-        for time, impulse in zip(last.times, impulses, strict=True):
-            state = world.coast([Moving(state, acting.chaser)], at, float(time))[0].copy()
-            state[3:] += impulse
-            at = float(time)
-        return state
+        made = dict(zip(last.times.tolist(), impulses, strict=True))
+        return course.alone(start, last_s, end_s, made)
 
     def off(goal: Array) -> Off:
         return replace(_off(chaser, goal), correction_m_s=correction_m_s(last, goal, fly))
@@ -144,16 +115,6 @@ def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float
         planned_body=off(planned.standoff),
         flown_body=off(following),
     )
-
-
-def _burns_before(planned: PlannedLeg) -> dict[float, Array]:
-    """Burns before the approach, by time; those at one time together."""
-    found: dict[float, Array] = {}
-    for burn in planned.leg.burns:
-        if burn.phase == "approach":
-            return found
-        found[burn.time_s] = found.get(burn.time_s, np.zeros(3)) + np.array(burn.delta_v_m_s)
-    raise ArithmeticError("no burn begins the approach; add the approach burns")
 
 
 def _revolution_s(state: Array) -> float:

@@ -26,6 +26,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import MissingExtra
 from ...problem.frame import Frame
 from ...problem.instance import Instance
+from .push import Push
 from .settings import DEGREE, Forces, SpaceWeather
 
 Array = npt.NDArray[np.float64]
@@ -40,10 +41,11 @@ EXTRA = ("flying with all forces", "brahe", "forces")
 
 
 class Moving(NamedTuple):
-    """A state, shape (6,) [m, m/s], and the forces that act on it."""
+    """A state, shape (6,) [m, m/s], the forces that act on it, and its own thrust."""
 
     state: Array
     forces: Any
+    push: Push | None = None
 
 
 class World:
@@ -78,7 +80,7 @@ class World:
 
     @classmethod
     def of(cls, instance: Instance) -> World:
-        """That of an instance; elements without a frame are taken for those of TEME at its epoch."""
+        """That of an instance; elements of no named frame are taken for TEME at its epoch."""
         assumed = Frame(name="TEME", axes_epoch=instance.epoch)
         return cls(instance.epoch, instance.frame or assumed)
 
@@ -131,12 +133,17 @@ class World:
         """
         if start_s == end_s:
             return [one.state for one in objects]
-        brahe = self._brahe
         flying = [self._propagator(one, start_s) for one in objects]
-        brahe.par_propagate_to(flying, self._start + end_s)
+        until = self._start + end_s
+        if any(one.push is not None for one in objects):
+            # A law in Python cannot be asked from several threads.
+            for one in flying:
+                one.propagate_to(until)
+        else:
+            self._brahe.par_propagate_to(flying, until)
         found = [self._turned(one.current_state(), self._axes.T) for one in flying]
-        if not all(bool(np.isfinite(state).all()) for state in found):
-            raise ArithmeticError("the orbit leads into the Earth")
+        for state in found:
+            _perigee_revolution_s(state)
         return found
 
     def _propagator(self, one: Moving, start_s: float) -> Any:
@@ -149,8 +156,9 @@ class World:
             brahe.IntegrationMethod.RKF78, equal, brahe.VariationalConfig()
         )
         found = brahe.NumericalOrbitPropagator(
-            self._start + start_s, self._turned(one.state, self._axes), how, one.forces
-        )
+            self._start + start_s, self._turned(one.state, self._axes), how, one.forces,
+            control_input=None if one.push is None else one.push.law(start_s, self._axes),
+        )  # fmt: skip
         found.set_trajectory_mode(brahe.TrajectoryMode.DISABLED)
         return found
 
@@ -191,12 +199,12 @@ def _perigee_revolution_s(state: Array) -> float:
     position, velocity = state[:3], state[3:]
     radius = math.hypot(*position)
     inverse = 2.0 / radius - float(velocity @ velocity) / MU_M3_S2
-    if not inverse > 0.0:
-        raise ArithmeticError("the burns lead away from the Earth")
+    if inverse <= 0.0:
+        raise ArithmeticError("the orbit leads away from the Earth")
     momentum = np.cross(position, velocity)
     square = max(1.0 - float(momentum @ momentum) * inverse / MU_M3_S2, 0.0)
     perigee = (1.0 - math.sqrt(square)) / inverse
-    if not perigee > 0.9 * EARTH_RADIUS_M:
+    if not perigee > 0.9 * EARTH_RADIUS_M:  # and where there are no numbers left
         raise ArithmeticError("the orbit leads into the Earth")
     return math.tau * math.sqrt(perigee**3 / MU_M3_S2)
 
