@@ -73,10 +73,11 @@ def print_agreement(name: str, fields: list[Field]) -> None:
     apart = []
     for instance, plan in fields:
         world, field = plan_field(instance, plan.gravity)
-        apart += [
-            fly_leg(world, field, leg, instance.transfer.standoff_m).planned_body.distance_m
+        flown = [
+            fly_leg(world, field, leg, instance.transfer.standoff_m)
             for leg in planned_legs(instance, plan)
         ]
+        apart += [leg.planned_body.distance_m for leg in flown if leg.planned_body is not None]
     print(
         f"| {name} | {len(apart)} | {np.median(apart):.3f} m | {max(apart):.3f} m | "
         + ", ".join(f"{one:.2f}" for one in apart[:30])
@@ -94,14 +95,18 @@ def print_forces(name: str, fields: list[Field]) -> None:
         burns = math.fsum(flight.flown_delta_v_m_s for flight in flights)
         cells = [name, activity, str(len(legs)), f"{burns:.0f} m/s"]
         for kind in ("planned_body", "flown_body"):
-            offs = [getattr(leg, kind) for leg in legs]
+            offs = [off for leg in legs if (off := getattr(leg, kind)) is not None]
             far = [1e-3 * off.distance_m for off in offs]
-            costs = [math.nan if off.correction_m_s is None else off.correction_m_s for off in offs]
+            costs = [off.correction_m_s for off in offs if off.correction_m_s is not None]
             cells += [
                 f"{np.median(far):.2f}, {max(far):.1f} km",
                 f"{np.median(costs):.2f}, {max(costs):.2f} m/s",
                 f"{math.fsum(costs):.1f} m/s",
             ]
+        none = [
+            f"{leg.leg}" + (" lost" if leg.lost else "") for leg in legs if not leg.is_corrected
+        ]
+        cells.append(", ".join(none) or "none")
         broken = sum(len(flight.broken_tanks) for flight in flights)
         print(f"| {' | '.join(cells)} | {broken} | {wall:.1f} s | {cpu:.1f} s |", flush=True)
 
@@ -177,9 +182,10 @@ def main() -> None:
         print_agreement(name, fields)
     print(
         "\n| legs of | activity | legs | burns | off plan: median, worst | corrections | in all | "
-        "off body: median, worst | corrections | in all | tanks broken | time | processor time |"
+        "off body: median, worst | corrections | in all | no correction, lost | tanks broken | time | "
+        "processor time |"
     )
-    print("|---" * 13 + "|")
+    print("|---" * 14 + "|")
     for name, fields in cases.items():
         print_forces(name, fields)
     print("\n| a week at 780 km with | ends off by |\n|---|---|")

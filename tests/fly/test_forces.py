@@ -19,7 +19,6 @@ from seeds import over_seeds
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
-from adr_opt.common.errors import InputError
 from adr_opt.fly.flight.refined import planned_legs
 from adr_opt.fly.forces import ForcedFlight, Forces, fly_forced
 from adr_opt.fly.forces.corrected import Span, correction_m_s, last_lap
@@ -72,10 +71,11 @@ def coasted(world: World, settings: Forces, area_mass: float, state: Array, time
 def worst_without_forces(instance: Instance, plan: RefinedPlan) -> float:
     """Largest distance from a planned stand-off with all forces off [m]."""
     world, field = plan_field(instance, plan.gravity)
-    return max(
-        fly_leg(world, field, leg, instance.transfer.standoff_m).planned_body.distance_m
+    legs = [
+        fly_leg(world, field, leg, instance.transfer.standoff_m)
         for leg in planned_legs(instance, plan)
-    )
+    ]
+    return max(math.inf if (off := leg.planned_body) is None else off.distance_m for leg in legs)
 
 
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
@@ -259,6 +259,7 @@ def test_corrections_remove_what_forces_do(seed: int) -> None:
     assert [leg.leg for leg in flight.legs] == [leg.leg for leg in plan.legs]
     for leg in flight.legs:
         for off in (leg.planned_body, leg.flown_body):
+            assert off is not None
             assert 1.0 < off.distance_m < 1e5
             assert off.correction_m_s is not None
             assert 0.0 < off.correction_m_s < 20.0
@@ -301,8 +302,7 @@ def test_more_drag_leads_farther_off() -> None:
         flown(0, area_mass_m2_kg=5.0, target_area_mass_m2_kg=0.0, reflection=0.0, activity=activity)
         for activity in ("low", "mean", "high")
     ]
-    low, mean, high = (max(leg.flown_body.distance_m for leg in one.legs) for one in offs)
-    assert low < mean < high
+    assert offs[0].worst_body_off_m < offs[1].worst_body_off_m < offs[2].worst_body_off_m
 
 
 def test_equal_settings_give_equal_flights() -> None:
@@ -380,15 +380,24 @@ def test_thrust_points_where_its_law_says() -> None:
         assert parts == pytest.approx(law / np.linalg.norm(law), abs=1e-12)
 
 
-def test_an_orbit_into_the_earth_is_refused() -> None:
-    """A burn that leads into the Earth is an error of the file, with the number of the leg."""
+def test_a_leg_that_falls_is_lost(tmp_path: Path, cli: Cli) -> None:
+    """A leg that leads into the Earth is told as lost, the others are flown, exit status 1."""
     instance, plan = refined()
     first = plan.legs[0]
     burn = first.burns[0]
     state = next(one for one in first.states if one.time_s == burn.time_s)
     back = tuple(-0.2 * part for part in state.velocity_m_s)
     stopped = burn.replace(delta_v_m_s=back)
-    total = first.flown_delta_v_m_s - burn.size_m_s + stopped.size_m_s
-    leg = first.replace(burns=(stopped, *first.burns[1:]), flown_delta_v_m_s=total)
-    with pytest.raises(InputError, match="leg 1: cannot be flown: the orbit leads into the Earth"):
-        fly_forced(instance, plan.replace(legs=(leg, *plan.legs[1:])))
+    spent = first.flown_delta_v_m_s - burn.size_m_s + stopped.size_m_s
+    leg = first.replace(burns=(stopped, *first.burns[1:]), flown_delta_v_m_s=spent)
+    instance.save(tmp_path / "my.json")
+    plan.replace(legs=(leg, *plan.legs[1:])).save(tmp_path / "refined.json")
+    files = [str(tmp_path / "my.json"), str(tmp_path / "refined.json"), "--forces", "full"]
+    outcome = cli("fly", *files, "--json")
+    assert outcome.status == 1
+    told = json.loads(outcome.out)
+    assert told["legs"][0]["lost"] == "the orbit leads into the Earth"
+    assert told["legs"][0]["planned_body"] is None
+    assert told["legs"][1]["planned_body"]["correction_m_s"] > 0.0
+    assert told["correction_m_s"] is None
+    assert "leg 1 is lost: the orbit leads into the Earth" in cli("fly", *files).out

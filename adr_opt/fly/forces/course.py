@@ -36,7 +36,7 @@ class Course:
     """
 
     def __init__(self, world: World, acting: Acting, leg: RefinedLeg) -> None:
-        self._world, self._acting = world, acting
+        self._world, self.acting = world, acting
         self.burns = _burns_before(leg)
         self._pushes = () if leg.thrust is None else tuple(pushes(leg.thrust))
 
@@ -64,9 +64,9 @@ class Course:
         times = {*burns, *(time for push in self._pushes for time in push[:2]), end_s}
         for time in sorted(time for time in times if now < time <= end_s):
             chaser = kicked(chaser, burns, now)
-            objects = [Moving(chaser, self._acting.chaser, self._push(now, time))]
+            objects = [Moving(chaser, self.acting.chaser, self._push(now, time))]
             if body is not None:
-                objects.append(Moving(body, self._acting.body))
+                objects.append(Moving(body, self.acting.body))
             chaser, *rest = self._world.coast(objects, now, time)
             body = rest[0] if rest else None
             now = time

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.constants import MU_M3_S2
-from ...common.errors import InputError
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
 from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
@@ -43,8 +42,7 @@ def fly_forced(
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, names an unknown body, or leads into the
-        Earth or away from it.
+        The refined plan belongs to another instance, or names an unknown body.
     MissingExtra
         The library is not installed.
     """
@@ -54,10 +52,7 @@ def fly_forced(
     legs: list[ForcedLeg] = []
     report(0, len(refined.legs))
     for planned in planned_legs(instance, refined):
-        try:
-            legs.append(fly_leg(world, acting, planned, instance.transfer.standoff_m))
-        except ArithmeticError as error:
-            raise InputError(f"leg {planned.leg.leg}: cannot be flown: {error}") from None
+        legs.append(fly_leg(world, acting, planned, instance.transfer.standoff_m))
         report(len(legs), len(refined.legs))
     return ForcedFlight(
         forces=settings,
@@ -87,15 +82,34 @@ def plan_field(instance: Instance, gravity: str) -> tuple[World, Acting]:
 def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float) -> ForcedLeg:
     """Fly one leg and its body side by side, and correct its end."""
     leg = planned.leg
-    course = Course(world, acting, leg)
-    begin_s, end_s = leg.states[0].time_s, leg.standoff_s
+    found = ForcedLeg(
+        leg=leg.leg,
+        origin=leg.origin,
+        destination=leg.destination,
+        kind=leg.kind,
+        flown_delta_v_m_s=leg.spent_m_s,
+        planned_body=None,
+        flown_body=None,
+    )
+    try:
+        on_plan, on_body = _arrivals(world, Course(world, acting, leg), planned, standoff_m)
+    except ArithmeticError as error:
+        return replace(found, lost=str(error))
+    return replace(found, planned_body=on_plan, flown_body=on_body)
+
+
+def _arrivals(
+    world: World, course: Course, planned: PlannedLeg, standoff_m: float
+) -> tuple[Off, Off]:
+    """Arrival relative to the planned body, and to the body under the same forces."""
+    begin_s, end_s = planned.leg.states[0].time_s, planned.leg.standoff_s
     last_s = max(begin_s, end_s - _revolution_s(planned.standoff))
     start, body = course.beside(planned.chaser, planned.body, begin_s, last_s)
     chaser, body = course.beside(start, body, last_s, end_s)
     chaser = kicked(chaser, course.burns, end_s)
     # The point that follows the body is where that was a moment ago.
     delay = standoff_m / math.hypot(*body[3:])
-    following = world.coast([Moving(body, acting.body)], end_s + delay, end_s)[0]
+    following = world.coast([Moving(body, course.acting.body)], end_s + delay, end_s)[0]
     burns = {at: burn for at, burn in course.burns.items() if last_s <= at <= end_s}
     last = last_lap(Span(last_s, end_s, start, chaser), burns)
 
@@ -106,15 +120,7 @@ def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float
     def off(goal: Array) -> Off:
         return replace(_off(chaser, goal), correction_m_s=correction_m_s(last, goal, fly))
 
-    return ForcedLeg(
-        leg=leg.leg,
-        origin=leg.origin,
-        destination=leg.destination,
-        kind=leg.kind,
-        flown_delta_v_m_s=leg.spent_m_s,
-        planned_body=off(planned.standoff),
-        flown_body=off(following),
-    )
+    return off(planned.standoff), off(following)
 
 
 def _revolution_s(state: Array) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -51,11 +52,13 @@ class ForcedLeg:
     origin, destination : str
     kind : str
     flown_delta_v_m_s : float
-        Of its burns [m/s].
-    planned_body : Off
-        From the stand-off where the refined plan has its body.
-    flown_body : Off
+        Of its burns and arcs [m/s].
+    planned_body : Off or None
+        From the stand-off where the refined plan has its body; None where the leg does not last.
+    flown_body : Off or None
         From that of the body under the same forces since the departure of the leg.
+    lost : str or None
+        Why the leg does not last to its stand-off: mostly, that drag lets it fall.
     """
 
     leg: int
@@ -63,15 +66,24 @@ class ForcedLeg:
     destination: str
     kind: str
     flown_delta_v_m_s: float
-    planned_body: Off
-    flown_body: Off
+    planned_body: Off | None
+    flown_body: Off | None
+    lost: str | None = None
+
+    @property
+    def is_corrected(self) -> bool:
+        """Whether it lasts, and a correction to the planned body is found."""
+        return self.planned_body is not None and self.planned_body.correction_m_s is not None
 
     def to_dict(self) -> dict[str, Any]:
-        """The flight as plain data."""
-        return asdict(self) | {
-            "planned_body": self.planned_body.to_dict(),
-            "flown_body": self.flown_body.to_dict(),
-        }
+        """The flight as plain data; ``lost`` only where it is."""
+        content = asdict(self)
+        if self.lost is None:
+            del content["lost"]
+        for name in ("planned_body", "flown_body"):
+            off: Off | None = getattr(self, name)
+            content[name] = None if off is None else off.to_dict()
+        return content
 
 
 @dataclass(frozen=True)
@@ -113,18 +125,18 @@ class ForcedFlight:
 
     @property
     def worst_off_m(self) -> float:
-        """Largest distance from a stand-off of a planned body; 0 without legs [m]."""
-        return max((leg.planned_body.distance_m for leg in self.legs), default=0.0)
+        """Largest distance from a stand-off of a planned body; 0 without legs that last [m]."""
+        return _farthest(leg.planned_body for leg in self.legs)
 
     @property
     def worst_body_off_m(self) -> float:
         """The same of the bodies under the same forces [m]."""
-        return max((leg.flown_body.distance_m for leg in self.legs), default=0.0)
+        return _farthest(leg.flown_body for leg in self.legs)
 
     @property
-    def lost(self) -> tuple[ForcedLeg, ...]:
-        """Legs for which no correction to the planned body is found."""
-        return tuple(leg for leg in self.legs if leg.planned_body.correction_m_s is None)
+    def uncorrected(self) -> tuple[ForcedLeg, ...]:
+        """Legs that do not last, or for which no correction to the planned body is found."""
+        return tuple(leg for leg in self.legs if not leg.is_corrected)
 
     @property
     def broken_tanks(self) -> tuple[TankFlight, ...]:
@@ -139,7 +151,7 @@ class ForcedFlight:
     @property
     def holds(self) -> bool:
         """Whether all legs are present and corrected, and tanks suffice."""
-        return not (self.missing or self.lost or self.broken_tanks)
+        return not (self.missing or self.uncorrected or self.broken_tanks)
 
     def to_dict(self) -> dict[str, Any]:
         """The result as plain data: the output of ``fly --forces full --json``."""
@@ -159,8 +171,12 @@ class ForcedFlight:
         }
 
 
-def total(arrivals: Any) -> float | None:
+def total(arrivals: Iterable[Off | None]) -> float | None:
     """Sum of corrections; None if one is unknown [m/s]."""
-    costs = [one.correction_m_s for one in arrivals]
+    costs = [None if one is None else one.correction_m_s for one in arrivals]
     known = [cost for cost in costs if cost is not None]
     return math.fsum(known) if len(known) == len(costs) else None
+
+
+def _farthest(arrivals: Iterable[Off | None]) -> float:
+    return max((one.distance_m for one in arrivals if one is not None), default=0.0)

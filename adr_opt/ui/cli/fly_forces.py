@@ -14,6 +14,8 @@ from .output import emit, emit_json, say
 from .parameters import about
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...fly.forces import ForcedFlight, Forces, Off
 
 FLOWN = "flown with all forces"
@@ -132,14 +134,12 @@ def said(flight: ForcedFlight) -> str:
         f"{_km(flight.worst_body_off_m)} km off bodies under the same forces, corrected with "
         f"{_m_s(flight.body_correction_m_s)} m/s"
     ]
-    if flight.lost:
-        numbers = ", ".join(str(leg.leg) for leg in flight.lost)
-        parts.append(
-            f"no correction found for {'leg' if len(flight.lost) == 1 else 'legs'} {numbers}"
-        )
+    far = [leg.leg for leg in flight.uncorrected if leg.lost is None]
+    if far:
+        parts.append(f"no correction found for {_legs(far)}")
+    parts += [f"leg {leg.leg} is lost: {leg.lost}" for leg in flight.legs if leg.lost is not None]
     if flight.missing:
-        numbers = ", ".join(map(str, flight.missing))
-        parts.append(f"not refined: leg{'s' if len(flight.missing) > 1 else ''} {numbers}")
+        parts.append(f"not refined: {_legs(flight.missing)}")
     return "; ".join((*parts, *tanks_told(flight)))
 
 
@@ -150,20 +150,32 @@ def _tell_legs(flight: ForcedFlight) -> None:
         flight.legs,
         (
             ("burns\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
-            ("off plan\nkm", lambda leg: _km(leg.planned_body.distance_m)),
-            ("\nm/s", lambda leg: f"{leg.planned_body.speed_m_s:.2f}"),
+            ("off plan\nkm", lambda leg: _off_km(leg.planned_body)),
+            ("\nm/s", lambda leg: _off_m_s(leg.planned_body)),
             ("correction\nm/s", lambda leg: _cost(leg.planned_body)),
-            ("off body\nkm", lambda leg: _km(leg.flown_body.distance_m)),
-            ("\nm/s", lambda leg: f"{leg.flown_body.speed_m_s:.2f}"),
+            ("off body\nkm", lambda leg: _off_km(leg.flown_body)),
+            ("\nm/s", lambda leg: _off_m_s(leg.flown_body)),
             ("correction\nm/s", lambda leg: _cost(leg.flown_body)),
         ),
         whose(flight.tanks),
-        bold=lambda leg: leg.planned_body.correction_m_s is None,
+        bold=lambda leg: not leg.is_corrected,
     )
 
 
-def _cost(arrival: Off) -> str:
-    cost = arrival.correction_m_s
+def _legs(numbers: Sequence[int]) -> str:
+    return f"leg{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+
+
+def _off_km(arrival: Off | None) -> str:
+    return "lost" if arrival is None else _km(arrival.distance_m)
+
+
+def _off_m_s(arrival: Off | None) -> str:
+    return "" if arrival is None else f"{arrival.speed_m_s:.2f}"
+
+
+def _cost(arrival: Off | None) -> str:
+    cost = None if arrival is None else arrival.correction_m_s
     return "none" if cost is None else f"{cost:.2f}"
 
 
