@@ -182,8 +182,8 @@ def main() -> None:
         print_agreement(name, fields)
     print(
         "\n| legs of | activity | legs | burns | off plan: median, worst | corrections | in all | "
-        "off body: median, worst | corrections | in all | no correction, lost | tanks broken | time | "
-        "processor time |"
+        "off body: median, worst | corrections | in all | no correction, lost | tanks broken | "
+        "time | processor time |"
     )
     print("|---" * 14 + "|")
     for name, fields in cases.items():
