@@ -5,9 +5,10 @@ places of Sun and Moon in closed form, and the conical shadow of the Earth; the 
 Earth is read from the tables of the IERS in the wheel ``astropy-iers-data``. Nothing is loaded from
 the network. Its data of rotation and space weather are settings of the whole process.
 
-Its method of order 12 for second-order equations is exact to millimetres for gravity, but lets drag
-lag by a step, a half per cent. So the Runge–Kutta–Fehlberg method of order 8 is used, in equal
-steps: with its own choice of steps, the energy drifts three times as much at the same work.
+Its method of order 12 for second-order equations would be the most exact one for gravity, but takes
+the velocity that drag depends on from the beginning of a step. So the method of Runge, Kutta and
+Fehlberg of order 8 is used, in equal steps: those that it chooses by itself are less exact at the
+same work.
 """
 
 from __future__ import annotations
@@ -148,19 +149,23 @@ class World:
 
     def _propagator(self, one: Moving, start_s: float) -> Any:
         brahe = self._brahe
-        step = _perigee_revolution_s(one.state) / STEPS
-        equal = brahe.IntegratorConfig(
-            abs_tol=ANY_ERROR, rel_tol=1.0, initial_step=step, max_step=step
-        )
-        how = brahe.NumericalPropagationConfig(
-            brahe.IntegrationMethod.RKF78, equal, brahe.VariationalConfig()
-        )
+        how = self.integration(_perigee_revolution_s(one.state) / STEPS)
         found = brahe.NumericalOrbitPropagator(
             self._start + start_s, self._turned(one.state, self._axes), how, one.forces,
             control_input=None if one.push is None else one.push.law(start_s, self._axes),
         )  # fmt: skip
         found.set_trajectory_mode(brahe.TrajectoryMode.DISABLED)
         return found
+
+    def integration(self, step_s: float) -> Any:
+        """Method and steps."""
+        brahe = self._brahe
+        equal = brahe.IntegratorConfig(
+            abs_tol=ANY_ERROR, rel_tol=1.0, initial_step=step_s, max_step=step_s
+        )
+        return brahe.NumericalPropagationConfig(
+            brahe.IntegrationMethod.RKF78, equal, brahe.VariationalConfig()
+        )
 
     @staticmethod
     def _turned(state: Array, axes: Array) -> Array:
