@@ -32,8 +32,8 @@ from .settings import DEGREE, Forces, SpaceWeather
 
 Array = npt.NDArray[np.float64]
 
-STEPS = 90
-"""Steps per revolution at the perigee; a week ends within half a metre of twice as many."""
+STEPS = 85
+"""Steps per revolution at the perigee; a week ends within a metre of twice as many."""
 
 ANY_ERROR = 1e3
 """Tolerance so wide that no step is rejected or changed."""
