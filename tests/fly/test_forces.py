@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+import towed_fields
+import two_chasers
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan
 from electric_fields import electric
@@ -100,6 +103,18 @@ def test_without_the_forces_weeks_agree() -> None:
     instance = drifting_instance()
     plan = adr_opt.refine(instance, drifting_plan())
     assert worst_without_forces(instance, plan) < weeks_of(plan) ** 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("campaign", [two_chasers.campaign, towed_fields.field])
+def test_campaigns_and_tows_are_flown(campaign: Callable[[str], Instance]) -> None:
+    """Legs of several chasers, and those that begin where a tow ends, agree without the forces."""
+    instance = campaign("j2")
+    plan = adr_opt.refine(instance, solved(instance))
+    assert plan.legs
+    assert worst_without_forces(instance, plan) < max(1.0, weeks_of(plan) ** 2)
+    flight = fly_forced(instance, plan)
+    assert len(flight.tanks) >= len(flight.chasers)
 
 
 def weeks_of(plan: RefinedPlan) -> float:
@@ -296,6 +311,7 @@ def test_a_delay_costs_two_small_burns() -> None:
         assert cost == pytest.approx(2.0 * abs(length) / (3.0 * lap), rel=0.03)
 
 
+@pytest.mark.slow
 def test_more_drag_leads_farther_off() -> None:
     """A chaser alone with much drag is the farther from its plan, the more the Sun is active."""
     offs = [

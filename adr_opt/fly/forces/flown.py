@@ -10,6 +10,7 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ...plan.refined_plan import RefinedPlan
+from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
@@ -74,7 +75,8 @@ def all_forces(instance: Instance, settings: Forces) -> tuple[World, Acting]:
 
 def plan_field(instance: Instance, gravity: str) -> tuple[World, Acting]:
     """Motion with all forces off but the field of a refined plan, to compare integrators."""
-    world = World.of(instance)
+    # The axis of that field is the one of the elements, whatever their frame.
+    world = World(instance.epoch, Frame(name="GCRF"))
     forces = world.zonal(FIELDS[gravity])
     return world, Acting(forces, forces)
 

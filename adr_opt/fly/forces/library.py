@@ -111,9 +111,8 @@ class World:
         )
 
     def zonal(self, zonals: Array) -> Any:
-        """J2, J3 and J4 alone about the axis of the frame, with the constants of refined plans."""
+        """J2, J3 and J4 alone about the axis of GCRF, with the constants of refined plans."""
         brahe = self._brahe
-        self._axes = np.eye(3)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "zonal.gfc"
             path.write_text(_coefficients(zonals))
