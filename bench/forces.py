@@ -125,26 +125,26 @@ class Order12(World):
         )
 
 
-def week(settings: Forces, kind: type[World] = World, height_m: float = 780e3) -> Any:
+def week(settings: Forces, kind: type[World] = World, steps: int = library.STEPS) -> Any:
     """State after a week with all forces on a circle."""
     instance = adr_opt.generate("nominal", 0)
-    radius = EARTH_RADIUS_M + height_m
+    radius = EARTH_RADIUS_M + 780e3
     speed = math.sqrt(MU_M3_S2 / radius)
     angle = math.radians(86.4)
     state = np.array([radius, 0, 0, 0, speed * math.cos(angle), speed * math.sin(angle)])
     world = kind.of(instance)
     forces = world.all_forces(settings, settings.area_mass_m2_kg)
-    return world.coast([Moving(state, forces)], 0.0, WEEK_S)[0]
+    return world.coast([Moving(state, forces, steps=steps)], 0.0, WEEK_S)[0]
 
 
-def with_setting(name: str, value: Any, settings: Forces | None = None) -> Any:
-    """The same with another constant of the adapter."""
-    before = getattr(library, name)
-    setattr(library, name, value)
+def finer(degree: int) -> Any:
+    """The same with a gravity field of higher degree."""
+    before = library.DEGREE
+    library.DEGREE = degree
     try:
-        return week(settings or Forces())
+        return week(Forces())
     finally:
-        setattr(library, name, before)
+        library.DEGREE = before
 
 
 def print_settings() -> None:
@@ -153,11 +153,11 @@ def print_settings() -> None:
     usual = week(Forces())
     day = (time.process_time() - began) / 7.0
     calm = week(Forces(drag=0.0))
-    twice = with_setting("STEPS", 2 * library.STEPS, Forces(drag=0.0))
+    twice = week(Forces(drag=0.0), steps=2 * library.STEPS)
     rows: list[tuple[str, Callable[[], Any]]] = [
-        ("steps of half the length", lambda: with_setting("STEPS", 2 * library.STEPS)),
+        ("steps of half the length", lambda: week(Forces(), steps=2 * library.STEPS)),
         ("the method of order 12", lambda: week(Forces(), Order12)),
-        ("gravity to 50 × 50", lambda: with_setting("DEGREE", 50)),
+        ("gravity to 50 × 50", lambda: finer(50)),
         ("no drag", lambda: calm),
         ("no radiation pressure", lambda: week(Forces(reflection=0.0))),
         ("low activity", lambda: week(Forces(activity="low"))),

@@ -12,6 +12,9 @@ from ..refine.short_periods import Array
 from .library import Moving, World
 from .push import Push, pushes
 
+BODY_STEPS = 72
+"""Steps per revolution of bodies, which forces move by kilometres: within some metres a week."""
+
 
 class Acting(NamedTuple):
     """Forces on the chaser and on the bodies, as the library has them."""
@@ -66,7 +69,7 @@ class Course:
             chaser = kicked(chaser, burns, now)
             objects = [Moving(chaser, self.acting.chaser, self._push(now, time))]
             if body is not None:
-                objects.append(Moving(body, self.acting.body))
+                objects.append(Moving(body, self.acting.body, steps=BODY_STEPS))
             chaser, *rest = self._world.coast(objects, now, time)
             body = rest[0] if rest else None
             now = time

@@ -42,11 +42,12 @@ EXTRA = ("flying with all forces", "brahe", "forces")
 
 
 class Moving(NamedTuple):
-    """A state, shape (6,) [m, m/s], the forces that act on it, and its own thrust."""
+    """A state, shape (6,) [m, m/s], its forces, its own thrust, and steps per revolution."""
 
     state: Array
     forces: Any
     push: Push | None = None
+    steps: int = STEPS
 
 
 class World:
@@ -148,7 +149,7 @@ class World:
 
     def _propagator(self, one: Moving, start_s: float) -> Any:
         brahe = self._brahe
-        how = self.integration(_perigee_revolution_s(one.state) / STEPS)
+        how = self.integration(_perigee_revolution_s(one.state) / one.steps)
         found = brahe.NumericalOrbitPropagator(
             self._start + start_s, self._turned(one.state, self._axes), how, one.forces,
             control_input=None if one.push is None else one.push.law(start_s, self._axes),
