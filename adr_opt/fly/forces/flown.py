@@ -17,7 +17,7 @@ from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from ..refine.short_periods import Array
 from .corrected import Span, correction_m_s, last_lap
-from .course import Acting, Course, kicked
+from .course import Acting, LegCourse, kicked
 from .library import Moving, World
 from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces
@@ -94,14 +94,14 @@ def fly_leg(world: World, acting: Acting, planned: PlannedLeg, standoff_m: float
         flown_body=None,
     )
     try:
-        on_plan, on_body = _arrivals(world, Course(world, acting, leg), planned, standoff_m)
+        on_plan, on_body = _arrivals(world, LegCourse(world, acting, leg), planned, standoff_m)
     except ArithmeticError as error:
         return replace(found, lost=str(error))
     return replace(found, planned_body=on_plan, flown_body=on_body)
 
 
 def _arrivals(
-    world: World, course: Course, planned: PlannedLeg, standoff_m: float
+    world: World, course: LegCourse, planned: PlannedLeg, standoff_m: float
 ) -> tuple[Off, Off]:
     """Arrival relative to the planned body, and to the body under the same forces."""
     begin_s, end_s = planned.leg.states[0].time_s, planned.leg.standoff_s
