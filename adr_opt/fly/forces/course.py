@@ -10,7 +10,7 @@ import numpy as np
 from ...plan.refined_plan import RefinedLeg
 from ..refine.short_periods import Array
 from .library import Moving, World
-from .push import ThrustWindow, pushes
+from .push import PushedWindow, pushes
 
 BODY_STEPS = 72
 """Steps per revolution of bodies, which forces move by kilometres: within some metres a week."""
@@ -75,7 +75,7 @@ class LegCourse:
             now = time
         return chaser, chaser if body is None else body
 
-    def _push(self, start_s: float, end_s: float) -> ThrustWindow | None:
+    def _push(self, start_s: float, end_s: float) -> PushedWindow | None:
         """Thrust between two times, with no beginning or end of a window between them."""
         for push in self._pushes:
             if push.begin_s <= start_s and end_s <= push.end_s:

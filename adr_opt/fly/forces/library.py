@@ -27,7 +27,7 @@ from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import MissingExtra
 from ...problem.frame import Frame
 from ...problem.instance import Instance
-from .push import ThrustWindow
+from .push import PushedWindow
 from .settings import DEGREE, Forces, SpaceWeather
 
 Array = npt.NDArray[np.float64]
@@ -46,7 +46,7 @@ class Moving(NamedTuple):
 
     state: Array
     forces: Any
-    push: ThrustWindow | None = None
+    push: PushedWindow | None = None
     steps: int = STEPS
 
 

@@ -12,7 +12,7 @@ from ...plan.refined_thrust import RefinedThrust
 from ..refine.short_periods import Array
 
 
-class ThrustWindow(NamedTuple):
+class PushedWindow(NamedTuple):
     """Thrust over a window.
 
     Attributes
@@ -81,10 +81,10 @@ def _cross(first: Array, second: Array) -> Array:
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
-def pushes(thrust: RefinedThrust) -> Iterator[ThrustWindow]:
+def pushes(thrust: RefinedThrust) -> Iterator[PushedWindow]:
     """Windows of a leg in order, with the mass at the beginning of each."""
     flow, mass = thrust.force_n / thrust.exhaust_m_s, thrust.mass_kg
     for arc in thrust.arcs:
         for begin_s, end_s in arc.windows_s:
-            yield ThrustWindow(begin_s, end_s, arc.steering, mass, thrust.force_n, flow)
+            yield PushedWindow(begin_s, end_s, arc.steering, mass, thrust.force_n, flow)
             mass -= flow * (end_s - begin_s)
