@@ -9,7 +9,7 @@ epoch that the file states, the chaser from its origin's.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -193,12 +193,7 @@ def _fly_leg(
     world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance
 ) -> RefinedLegFlight:
     now = leg.states[0].time_s
-    if leg.tow_before is None:
-        chaser = bodies.state(leg.origin, now)[:, None].copy()
-    else:
-        end_s = leg.tow_before.released.time_s
-        led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
-        chaser = world.coast(led.state[:, None], end_s, now)
+    chaser = _begun(world, bodies, leg, instance)
     begin, begun = leg.states[0], chaser[:3, 0]
     at_standoff = None
     thrust = None
@@ -237,6 +232,61 @@ def _fly_leg(
         **_of_thrust(leg, thrust, burnt),
         **({} if leg.tow is None else _of_tow(_Towing(world, bodies, instance, leg.leg), leg)),
     )
+
+
+def _begun(world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance) -> Array:
+    """State of the chaser when a leg begins, before its first burn, shape (6, 1)."""
+    now = leg.states[0].time_s
+    if leg.tow_before is None:
+        return bodies.state(leg.origin, now)[:, None].copy()
+    end_s = leg.tow_before.released.time_s
+    led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
+    return world.coast(led.state[:, None], end_s, now)
+
+
+class PlannedLeg(NamedTuple):
+    """A leg with states in the field of its plan, each of shape (6,) [m, m/s].
+
+    Attributes
+    ----------
+    leg : RefinedLeg
+    chaser : (6,) float64
+        When it begins, before the first burn.
+    body : (6,) float64
+        The destination at the same time.
+    standoff : (6,) float64
+        The point behind the destination when the approach begins.
+    """
+
+    leg: RefinedLeg
+    chaser: Array
+    body: Array
+    standoff: Array
+
+
+def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLeg]:
+    """Where the legs of a refined plan begin and are to arrive.
+
+    Raises
+    ------
+    InputError
+        A state leads into the centre of the Earth or away from it.
+    """
+    world = _World(refined.gravity)
+    bodies = _Ephemeris(world, refined)
+    for leg in refined.legs:
+        begin_s, end_s = leg.states[0].time_s, leg.standoff_s
+        there = bodies.state(leg.destination, end_s)[:, None]
+        try:
+            planned = PlannedLeg(
+                leg,
+                _begun(world, bodies, leg, instance)[:, 0],
+                world.coast(there, end_s, begin_s)[:, 0],
+                bodies.following(leg.destination, end_s, instance.transfer.standoff_m),
+            )
+        except ArithmeticError as error:
+            raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
+        yield planned
 
 
 def _of_thrust(leg: RefinedLeg, thrust: ThrustFlown | None, burnt_m_s: float) -> dict[str, float]:

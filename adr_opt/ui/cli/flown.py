@@ -12,6 +12,7 @@ from .signals import Aborted, signals_to
 if TYPE_CHECKING:
     from ...fly.flight import Flight, RefinedFlight
     from ...fly.flight.mean_flight import MeanFlight
+    from ...fly.forces import ForcedFlight
     from ...fly.refine.loop import RefinedResult
     from ...plan.plan import Plan
     from ...plan.plan_flight import PlanFlight
@@ -60,7 +61,7 @@ def flight_line(flight: MeanFlight | str) -> str:
     return said if flight.holds else f"{said}; 'solve --refine' plans until the plan holds"
 
 
-def tanks_told(flight: Flight | RefinedFlight) -> list[str]:
+def tanks_told(flight: Flight | RefinedFlight | ForcedFlight) -> list[str]:
     """Tanks that break, or else the fullest use; empty if no tank is used."""
     if flight.broken_tanks or not flight.tanks:
         return [str(tank) for tank in flight.broken_tanks]

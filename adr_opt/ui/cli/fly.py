@@ -11,6 +11,7 @@ from ...common.wording import counted
 from . import take
 from .flown import tanks_told
 from .fly_errors import Sampling, error_options
+from .fly_forces import Asked, force_options
 from .output import emit, emit_json, say
 from .parameters import about, check_out, mission_of
 
@@ -30,6 +31,7 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 @take.instance
 @take.plan
 @take.file("--out", "Plan file to write, with the result in its notes.")
+@force_options
 @error_options
 @take.as_json
 @take.quiet
@@ -48,13 +50,23 @@ def command(
     shadow, a leg is missing, or a tank does not suffice. With --samples it is flown again with burn
     and navigation errors and corrections. Exit status 1 also if a tank does not suffice for 95 % of
     those flights.
+
+    With --forces full, a refined plan is flown in brahe with gravity to degree 20, drag, Sun, Moon
+    and radiation pressure. The output states how far off each leg arrives uncorrected, and the cost
+    of a correction in the last revolution. Exit status 1: a tank does not suffice for burns and
+    corrections, a leg is missing, or no correction is found.
     """
     from ...plan.refined_plan import is_refined
+    from . import fly_forces
     from .fly_refined import fly_and_tell
 
     check_out(out, instance_path)  # the plan itself may be written again, with a note more
+    forces = Asked(*(asked.pop(name) for name in Asked._fields))
     sampling = Sampling(**asked)
+    forces.refuse_stray(sampling.samples)
     sampling.refuse_stray()
+    if is_refined(plan_path) and forces.is_full:
+        return fly_forces.fly_and_tell(instance_path, plan_path, out, as_json, quiet, forces)
     if is_refined(plan_path):
         return fly_and_tell(instance_path, plan_path, out, as_json, quiet, sampling)
 
@@ -62,6 +74,7 @@ def command(
 
     instance, plan = mission_of(instance_path, plan_path)
     sampling.refuse_unrefined(plan_path)
+    forces.refuse_unrefined(plan_path)
     with about(plan_path):
         flight = fly(instance, plan)
     if out is not None:
