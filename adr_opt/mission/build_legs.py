@@ -135,7 +135,9 @@ def transfer_leg(
     kind = leg_kinds()[family]
     departure, arrival = float(found.departure[row]), float(found.arrival[row])
     connecting = mission.connecting
-    flown = connecting.flown(*ends, family, StatedLeg(departure, arrival, revolutions))
+    delta_v_m_s = connecting.modelled(*ends, family, float(found.delta_v[row]))
+    stated = StatedLeg(departure, arrival, revolutions, delta_v_m_s)
+    flown = connecting.flown(*ends, family, stated)
     return Leg(
         kind=kind.name,
         origin=mission.names[ends[0]],
@@ -144,7 +146,7 @@ def transfer_leg(
         departure_s=flown.departure,
         arrival_s=arrival,
         end_s=arrival,
-        delta_v_m_s=connecting.modelled(*ends, family, float(found.delta_v[row])),
+        delta_v_m_s=delta_v_m_s,
         delta_v_left_m_s=0.0,
         phasing_revolutions=max(revolutions, 0) if kind is not GIVEN else 0,
         eccentricity_delta_v_m_s=flown.eccentricity_m_s,

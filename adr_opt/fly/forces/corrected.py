@@ -18,8 +18,8 @@ import numpy as np
 
 from ...kernels.orbits import coast
 from ...kernels.orbits.gravity import FIELDS
+from ...kernels.orbits.short_periods import Array
 from ..refine.least import least_impulses
-from ..refine.short_periods import Array
 
 PLACES = 12
 """Number of equal parts of the revolution, at whose ends a correction may be made."""

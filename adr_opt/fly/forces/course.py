@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg
-from ..refine.short_periods import Array
 from .library import Moving, World
 from .push import PushedWindow, pushes
 

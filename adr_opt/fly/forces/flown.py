@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.constants import MU_M3_S2
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
-from ..refine.short_periods import Array
 from .corrected import Span, correction_m_s, last_lap
 from .course import Acting, LegCourse, kicked
 from .library import Moving, World

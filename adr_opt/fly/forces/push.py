@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ...plan.refined_thrust import RefinedThrust
-from ..refine.short_periods import Array
 
 
 class PushedWindow(NamedTuple):

@@ -431,6 +431,38 @@ def bound_below(pair, lightest, heaviest, departure, arrival, below):
 
 
 @kernel
+def leg_stated(pair, thrust, departure, arrival, stated):
+    """The low-thrust leg between two times whose ΔV is nearest to a stated one.
+
+    Where limits are known, as in lists of connections, a leg in other windows may be passed over
+    that is a little cheaper than the one in the list.
+
+    Parameters
+    ----------
+    pair, thrust, departure, arrival
+        As :func:`leg_below` takes them.
+    stated : float
+        [m/s].
+    """
+    drift = pair.drift
+    nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
+    best, least = LowThrustLeg(NEVER, 0.0, 1.0), math.inf
+    for turns in (0.0, -1.0, 1.0):
+        if turns != 0.0 and nearer.span <= LONG_S:
+            continue
+        task = task_turned(drift, nearer, turns)
+        at = places(pair, task, departure, arrival)
+        for window in WINDOWS_RAD:
+            steers = steering(at, window)
+            drift_of = weighted(drift, steers.turn)
+            way = split(drift_of, task, thrust, steers, math.inf, False)
+            off = abs(way.delta_v - stated)
+            if off < least:
+                best, least = LowThrustLeg(way, window, steers.turn), off
+    return best
+
+
+@kernel
 def leg_between(pair, thrust, departure, arrival):
     """The low-thrust leg between two times, of infinite ΔV if there is none."""
     return leg_below(pair, thrust, departure, arrival, math.inf, False)

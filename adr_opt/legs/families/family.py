@@ -119,11 +119,12 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """Times [s] and phasing revolutions of a leg as stated in a plan."""
+    """Times [s] and phasing revolutions of a leg as stated in a plan, and its ΔV if known [m/s]."""
 
     departure: float
     arrival: float
     revolutions: int
+    delta_v_m_s: float | None = None
 
 
 class RecomputedLeg(NamedTuple):

@@ -66,7 +66,11 @@ class LowThrustLegs(LegFamily):
         since = since_j2000_s(ends.instance.epoch)
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
         thrust = Thrust(ends.drive.least_acceleration, ends.drive.exhaust_m_s)
-        leg = low_thrust.leg_between(pair, thrust, stated.departure, stated.arrival)
+        times = stated.departure, stated.arrival
+        if stated.delta_v_m_s is None:
+            leg = low_thrust.leg_between(pair, thrust, *times)
+        else:
+            leg = low_thrust.leg_stated(pair, thrust, *times, stated.delta_v_m_s)
         if not math.isfinite(leg.split.delta_v):
             raise InputError("there is no leg of low thrust between these times")
         return FlownLeg(stated.departure, arcs=_arcs(pair.drift, leg, stated))
