@@ -95,8 +95,7 @@ def test_the_judge_finds_the_same_optimum(seeds: range):
 @kernel
 def bound_and_costs(pair, lightest, heavier, departure, arrival):
     """The lower bound for all masses, and what a leg costs some of them, the heaviest last."""
-    heaviest = Thrust(heavier[-1], lightest.exhaust)
-    least = low_thrust.bound_below(pair, lightest, heaviest, departure, arrival, math.inf)
+    least = low_thrust.bound_below(pair, lightest, departure, arrival, math.inf)
     costs = np.empty(len(heavier))
     for at in range(len(heavier)):
         costs[at] = low_thrust.delta_v(
@@ -106,12 +105,12 @@ def bound_and_costs(pair, lightest, heavier, departure, arrival):
 
 
 def test_bounds_hold_for_all_masses():
-    """The lightest and the heaviest chaser fly no leg for less than its lower bound.
+    """No heavier chaser flies a leg for less than its lower bound, in sunlight or not.
 
-    One in 500 legs at most is cheaper for some mass between them, by 5 % at most.
+    Of some ten thousand legs one is cheaper (docs/model.md section 11.4), none of these.
     """
     rng = np.random.default_rng(2)
-    finite = cheaper = 0
+    finite = 0
     for _ in range(3000):
         one, other, departure, span = drawn(rng)
         since = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
@@ -122,12 +121,9 @@ def test_bounds_hold_for_all_masses():
             pair, Thrust(push, EXHAUST_M_S), heavier, departure, departure + span
         )
         told = (one, other, departure, span, push, costs, bound)
-        assert min(costs[0], costs[-1]) >= bound, told
-        assert costs.min() >= bound / 1.05, told
+        assert (costs >= bound).all(), told
         finite += bool(np.isfinite(costs).any())
-        cheaper += bool((costs < bound).any())
     assert finite > 900
-    assert cheaper <= finite / 500
 
 
 @kernel

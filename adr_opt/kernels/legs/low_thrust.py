@@ -62,13 +62,17 @@ are tried, and the maximum number of them."""
 SLACK_M_S = 0.3
 """Largest excess of the estimate with impulses over the ΔV with thrust [m/s]."""
 
-OFF, OFF_M_S = 2e-3, 0.01
-"""How far a lower bound is below a split, as a share, and [m/s]: a split is the best for given
-times of thrust, and another one with less of them may be cheaper."""
+OFF, OFF_BUSY, OFF_M_S = 2e-3, 0.1, 0.01
+"""How far a lower bound is below a split, as a share, by the share of the time with thrust, and
+[m/s]: a split is the best for given times of thrust, and another one with less of them, or of a
+heavier chaser, may be cheaper."""
 
-WIDER = 1.05
-"""Factor on the limit of lower bounds when legs are searched for. Estimates that are compared with
-it leave out that a leg may need less where it thrusts for long, or makes another number of laps."""
+LEAST_SHARE = 0.2
+"""Share of a revolution with thrust that windows have at least, but for deep shadows."""
+
+WIDER = 1.1
+"""Factor on the limit of lower bounds of such legs. Estimates that are compared with it leave out
+that a leg may need less where it thrusts for long, or makes another number of laps."""
 
 LIGHTER = 1.01
 """Factor on the acceleration of the lightest chaser in lower bounds."""
@@ -282,7 +286,7 @@ def tooth_split(pair, task, thrust, steering, free, follow, laps):
 
 
 @inlined
-def split(pair, task, thrust, steering, below, relaxed):
+def split(pair, task, thrust, steering, below):
     """The cheapest tooth near the optimum of free phase: of both beside it, and on from there.
 
     Parameters
@@ -291,8 +295,6 @@ def split(pair, task, thrust, steering, below, relaxed):
         As :func:`free_split` takes them.
     below : float
         No leg that costs as much is wanted [m/s].
-    relaxed : bool
-        Whether the optimum of free phase counts as well. With little thrust it is the least.
 
     Returns
     -------
@@ -302,8 +304,6 @@ def split(pair, task, thrust, steering, below, relaxed):
     if free.delta_v == math.inf or free.delta_v - OFF * free.delta_v - OFF_M_S >= below:
         return NEVER
     is_busy = free.times.first + free.times.second > BUSY * task.span
-    if relaxed and not is_busy:
-        return free
     coasting = task.span - pair.approach - free.times.first - free.times.second
     gained, _ = longitude_gained(pair, coasting, free.times, pair.speed_i - free.climb)
     laps = (gained - task.ahead) / TURN_RAD
@@ -321,7 +321,7 @@ def split(pair, task, thrust, steering, below, relaxed):
         if way.delta_v >= best.delta_v:
             break
         best = way
-    return free if relaxed and free.delta_v < best.delta_v else best
+    return best
 
 
 @inlined
@@ -362,6 +362,35 @@ def with_impulses(drift, task, turn, bowl):
     return chord(least, drift.linear.speed)
 
 
+@inlined
+def _lower(split, span):
+    """A split whose ΔV is a lower bound, also where a split beside it would be cheaper."""
+    if split.delta_v == math.inf:
+        return NEVER
+    share = min((split.times.first + split.times.second) / span, 1.0)
+    less = split.delta_v - (OFF + OFF_BUSY * share) * split.delta_v - OFF_M_S
+    return LowThrustSplit(less, split.first, split.climb, split.tilt, split.node, split.times)
+
+
+@inlined
+def is_too_dear(impulses, thrust, span, below, relaxed):
+    """Whether an estimate with impulses says that a leg costs as much as a limit.
+
+    Parameters
+    ----------
+    impulses : float
+        As :func:`with_impulses` has it [m/s].
+    thrust : Thrust
+    span : float
+        [s].
+    below : float
+        [m/s].
+    relaxed : bool
+    """
+    may_be_busy = relaxed and impulses > BUSY * LEAST_SHARE * thrust.acceleration * span
+    return impulses >= (WIDER * below if may_be_busy else below)
+
+
 @kernel
 def leg_below(pair, thrust, departure, arrival, below, relaxed):
     """The low-thrust leg between two times: the cheapest of all windows and ways of the node.
@@ -375,7 +404,7 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
     below : float
         No leg that costs as much is wanted [m/s].
     relaxed : bool
-        Whether the phase may be free.
+        Whether a lower bound of all heavier chasers' legs is wanted: the phase is free.
 
     Returns
     -------
@@ -390,15 +419,21 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
         if turns != 0.0 and nearer.span <= LONG_S:
             continue
         task = task_turned(drift, nearer, turns)
-        if with_impulses(drift, task, 1.0, LEVEL) >= below:
+        impulses = with_impulses(drift, task, 1.0, LEVEL)
+        if is_too_dear(impulses, thrust, task.span, below, relaxed):
             continue
         at = places(pair, task, departure, arrival)
         for window in WINDOWS_RAD:
             steers = steering(at, window)
-            if with_impulses(drift, task, steers.turn, steers.bowl) >= below:
+            impulses = with_impulses(drift, task, steers.turn, steers.bowl)
+            if is_too_dear(impulses, thrust, task.span, below, relaxed):
                 continue
             pair_of = weighted(drift, steers.turn)
-            way = split(pair_of, task, thrust, steers, below, relaxed)
+            if relaxed:
+                way, _ = free_split(pair_of, task, thrust, steers)
+                way = _lower(way, task.span)
+            else:
+                way = split(pair_of, task, thrust, steers, below)
             if way.delta_v < best.split.delta_v:
                 best = LowThrustLeg(way, window, steers.turn)
                 below = min(below, way.delta_v + SLACK_M_S)
@@ -406,28 +441,23 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
 
 
 @kernel
-def bound_below(pair, lightest, heaviest, departure, arrival, below):
+def bound_below(pair, lightest, departure, arrival, below):
     """Lower bound of the ΔV of the legs of a chaser of any mass between two times [m/s].
 
-    No leg of the lightest or of the heaviest chaser is cheaper. Of masses between them,
-    docs/model.md section 11.4 says what is known.
+    docs/model.md section 11.4 says how far it is known to hold.
 
     Parameters
     ----------
     pair : LowThrustPair
-    lightest, heaviest : Thrust
-        Of chasers with the least and with the largest mass.
+    lightest : Thrust
+        Of the chaser with the least mass.
     departure, arrival : float
         [s].
     below : float
         No bound that is as large is wanted [m/s].
     """
-    wanted = WIDER * below
     pushed = Thrust(LIGHTER * lightest.acceleration, lightest.exhaust)
-    least = leg_below(pair, pushed, departure, arrival, wanted, True).split.delta_v
-    wanted = min(wanted, WIDER * least)
-    least = min(least, leg_below(pair, heaviest, departure, arrival, wanted, True).split.delta_v)
-    return least - OFF * least - OFF_M_S if least < math.inf else math.inf
+    return leg_below(pair, pushed, departure, arrival, below, True).split.delta_v
 
 
 @kernel
@@ -455,7 +485,7 @@ def leg_stated(pair, thrust, departure, arrival, stated):
         for window in WINDOWS_RAD:
             steers = steering(at, window)
             drift_of = weighted(drift, steers.turn)
-            way = split(drift_of, task, thrust, steers, math.inf, False)
+            way = split(drift_of, task, thrust, steers, math.inf)
             off = abs(way.delta_v - stated)
             if off < least:
                 best, least = LowThrustLeg(way, window, steers.turn), off

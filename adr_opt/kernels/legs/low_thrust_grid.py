@@ -11,14 +11,14 @@ from .low_thrust import bound_below, leg_below
 
 
 @kernel
-def of_pair(pair, thrust, lightest, times, duration, resolution, relaxed):
+def of_pair(pair, thrust, times, duration, resolution, relaxed):
     """Undominated low-thrust legs of a pair.
 
     Parameters
     ----------
     pair : LowThrustPair
-    thrust, lightest : Thrust
-        Of the chaser with the largest and with the least mass.
+    thrust : Thrust
+        Of the chaser with the largest mass, or the least for lower bounds.
     times : Times
         Its interval is not looked at.
     duration : float
@@ -48,7 +48,7 @@ def of_pair(pair, thrust, lightest, times, duration, resolution, relaxed):
             below = cheapest - resolution
             departure, arrival = begin * step, t * step
             if relaxed:
-                cost = bound_below(pair, lightest, thrust, departure, arrival, below)
+                cost = bound_below(pair, thrust, departure, arrival, below)
             else:
                 cost = leg_below(pair, thrust, departure, arrival, below, False).split.delta_v
             if cost >= below:

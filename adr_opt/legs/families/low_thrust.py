@@ -43,12 +43,12 @@ class LowThrustLegs(LegFamily):
         drive, step = ends.drive, ends.times.step
         since = since_j2000_s(ends.instance.epoch)
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
-        heaviest = Thrust(drive.least_acceleration, drive.exhaust_m_s)
-        lightest = Thrust(drive.largest_acceleration, drive.exhaust_m_s)
+        pushed = drive.largest_acceleration if ends.relaxed else drive.least_acceleration
+        thrust = Thrust(pushed, drive.exhaust_m_s)
         if ends.relaxed:
             resolution_m_s *= FINER
         legs = low_thrust_grid.of_pair(
-            pair, heaviest, lightest, ends.times, ends.latest_s, resolution_m_s, ends.relaxed
+            pair, thrust, ends.times, ends.latest_s, resolution_m_s, ends.relaxed
         )
         delta_v = legs.delta_v
         if ends.relaxed:  # also of the legs that are left out, as they save no more than that
