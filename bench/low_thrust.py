@@ -67,12 +67,19 @@ def drawn(rng: np.random.Generator) -> Pair:
     return Pair(*ends, span, 10.0 ** rng.uniform(-4.0, math.log10(5e-4)))
 
 
-def row(body: tuple[float, float, float], latitude_deg: float) -> FloatArray:
+def row(
+    body: tuple[float, float, float],
+    latitude_deg: float,
+    *,
+    eccentricity: float = 0.0,
+    perigee_deg: float = 0.0,
+) -> FloatArray:
     """The row of a body, as kernels take it."""
     radius, inclination, node = body
     orbit = Orbit(
-        semi_major_axis_m=radius, eccentricity=0.0, inclination_deg=math.degrees(inclination),
-        raan_deg=math.degrees(node) % 360.0, argument_of_perigee_deg=0.0,
+        semi_major_axis_m=radius, eccentricity=eccentricity,
+        inclination_deg=math.degrees(inclination), raan_deg=math.degrees(node) % 360.0,
+        argument_of_perigee_deg=perigee_deg,
         true_anomaly_deg=latitude_deg,
     )  # fmt: skip
     return np.array(orbit.row(OBLATENESS_M2))
@@ -248,6 +255,52 @@ def print_accuracy(number: int) -> None:
     print(f"\nAll: {totals[0] / totals[1] - 1.0:+.2%}.")
 
 
+@kernel
+def bound_and_costs(pair, lightest, masses, departure, arrival):
+    """The lower bound for all masses, and the least ΔV and its time of thrust for some of them."""
+    bound = low_thrust.bound_below(pair, lightest, departure, arrival, math.inf)
+    least, thrusting = math.inf, 0.0
+    for mass in masses:
+        thrust = Thrust(lightest.acceleration / mass, lightest.exhaust)
+        found = low_thrust.leg_between(pair, thrust, departure, arrival).split
+        if found.delta_v < least:
+            least, thrusting = found.delta_v, found.times.first + found.times.second
+    return bound, least, thrusting
+
+
+def print_bounds(number: int) -> None:
+    """Print how many lower bounds some chaser undercuts, over pairs of all kinds."""
+    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
+    rng, legs, below, thrusting = np.random.default_rng(17), 0, [], []
+    for _ in range(number):
+        inclination, raan = float(rng.choice([0.9, 1.24, 1.5, 1.71])), rng.uniform(-3.0, 3.0)
+        apart = 0.01 * rng.normal(), 0.05 * rng.normal()
+        bodies = [
+            row(
+                (EARTH_RADIUS_M + rng.uniform(500e3, 1200e3), inclination + tilt, raan + turn),
+                rng.uniform(0.0, 360.0), eccentricity=rng.uniform(0.0, 0.01) * rng.integers(2),
+                perigee_deg=rng.uniform(0.0, 360.0),
+            )
+            for tilt, turn in ((0.0, 0.0), apart)
+        ]  # fmt: skip
+        departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10.0 ** rng.uniform(0.5, 2.5) * DAY_S
+        epoch = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
+        lightest = Thrust(10.0 ** rng.uniform(-4.3, -3.0), EXHAUST_M_S)
+        masses = np.linspace(1.0, rng.uniform(1.0, 2.0), 7)
+        bound, least, time = bound_and_costs(
+            prepare(*bodies, rule, epoch, 0.0), lightest, masses, departure, departure + span
+        )
+        legs += least < math.inf
+        if least < bound:
+            below.append(1.0 - least / bound)
+            thrusting.append(time / span)
+    print(
+        f"\n{number} drawn pairs, seven masses: {legs} have a leg, {len(below)} one below the "
+        f"lower bound, by {max(below, default=0.0):.1%} at most, with thrust on for at least "
+        f"{min(thrusting, default=0.0):.0%} of the time."
+    )
+
+
 def print_speed(repeats: int) -> None:
     """Print the time of a connection with all its windows and a whole number of laps."""
     rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
@@ -301,11 +354,13 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pairs", type=int, default=200, help="drawn pairs for each window")
+    parser.add_argument("--bounds", type=int, default=200000, help="drawn pairs with lower bounds")
     parser.add_argument("--repeats", type=int, default=15, help="pairs that are timed")
     options = parser.parse_args()
     print(heading())
     print_accuracy(options.pairs)
     print_masses(options.pairs)
+    print_bounds(options.bounds)
     print_speed(options.repeats)
 
 

@@ -457,7 +457,11 @@ def bound_below(pair, lightest, departure, arrival, below):
         No bound that is as large is wanted [m/s].
     """
     pushed = Thrust(LIGHTER * lightest.acceleration, lightest.exhaust)
-    return leg_below(pair, pushed, departure, arrival, below, True).split.delta_v
+    least = leg_below(pair, pushed, departure, arrival, below, True).split.delta_v
+    if least < math.inf:
+        return least
+    # Where all of the time is hardly enough, times may converge for one and not for the other.
+    return leg_below(pair, lightest, departure, arrival, below, True).split.delta_v
 
 
 @kernel
