@@ -3,7 +3,9 @@
 Nothing of :mod:`adr_opt.kernels` is used but constants and the compiler: the pull is written once
 more, and :mod:`.propagation` integrates the change of elements by an explicit method, where the
 refinement integrates positions by an implicit one. Bodies are propagated from the states at the
-epoch that the file states, the chaser from its origin's.
+epoch that the file states, the chaser from its origin's. Of a plan that was refined onto
+ephemerides, bodies are where :mod:`.as_reported` reads that they are, and the chaser begins at the
+stated state, whose distance from its origin counts as a miss.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from ...common.errors import InputError
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...problem.instance import Instance
+from .as_reported import ReportedStates
 from .flyable import refuse_foreign
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
@@ -65,7 +68,8 @@ def fly_refined(
     """
     refuse_strangers(instance, refined)
     world = _World(refined.gravity)
-    bodies = _Ephemeris(world, refined)
+    onto = refined.ephemerides
+    bodies = _Ephemeris(world, refined, None if onto is None else ReportedStates(instance, onto))
     flown = []
     report(0, len(refined.legs))
     for leg in refined.legs:
@@ -150,10 +154,16 @@ def _lowest(states: Array) -> float:
 
 
 class _Ephemeris:
-    """States of bodies at the beginnings and ends of legs, propagated together from the epoch."""
+    """States of bodies at the beginnings and ends of legs.
 
-    def __init__(self, world: _World, refined: RefinedPlan) -> None:
-        self._world = world
+    Those that nothing is reported of are propagated together from the epoch.
+    """
+
+    def __init__(
+        self, world: _World, refined: RefinedPlan, reported: ReportedStates | None
+    ) -> None:
+        self._world, self._reported = world, reported
+        elsewhere = () if reported is None else reported.bodies
         wanted: dict[float, set[str]] = {}
         for leg in refined.legs:
             led = leg.tow_before
@@ -167,16 +177,21 @@ class _Ephemeris:
         states = {
             body.name: np.array([*body.position_m, *body.velocity_m_s])
             for body in refined.bodies
-            if body.name in last
+            if body.name in last and body.name not in elsewhere
         }
         self._known: dict[tuple[str, float], Array] = {}
         now = 0.0
         for time in sorted(wanted):
+            for name in wanted[time].difference(states):
+                assert reported is not None  # the others have a state at the epoch
+                self._known[name, time] = reported.state(name, time)
             names = [name for name in states if last[name] >= time]
+            if not names:
+                continue
             moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
             states = dict(zip(names, moved.T, strict=True))
             now = time
-            for name in wanted[time]:
+            for name in wanted[time].intersection(states):
                 self._known[name, time] = states[name]
 
     def state(self, name: str, time_s: float) -> Array:
@@ -186,6 +201,8 @@ class _Ephemeris:
     def following(self, name: str, time_s: float, length_m: float) -> Array:
         """State of the point that follows a body on its orbit, slightly delayed."""
         state = self._known[name, time_s]
+        if self._reported is not None and name in self._reported.bodies:
+            return self._reported.state(name, time_s - length_m / math.hypot(*state[3:]))
         return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
 
 
@@ -199,7 +216,10 @@ def _fly_leg(
         end_s = leg.tow_before.released.time_s
         led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
         chaser = world.coast(led.state[:, None], end_s, now)
-    begin, begun = leg.states[0], chaser[:3, 0]
+    begin, begun = leg.states[0], chaser[:, 0]
+    onto = leg.holding_delta_v_m_s is not None
+    if onto:
+        chaser = np.array([*begin.position_m, *begin.velocity_m_s])[:, None]
     at_standoff = None
     thrust = None
     if leg.thrust is not None:
@@ -227,7 +247,9 @@ def _fly_leg(
         kind=leg.kind,
         planned_delta_v_m_s=leg.planned_delta_v_m_s,
         flown_delta_v_m_s=burnt + (0.0 if thrust is None else thrust.delta_v_m_s),
-        departure_miss_m=math.dist(begin.position_m, begun),
+        departure_miss_m=math.dist(begin.position_m, begun[:3]),
+        departure_miss_m_s=math.dist(begin.velocity_m_s, begun[3:]) if onto else None,
+        holding_delta_v_m_s=leg.holding_delta_v_m_s,
         standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),

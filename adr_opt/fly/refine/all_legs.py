@@ -241,7 +241,7 @@ def _ends(
     if not ephemerides:
         names = [name for _, leg in legs for name in (leg.origin, leg.destination)]
         return Ends(TrueBodies(instance, gravity, names))
-    known = opened(instance, legs)
+    known = opened(instance)
     assert instance.ephemerides is not None  # else none could be opened
     bodies = ReportedBodies(instance, known, gravity, (leg for _, leg in legs))
     onto = EphemeridesReference(kind=instance.ephemerides.kind, sha256=instance.ephemerides.sha256)

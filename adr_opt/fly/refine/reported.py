@@ -94,25 +94,19 @@ def delay_s(state: Array, length_m: float) -> float:
     return length_m / math.sqrt(float(state[3:] @ state[3:]))
 
 
-def opened(instance: Instance, legs: Iterable[tuple[int, Leg]]) -> Ephemerides:
+def opened(instance: Instance) -> Ephemerides:
     """Ephemerides of an instance that legs are to be refined onto.
-
-    Parameters
-    ----------
-    instance : Instance
-    legs : iterable of (int, Leg)
-        By number.
 
     Raises
     ------
     InputError
-        There are none, or a leg has low thrust or tows.
+        There are none, they are others than the instance says, or it has low thrust or tows.
     """
-    for number, leg in legs:
-        if leg.traits.has_arcs or leg.tow is not None:
-            what = "has low thrust" if leg.traits.has_arcs else f"tows {leg.destination!r}"
-            raise InputError(
-                f"leg {number} {what}, and only legs of impulses without tows are refined onto "
-                "ephemerides; refine without --ephemerides"
-            )
-    return ephemerides_of(instance)
+    known = ephemerides_of(instance)
+    if instance.has_low_thrust or any(target.service.is_flown for target in instance.targets):
+        what = "low thrust" if instance.has_low_thrust else "tows"
+        raise InputError(
+            f"{instance.name!r} has {what}, and only legs of impulses without tows are refined "
+            "onto ephemerides; refine without --ephemerides"
+        )
+    return known

@@ -9,7 +9,7 @@ from ...common.stop import Stop
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, say
-from .refine import freedom_option, gravity_option
+from .refine import ephemerides_option, freedom_option, gravity_option
 
 if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
@@ -26,6 +26,7 @@ class Refining(NamedTuple):
     refined_out: str | None
     gravity: Gravity | None
     freedom: Freedom | None
+    ephemerides: bool
     rounds: int | None
     spend_savings: bool
 
@@ -37,6 +38,7 @@ class Refining(NamedTuple):
             ("--refined-out", self.refined_out),
             ("--gravity", self.gravity),
             ("--burns", self.freedom),
+            ("--ephemerides", "" if self.ephemerides else None),
             ("--rounds", self.rounds),
             ("--spend-savings", "" if self.spend_savings else None),
         ):
@@ -50,6 +52,7 @@ refine_options = take.together(
     take.file("--refined-out", "Refined plan file to write."),
     gravity_option,
     freedom_option,
+    ephemerides_option,
     take.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
     take.flag(
         "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
@@ -73,6 +76,7 @@ def run_refined(
 
     return solve_refined(
         instance, method, gravity=refining.gravity, freedom=refining.freedom,
+        ephemerides=refining.ephemerides,
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
         spend_savings=refining.spend_savings,
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),

@@ -49,7 +49,8 @@ def complaints(
         return ()
     found = [f"leg {missing.leg} is missing: {missing.reason}" for missing in refined.missing]
     if refined_flight is not None:
-        found += [f"leg {leg.leg} misses by more than 1 m or 1 mm/s, as another integrator flies it"
+        found += [f"leg {leg.leg} misses by more than {refined_flight.limits}, as another "
+                  "integrator flies it"
                   for leg in refined_flight.strayed]  # fmt: skip
         found += [f"leg {leg.leg} releases its object on another orbit than that of disposal"
                   for leg in refined_flight.off_disposal]  # fmt: skip
