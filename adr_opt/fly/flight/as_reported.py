@@ -60,8 +60,19 @@ class ReportedStates:
 
     def state(self, body: str, time_s: float) -> Array:
         """State reported of a body in the frame of the instance, shape (6,) [m, m/s]."""
+        found: Array = self.states(body, np.array([time_s]))[0]
+        return found
+
+    def states(self, body: str, times_s: Array) -> Array:
+        """States reported of a body at times, shape (times, 6) [m, m/s].
+
+        Raises
+        ------
+        InputError
+            The ephemeris does not reach as far.
+        """
         if self._known is not None:
-            return self._known.of(body).state(time_s)
+            return self._known.of(body).state(times_s)
         try:
             from sgp4 import omm
             from sgp4.api import Satrec
@@ -73,11 +84,11 @@ class ReportedStates:
         satellite = Satrec()
         omm.initialize(satellite, self._elements[body])
         day, fraction = jday_datetime(instance.epoch)
-        code, position, velocity = satellite.sgp4(day, fraction + time_s / DAY_S)
-        if code:
-            raise InputError(
-                f"{body!r}: SGP4 error {code} at {time_s:.0f} s; refine the plan again"
-            )
-        (of_date,) = teme_axes([instance.epoch + timedelta(seconds=time_s)])
-        turn = from_gcrf(instance.frame) @ of_date.T
-        return 1e3 * np.concatenate((turn @ position, turn @ velocity))
+        fractions = fraction + times_s / DAY_S
+        codes, *vectors = satellite.sgp4_array(np.full(times_s.size, day), fractions)
+        if codes.any():
+            raise InputError(f"{body!r}: SGP4 error {codes.max()}; refine the plan again")
+        dates = [instance.epoch + timedelta(seconds=time_s) for time_s in times_s.tolist()]
+        turns = from_gcrf(instance.frame) @ np.swapaxes(teme_axes(dates), 1, 2)
+        turned = [np.einsum("tij,tj->ti", turns, vector) for vector in vectors]
+        return 1e3 * np.column_stack(turned)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...problem.instance import Instance
 from .as_reported import ReportedStates
 from .flyable import refuse_foreign
+from .held import found_m_s
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .release import released
@@ -69,12 +71,16 @@ def fly_refined(
     refuse_strangers(instance, refined)
     world = _World(refined.gravity)
     onto = refined.ephemerides
-    bodies = _Ephemeris(world, refined, None if onto is None else ReportedStates(instance, onto))
+    reported = None if onto is None else ReportedStates(instance, onto)
+    bodies = _Ephemeris(world, refined, reported)
     flown = []
     report(0, len(refined.legs))
     for leg in refined.legs:
         try:
             flown.append(_fly_leg(world, bodies, leg, instance))
+            if reported is not None:
+                needed = found_m_s(reported, world.coast, leg)
+                flown[-1] = replace(flown[-1], holding_found_m_s=needed)
         except ArithmeticError as error:
             raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
         report(len(flown), len(refined.legs))

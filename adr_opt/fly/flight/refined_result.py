@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from .held import LEAST_SHARE, SPARE_M_S
 from .result import ChaserFlight, TankFlight, chasers_of
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
@@ -60,8 +61,8 @@ class RefinedLegFlight:
     departure_miss_m_s : float or None
         Speed of the stated departure relative to the origin, where the plan was refined onto
         ephemerides; else None [m/s].
-    holding_delta_v_m_s : float or None
-        Estimated ΔV of holding beside bodies, there [m/s].
+    holding_delta_v_m_s, holding_found_m_s : float or None
+        ΔV of holding beside bodies there, as the plan states it and as it is found here [m/s].
     """
 
     leg: int
@@ -87,6 +88,7 @@ class RefinedLegFlight:
     release_eccentricity: float | None = None
     departure_miss_m_s: float | None = None
     holding_delta_v_m_s: float | None = None
+    holding_found_m_s: float | None = None
 
     @property
     def arrives(self) -> bool:
@@ -102,6 +104,12 @@ class RefinedLegFlight:
             max(far, self.departure_miss_m) <= ONTO_MISS_M
             and max(fast, self.departure_miss_m_s) <= ONTO_MISS_M_S
         )
+
+    @property
+    def understates_holding(self) -> bool:
+        """Whether holding takes more than the plan states."""
+        needed = LEAST_SHARE * (self.holding_found_m_s or 0.0) - SPARE_M_S
+        return (self.holding_delta_v_m_s or 0.0) < needed
 
     @property
     def is_in_shadow(self) -> bool:
@@ -122,7 +130,8 @@ class RefinedLegFlight:
         if self.tow_miss_m is None:
             del content["tow_miss_m"]
         if self.departure_miss_m_s is None:
-            del content["departure_miss_m_s"], content["holding_delta_v_m_s"]
+            for name in ("departure_miss_m_s", "holding_delta_v_m_s", "holding_found_m_s"):
+                del content[name]
         if not self.towing_m_s:
             del content["towing_m_s"]
         if self.shadow_s is None:
@@ -193,6 +202,11 @@ class RefinedFlight:
         return tuple(leg for leg in self.legs if leg.is_in_shadow)
 
     @property
+    def understated(self) -> tuple[RefinedLegFlight, ...]:
+        """Legs that state too little ΔV of holding."""
+        return tuple(leg for leg in self.legs if leg.understates_holding)
+
+    @property
     def off_disposal(self) -> tuple[RefinedLegFlight, ...]:
         """Legs whose spirals end on another orbit than the circle of disposal."""
         return tuple(leg for leg in self.legs if leg.is_off_disposal)
@@ -211,9 +225,10 @@ class RefinedFlight:
     def holds(self) -> bool:
         """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice.
 
-        And whether spirals end on the circle of disposal.
+        And whether spirals end on the circle of disposal, and legs state the ΔV of holding.
         """
         wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
+        wrong = wrong or self.understated
         return not (wrong or self.broken_tanks)
 
     @property

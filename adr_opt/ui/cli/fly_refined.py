@@ -82,6 +82,7 @@ def said(flight: RefinedFlight) -> str:
             flight.off_disposal,
             "release more than 1 km or 0.001 of eccentricity off the disposal orbit",
         ),
+        (flight.understated, "state too little ΔV of holding beside their bodies"),
     ):
         if legs:
             numbers = ", ".join(str(leg.leg) for leg in legs)
@@ -131,8 +132,12 @@ def _tell_legs(flight: RefinedFlight) -> None:
             *holding,
         ),
         whose(flight.tanks),
-        bold=lambda leg: not leg.arrives or leg.is_in_shadow or leg.is_off_disposal,
+        bold=_is_wrong,
     )
+
+
+def _is_wrong(leg: RefinedLegFlight) -> bool:
+    return not leg.arrives or leg.is_in_shadow or leg.is_off_disposal or leg.understates_holding
 
 
 def _kg(mass: float | None) -> str:

@@ -13,7 +13,7 @@ from .refine import ephemerides_option, freedom_option, gravity_option
 
 if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
-    from ...plan.refined_plan import Freedom, Gravity
+    from ...plan.refined_plan import Freedom, Gravity, RefinedPlan
     from ...problem.instance import Instance
     from ...run.run_options import RunOptions
     from .work import Watch
@@ -114,7 +114,14 @@ def tell_refined(looped: RefinedResult, as_json: bool) -> None:
     elif looped.holds:
         emit(
             f"the plan holds when refined: planned with {planned:.1f} m/s, flown with "
-            f"{flown:.1f} m/s, after {counted(len(looped.rounds), 'round')}"
+            f"{flown:.1f} m/s{_holding(refined)}, after {counted(len(looped.rounds), 'round')}"
         )
     else:
         emit(f"the plan does not hold: {looped.reason}")
+
+
+def _holding(refined: RefinedPlan | None) -> str:
+    """Estimated ΔV of holding, where there are ephemerides."""
+    if refined is None or refined.ephemerides is None:
+        return ""
+    return f" and {refined.holding_m_s:.1f} m/s of holding beside ephemerides"
