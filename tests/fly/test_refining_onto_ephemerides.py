@@ -28,6 +28,7 @@ from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine.ephemeris import tracks
 from adr_opt.fly.refine.holding_estimate import following_m_s
+from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.whereabouts import Whereabouts
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -235,19 +236,16 @@ def test_the_command_line_refines_onto_ephemerides(cli: Cli, files: Mission) -> 
     assert cli("fly", "my.json", "looped.json").status == 0
 
 
-def test_the_loop_counts_holding(mission: Mission) -> None:
-    """A tank that the burns fit into, but not with holding, is one that the loop plans anew for."""
-    refined = mission.refined
-    spent = tanks_of(mission.instance, refined)[0].flown_delta_v_m_s
-    planned = mission.refined.planned_delta_v_m_s
-    assert spent < planned  # else there were nothing to choose a tank by
-    small = adr_opt.solve_refined(
-        mission.instance, QUICK, ephemerides=True, freedom="planned", time_limit=60.0
-    )
-    assert small.holds
-    assert small.rounds[0].flown_delta_v_m_s == pytest.approx(
-        small.rounds[0].refined.flown_delta_v_m_s + small.rounds[0].refined.holding_m_s
-    )
+def test_the_loop_learns_what_holding_takes(mission: Mission) -> None:
+    """Corrected connections cost at least what legs were flown with and holding took."""
+    dearer = tuple(leg.replace(holding_delta_v_m_s=300.0) for leg in mission.refined.legs)
+    lessons = Lessons(mission.instance)
+    lessons.learn(mission.plan, mission.refined.replace(legs=dearer))
+    for leg in dearer:
+        cost = lessons.corrections.corrected(
+            leg.origin, leg.destination, leg.kind, leg.planned_delta_v_m_s
+        )
+        assert cost >= leg.flown_delta_v_m_s + 300.0 - 1e-6
 
 
 def tampered(refined: RefinedPlan, **change: Any) -> RefinedPlan:
@@ -298,22 +296,24 @@ def test_what_cannot_be_refined_onto_ephemerides_is_one_sentence(cli: Cli, files
     refused(cli("solve", "plain.json", "--refine", "--ephemerides"), "has no ephemerides")
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--tow", "100", "--disposal-altitude", "400"], "has tows"),
-        (["--thrust", "0.5", "--dry-mass", "300", "--propellant", "100", "--isp", "1500"],
-         "has low thrust"),
-    ],
-    ids=["tows", "low thrust"],
-)  # fmt: skip
-def test_tows_and_low_thrust_are_one_sentence(cli: Cli, options: list[str], said: str) -> None:
+MASSES = ["--dry-mass", "300", "--propellant", "100", "--isp", "1500"]
+
+
+@pytest.mark.parametrize("said", ["has low thrust", "has tows"])
+def test_tows_and_low_thrust_are_one_sentence(cli: Cli, said: str) -> None:
     """Such missions are refused with ephemerides before anything is planned."""
     Path("all.json").write_text(as_json(records(3)), encoding="utf-8")
+    more = ["--thrust", "0.5", "--max-drift-days", "2"] if said == "has low thrust" else []
     made = cli("import", "all.json", "--epoch", EPOCH.isoformat(), "--duration-days", "2",
-               "--ephemerides", *options, "--out", "my.json", "--quiet")  # fmt: skip
-    if made.status:
-        pytest.skip(made.err)
+               "--ephemerides", *MASSES, *more, "--out", "my.json", "--quiet")  # fmt: skip
+    assert made.status == 0, made.err
+    if not more:
+        # An import refuses to tow what decays.
+        content = json.loads(Path("my.json").read_text(encoding="utf-8"))
+        content["mission"]["disposal_altitude_m"] = 400e3
+        for target in content["targets"]:
+            target |= {"removal": "tow", "mass_kg": 100.0, "decay_m_per_day": None}
+        Path("my.json").write_text(json.dumps(content), encoding="utf-8")
     refused(cli("solve", "my.json", "--refine", "--ephemerides"), said)
 
 
