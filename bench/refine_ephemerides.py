@@ -7,8 +7,10 @@ instance; plans, refines onto SGP4 in the field to J4, and flies the result. By 
 with the catalogues of Iridium 33 in the folder. Each leg is compared with itself between the bodies
 that the plan was made with: their mean elements, drag included, with the short-period variations of
 J2, in the field of J2; once as refinement under J2 has them, and once with the constant part of the
-eccentricity that was fitted, too. Prints the legs of the first plan and the totals of all as Markdown, the
-misses that ``fly`` finds, the estimated ΔV of holding, and the time that refinement takes.
+eccentricity that was fitted, too. Prints the legs of the first plan and the totals of all as
+Markdown, the misses that ``fly`` finds, the estimated ΔV of holding, and the time that refinement
+takes; before them, where a chaser is that is let go on a state by SGP4, and the ΔV of holding by
+the number of impulses in a revolution.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ from machine import heading
 import adr_opt
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.fly.flight import RefinedFlight, fly_refined
-from adr_opt.fly.refine.bodies import Gravity
+from adr_opt.fly.refine.bodies import Gravity, moved
+from adr_opt.fly.refine.holding_estimate import following_m_s
 from adr_opt.fly.refine.one_leg import refine_leg
 from adr_opt.kernels.orbits import elements
 from adr_opt.kernels.orbits.gravity import FIELDS
@@ -37,11 +40,14 @@ from adr_opt.plan.plan import Leg, Plan
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance
 from adr_opt.sources import catalogue
+from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 
 TARGETS, DAYS = 60, 7.0
 METHODS = ("auto", "greedy-guarded", "beam")
 TIME_LIMIT_S = 60.0
+
+LET_GO_S = 6000.0
 
 REVOLUTION_S = 5900.0
 """About that of the objects."""
@@ -91,10 +97,12 @@ def main() -> None:
     """Measure and print."""
     files = [Path(path) for path in sys.argv[1:]] or _default()
     print(f"{heading()}\n")
-    found = {}
+    found: dict[tuple[str, str], Compared] = {}
     for path in files:
         with tempfile.TemporaryDirectory() as folder:
             instance = _imported(path, Path(folder))
+            if not found:
+                _print_holding(instance)
             for method in METHODS:
                 found[path.stem, method] = _compare(instance, method)
     first = next(iter(found.values()))
@@ -108,8 +116,8 @@ def main() -> None:
         shares = [f"{100.0 * (leg.flown_delta_v_m_s / before - 1.0):+.2f}" for before in befores]
         print(
             f"| {leg.leg} | {leg.planned_delta_v_m_s:.1f} | {befores[0]:.1f} | {befores[1]:.1f} "
-            f"| {leg.flown_delta_v_m_s:.1f} | {' | '.join(shares)} | {leg.holding_m_s:.2f} | {flown.standoff_miss_m:.1e} "
-            f"| {1e3 * flown.standoff_miss_m_s:.1e} |"
+            f"| {leg.flown_delta_v_m_s:.1f} | {' | '.join(shares)} | {leg.holding_m_s:.2f} "
+            f"| {flown.standoff_miss_m:.1e} | {1e3 * flown.standoff_miss_m_s:.1e} |"
         )
     print(
         "\n| catalogue | planner | legs | refined | planned m/s | onto SGP4 "
@@ -136,6 +144,29 @@ def _imported(path: Path, folder: Path) -> Instance:
     )
     with_ephemerides(made, folder / "field.json").write(folder / "field.json")
     return adr_opt.load(folder / "field.json")
+
+
+def _print_holding(instance: Instance) -> None:
+    """Objects of an instance, a day after the epoch."""
+    known = ephemerides_of(instance)
+    states = [known.of(name) for name in known.bodies]
+    away = []
+    for ephemeris in states:
+        begin, end = ephemeris.state([DAY_S, DAY_S + LET_GO_S])
+        away.append(math.dist(moved(begin, LET_GO_S, "j4")[:3], end[:3]))
+    print(
+        f"Let go on a state by SGP4, {LET_GO_S:g} s later {np.median(away):.0f} m away in the "
+        f"median over {len(away)} objects, {max(away):.0f} m at most.\n"
+    )
+    print("| impulses a revolution | holding m/s a revolution | 90 % | most |\n|---|---|---|---|")
+    for impulses in (4, 8, 12, 24, 60):
+        times = DAY_S + np.linspace(0.0, 5.0 * REVOLUTION_S, 5 * impulses + 1)
+        taken = [following_m_s(one.state(times), times, "j4") / 5.0 for one in states]
+        print(
+            f"| {impulses} | {np.median(taken):.2f} | {np.quantile(taken, 0.9):.2f} "
+            f"| {max(taken):.2f} |"
+        )
+    print()
 
 
 def _compare(instance: Instance, method: str) -> Compared:

@@ -106,6 +106,7 @@ def tell_refined(looped: RefinedResult, as_json: bool) -> None:
                 "reason": looped.reason,
                 "planned_delta_v_m_s": planned,
                 "flown_delta_v_m_s": flown,
+                **_told_holding(refined),
                 "notes": looped.result.notes,
                 "rounds": [one.to_dict() for one in looped.rounds],
                 "plan": None if plan is None else plan.to_dict(),
@@ -125,3 +126,10 @@ def _holding(refined: RefinedPlan | None) -> str:
     if refined is None or refined.ephemerides is None:
         return ""
     return f" and {refined.holding_m_s:.1f} m/s of holding beside ephemerides"
+
+
+def _told_holding(refined: RefinedPlan | None) -> dict[str, float]:
+    """The same as plain data."""
+    if refined is None or refined.ephemerides is None:
+        return {}
+    return {"holding_delta_v_m_s": refined.holding_m_s}
