@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import pickle
 import time
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
@@ -29,6 +30,8 @@ from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine.ephemeris import tracks
 from adr_opt.fly.refine.holding_estimate import following_m_s
 from adr_opt.fly.refine.lessons import Lessons
+from adr_opt.fly.refine.one_leg import refine_leg
+from adr_opt.fly.refine.reported import ReportedBodies
 from adr_opt.fly.refine.whereabouts import Whereabouts
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import RefinedPlan
@@ -41,6 +44,8 @@ from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.oem import read_oem
 from adr_opt.sources.ephemerides.of_instance import of_contents
+from adr_opt.ui.plot.costs import costs_chart
+from adr_opt.ui.report.flights import complaints, section
 
 sgp4 = pytest.importorskip("sgp4.api")
 sgp4_omm = pytest.importorskip("sgp4.omm")
@@ -150,6 +155,17 @@ def test_legs_begin_at_and_close_onto_what_sgp4_reports(mission: Mission) -> Non
     assert mission.refined.status == "complete"
     assert mission.refined.gravity == "j4"
     assert_begins_and_ends_on_sgp4(mission.instance, mission.refined, 0.05, 5e-5)
+
+
+def test_workers_elsewhere_get_the_same_ends(mission: Mission) -> None:
+    """States at the ends of legs are data: a copy of them, as for a cluster, gives equal legs."""
+    legs = mission.plan.legs
+    known = ephemerides_of(mission.instance)
+    bodies = ReportedBodies(mission.instance, known, "j4", legs)
+    copied = pickle.loads(pickle.dumps(bodies))
+    for number, leg in enumerate(legs, start=1):
+        made = refine_leg(mission.instance, copied, number, leg, "free")
+        assert made.burns == mission.refined.legs[number - 1].burns
 
 
 def test_the_judge_reads_the_ephemerides_itself(mission: Mission) -> None:
@@ -375,6 +391,18 @@ def test_the_chaser_is_beside_its_bodies_in_exports(mission: Mission, tmp_path: 
             write_refined(instance, refined, tmp_path / "x", file=FlightFile(format), leg=leg)
     for format, leg in (("opm", 1), ("ocm", None), ("czml", None)):
         write_refined(instance, refined, tmp_path / f"x.{format}", file=FlightFile(format), leg=leg)
+
+
+def test_displays_tell_of_ephemerides(mission: Mission) -> None:
+    """The chart of costs, the card and the report say what the plan was refined onto."""
+    _, _, refined = mission
+    assert [one.name for one in costs_chart(mission.plan, refined).series][-1].endswith(
+        "onto ephemerides"
+    )
+    assert "onto ephemerides" in repr(refined)
+    page = section(mission.instance, None, refined, fly_refined(mission.instance, refined))
+    assert "Holding beside the bodies" in page
+    assert not complaints(mission.instance, refined, fly_refined(mission.instance, refined))
 
 
 @cache
