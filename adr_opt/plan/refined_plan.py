@@ -18,6 +18,7 @@ from pydantic import (
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
+from ..problem.ephemerides import Digest, EphemerisKind
 from .leg_kinds import OneOf, RefinedKindName, leg_kind
 from .phases import refined_phases
 from .plan import InstanceReference, Plan, Vector
@@ -50,8 +51,18 @@ class PlanReference(Record):
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
+class EphemeridesReference(Record):
+    """Reference to the ephemerides that legs were refined onto, as the instance has it."""
+
+    kind: EphemerisKind
+    sha256: Digest
+
+
 class BodyState(Record):
-    """Osculating state of a body at the epoch, in the inertial frame of the elements."""
+    """Osculating state of a body at the epoch, in the inertial frame of the elements.
+
+    Where a plan is refined onto ephemerides, the state that is reported then.
+    """
 
     name: Name
     position_m: Position
@@ -161,7 +172,9 @@ class RefinedLeg(Record):
     chaser was launched onto the origin and towed it: a launch is no refined leg, so that this one
     counts what ``tow_before`` takes. ``thrust`` is that of a leg of low thrust before the
     stand-off; its ΔV counts in ``flown_delta_v_m_s``, and its ``burns`` are those of the approach
-    alone.
+    alone. ``holding_delta_v_m_s`` is an estimate of what holding beside bodies takes that move by
+    their ephemerides, while the leg waits and during its service; it counts in no sum of a leg,
+    but in tanks.
     """
 
     leg: Annotated[int, Field(ge=1)]
@@ -185,12 +198,18 @@ class RefinedLeg(Record):
     after_launch: Literal[True] | None = None
     tow: RefinedTow | None = None
     thrust: RefinedThrust | None = None
+    holding_delta_v_m_s: DeltaV | None = None
 
     @property
     def spent_m_s(self) -> float:
         """ΔV of burns and arcs, whatever ΔV is stated [m/s]."""
         arcs = 0.0 if self.thrust is None else self.thrust.delta_v_m_s
         return math.fsum((arcs, *(burn.size_m_s for burn in self.burns)))
+
+    @property
+    def holding_m_s(self) -> float:
+        """Estimated ΔV of holding; 0 where there is no estimate [m/s]."""
+        return self.holding_delta_v_m_s or 0.0
 
     @property
     def removals(self) -> tuple[RefinedTow, ...]:
@@ -231,7 +250,9 @@ class RefinedLeg(Record):
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        for name in ("chaser", "tow_before", "after_launch", "tow", "thrust"):
+        for name in (
+            "chaser", "tow_before", "after_launch", "tow", "thrust", "holding_delta_v_m_s",
+        ):  # fmt: skip
             if getattr(self, name) is None:
                 content.pop(name, None)
         return content
@@ -290,12 +311,14 @@ class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
-    begins docked with its origin.
+    begins docked with its origin. ``ephemerides`` are those of the instance if legs begin at and
+    close onto their states; else files say nothing of it, and bodies move freely from ``bodies``.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT
     instance: InstanceReference
     plan: PlanReference
+    ephemerides: EphemeridesReference | None = None
     gravity: Gravity
     freedom: Freedom
     status: Status
@@ -305,6 +328,13 @@ class RefinedPlan(Shown, Record):
     bodies: Annotated[tuple[BodyState, ...], Field(strict=False)] = ()
     legs: Annotated[tuple[RefinedLeg, ...], Field(strict=False)] = ()
     missing: Annotated[tuple[Missing, ...], Field(strict=False)] = ()
+
+    @model_serializer(mode="wrap")
+    def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        content: dict[str, Any] = plainly(self)
+        if self.ephemerides is None:
+            content.pop("ephemerides", None)
+        return content
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -321,6 +351,12 @@ class RefinedPlan(Shown, Record):
                 f'field status = "{self.status}": must be "incomplete" exactly where legs are '
                 "missing"
             )
+        for leg in self.legs:
+            if (leg.holding_delta_v_m_s is None) != (self.ephemerides is None):
+                raise ValueError(
+                    f"field holding_delta_v_m_s of leg {leg.leg}: must stand exactly where the "
+                    "plan has ephemerides"
+                )
         return self
 
     @property
@@ -337,6 +373,11 @@ class RefinedPlan(Shown, Record):
     def flown_delta_v_m_s(self) -> float:
         """ΔV of the refined legs and their tows [m/s]."""
         return math.fsum(leg.flown_delta_v_m_s + leg.removal_m_s for leg in self.legs)
+
+    @property
+    def holding_m_s(self) -> float:
+        """Estimated ΔV of holding beside bodies; 0 without ephemerides [m/s]."""
+        return math.fsum(leg.holding_m_s for leg in self.legs)
 
     @property
     def has_thrust(self) -> bool:

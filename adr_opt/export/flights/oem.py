@@ -46,15 +46,20 @@ def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterato
 
 
 def segment(
-    clock: UtcClock, said: str, arc: Arc, axes: Axes, about: Iterable[str]
+    clock: UtcClock,
+    said: str,
+    arc: Arc,
+    axes: Axes,
+    about: Iterable[str],
+    method: str = "HERMITE",
 ) -> Iterator[str]:
-    """One arc, with a comment and metadata of object, frame and times."""
+    """One arc, with a comment, metadata of object, frame and times, and how to interpolate it."""
     labels = clock.labels(arc.times_s)
     yield "META_START"
     yield from about
     yield f"START_TIME = {labels[0]}"
     yield f"STOP_TIME = {labels[-1]}"
-    yield "INTERPOLATION = HERMITE"
+    yield f"INTERPOLATION = {method}"
     yield f"INTERPOLATION_DEGREE = {DEGREE}"
     yield "META_STOP"
     yield from comment(said)

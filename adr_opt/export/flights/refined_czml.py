@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
+from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import revolution
@@ -34,6 +35,17 @@ from .czml_packets import (
 HIGHLIGHT_PIXELS = 18
 
 
+class RefinedLegs(NamedTuple):
+    """Some legs of a refined plan, of any chasers; at least one.
+
+    ``bodies`` says where the bodies are.
+    """
+
+    refined: RefinedPlan
+    legs: Sequence[RefinedLeg]
+    bodies: Whereabouts
+
+
 class _Leg(NamedTuple):
     """A leg with its arcs."""
 
@@ -57,8 +69,7 @@ def usual_step(legs: Sequence[RefinedLeg]) -> float:
 
 def to_czml(
     instance: Instance,
-    refined: RefinedPlan,
-    legs: Sequence[RefinedLeg],
+    shown: RefinedLegs,
     axes: Axes,
     said: Sequence[str],
     step_s: float,
@@ -68,9 +79,7 @@ def to_czml(
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
-    legs : sequence of RefinedLeg
-        Of any chasers; at least one.
+    shown : RefinedLegs
     axes : Axes
         Those of Cesium.
     said : sequence of str
@@ -78,11 +87,11 @@ def to_czml(
     step_s : float
         Largest time between states [s].
     """
-    clock = UtcClock(instance)
+    clock, legs = UtcClock(instance), shown.legs
     start_s, end_s = min(leg.ready_s for leg in legs), max(leg.done_s for leg in legs)
     packets = [document(clock, instance.name, said, start_s, end_s)]
-    packets += _bodies(instance, refined, legs, axes, clock)
-    for its in _crew(instance, refined, legs, step_s):
+    packets += _bodies(instance, shown, axes, clock)
+    for its in _crew(instance, shown, step_s):
         packets.append(_chaser(its, axes, clock))
         for leg in its.legs:
             for number, track in enumerate(leg.tracks, start=1):
@@ -92,11 +101,12 @@ def to_czml(
     return json.dumps(packets, ensure_ascii=False, separators=(",", ":"), allow_nan=False) + "\n"
 
 
-def _crew(
-    instance: Instance, refined: RefinedPlan, legs: Sequence[RefinedLeg], step: float
-) -> Iterator[_Crew]:
+def _crew(instance: Instance, shown: RefinedLegs, step: float) -> Iterator[_Crew]:
     """The chasers of some legs."""
-    flown = [_Leg(leg, tracks(refined, leg=leg.leg, step_s=step)) for leg in legs]
+    flown = [
+        _Leg(leg, tracks(shown.refined, leg=leg.leg, step_s=step, bodies=shown.bodies))
+        for leg in shown.legs
+    ]
     if not several(instance):
         yield _Crew("chaser", "chaser", None, tuple(flown))
         return
@@ -108,15 +118,12 @@ def _crew(
 
 
 def _bodies(
-    instance: Instance,
-    refined: RefinedPlan,
-    legs: Sequence[RefinedLeg],
-    axes: Axes,
-    clock: UtcClock,
+    instance: Instance, its: RefinedLegs, axes: Axes, clock: UtcClock
 ) -> Iterator[dict[str, Any]]:
     """Bodies of the legs, all the time, or in a long mission while their legs are flown."""
-    part = refined.replace(legs=tuple(legs))
-    names = [body.name for body in refined.bodies]
+    legs = its.legs
+    part = its.refined.replace(legs=tuple(legs))
+    names = list(its.bodies.bodies)
     names = [name for name in names if any(name in (leg.origin, leg.destination) for leg in legs)]
     spans = [(leg.ready_s, leg.done_s) for leg in legs]
     whole = (
@@ -129,7 +136,7 @@ def _bodies(
         own = [leg.leg for leg in legs if name in (leg.origin, leg.destination)]
         shown = {}
         for number in [None] if whole else own:
-            for track in tracks(part, body=name, leg=number, step_s=BODY_STEP_S):
+            for track in tracks(part, body=name, leg=number, step_s=BODY_STEP_S, bodies=its.bodies):
                 shown[_span(clock, track.arc)] = sampled(
                     clock, track.arc.times_s, axes.turned(track.arc.positions_m), BODY_DEGREE, 1
                 )

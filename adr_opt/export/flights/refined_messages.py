@@ -98,14 +98,40 @@ def to_ocm(
     return ocm.to_ocm(course, axes, object_id, starts)
 
 
+def refuse_between_ephemerides(
+    refined: RefinedPlan, legs: Sequence[RefinedLeg], format: str
+) -> None:
+    """Raise :class:`InputError` for burns that do not lead through services.
+
+    Beside an ephemeris the chaser is held by what no burn of the plan says, and scripts move
+    bodies freely.
+    """
+    if refined.ephemerides is None or format == "ocm":
+        return
+    if format == "script":
+        raise InputError(
+            "the plan was refined onto ephemerides, which bodies of a script do not follow; write "
+            ".oem, .ocm or .opm"
+        )
+    if len(legs) > 1:
+        raise InputError(
+            "the plan was refined onto ephemerides, beside which no burn holds the chaser; write "
+            f".oem or .ocm, or a single leg as .{format}"
+        )
+
+
 def _ready_s(leg: RefinedLeg) -> float:
-    """Start of a flight that begins with a leg [s]."""
-    return leg.states[0].time_s if leg.is_led else leg.ready_s
+    """Start of a flight that begins with a leg [s].
+
+    Between ephemerides, after the wait: nothing moves freely through that.
+    """
+    onto = leg.holding_delta_v_m_s is not None
+    return leg.states[0].time_s if leg.is_led or onto else leg.ready_s
 
 
 def _chaser_state(refined: RefinedPlan, leg: RefinedLeg, time_s: float) -> Array:
     """State of the chaser near the beginning of a leg: docked, or at the end of its tow."""
-    if leg.is_led:
+    if leg.is_led or refined.ephemerides is not None:
         departure = leg.states[0]
         return moved(state_of(departure), time_s - departure.time_s, refined.gravity)
     (origin,) = (state_of(body) for body in refined.bodies if body.name == leg.origin)

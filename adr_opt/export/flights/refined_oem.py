@@ -11,6 +11,7 @@ from ...common.files import check_writable, write_both, write_text
 from ...fly.flight.flyable import refuse_foreign
 from ...fly.flight.tanks import refined_routes
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
+from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import STEP_S
@@ -21,8 +22,8 @@ from ...problem.instance import Instance
 from .gmat_thrust import history_path
 from .kvn import header, metadata, object_name, plain, who
 from .oem import segment
-from .refined_czml import to_czml, usual_step
-from .refined_messages import refined_course, to_gmat, to_ocm, to_opm
+from .refined_czml import RefinedLegs, to_czml, usual_step
+from .refined_messages import refined_course, refuse_between_ephemerides, to_gmat, to_ocm, to_opm
 from .write import ALL_FORMATS, BY_SUFFIX, TOGETHER, FlightFile, axes_in, check_frame
 
 
@@ -65,7 +66,8 @@ def write_refined(
     InputError
         A refined plan of another instance, an unknown frame or format, a body in another format
         than "oem", low thrust in "opm", legs that do not follow each other in messages and scripts,
-        what :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
+        ephemerides that are missing, burns that do not lead from one of them to the next, what
+        :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
     MissingExtra
         There is something to turn to the frame, and astropy is not installed.
     """
@@ -82,7 +84,8 @@ def write_refined(
     name = None if everyone else _whose(instance, refined, chaser, leg, body)
     if format == "czml" and step_s is None:
         step_s = usual_step(refined.legs)
-    written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name)
+    bodies = Whereabouts.of(instance, refined)
+    written = tracks(refined, body=body, step_s=step_s, leg=leg, chaser=name, bodies=bodies)
     said = [*_origin(instance, refined, axes), *who(instance, name)]
     if format == "oem":
         called = object_name(name) if body is None else plain(body)
@@ -96,8 +99,10 @@ def write_refined(
             "a burn of .opm has one direction, and low thrust is steered; write .ocm or .oem"
         )
     if format == "czml":
-        write_text(path, to_czml(instance, refined, legs, axes, said, step_s or STEP_S))
+        shown = RefinedLegs(refined, legs, bodies)
+        write_text(path, to_czml(instance, shown, axes, said, step_s or STEP_S))
         return written
+    refuse_between_ephemerides(refined, legs, format)
     course = refined_course(instance, refined, legs, name, said)
     if format == "script":
         beside = None if course.propulsion is None else history_path(path)
@@ -142,7 +147,8 @@ def _lines(
     yield from header("CCSDS_OEM_VERS", said)
     for track in written:
         yield ""
-        yield from segment(clock, track.comment, track.arc, axes, about)
+        method = "LAGRANGE" if track.reported else "HERMITE"
+        yield from segment(clock, track.comment, track.arc, axes, about, method)
 
 
 def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[str]:
@@ -159,4 +165,9 @@ def _origin(instance: Instance, refined: RefinedPlan, axes: Axes) -> Iterator[st
         + ("; low thrust, and " if refined.has_thrust else "; ")
         + "impulsive burns."
     )
+    if refined.ephemerides is not None:
+        yield (
+            "Legs begin at and end with states of ephemerides, beside which the chaser is held, "
+            f"sha256 {refined.ephemerides.sha256}."
+        )
     yield axes.said

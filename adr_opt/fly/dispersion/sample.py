@@ -208,9 +208,11 @@ def _told(
         seed=seed,
         corrections=corrections,
         errors=errors,
-        refined_delta_v_m_s=refined.flown_delta_v_m_s,
+        refined_delta_v_m_s=refined.flown_delta_v_m_s + refined.holding_m_s,
         delta_v_m_s=Quantile.of(
-            spent.sum(axis=0) + math.fsum(leg.removal_m_s for leg in refined.legs), share
+            spent.sum(axis=0)
+            + math.fsum(leg.removal_m_s + leg.holding_m_s for leg in refined.legs),
+            share,
         ),
         waits_s=Quantile.of(revolutions @ waiting, share),
         late_share=float(late.mean()),
@@ -241,7 +243,7 @@ def _tanks(
     row = {leg.leg: at for at, leg in enumerate(refined.legs)}
     for one in legs_by_tank(instance, refined):
         legs, budget = one.legs, one.budget_m_s
-        removals_m_s = math.fsum(leg.removal_m_s for leg in legs)
+        removals_m_s = math.fsum(leg.removal_m_s + leg.holding_m_s for leg in legs)
         taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + removals_m_s
         yield TankDispersion(
             tank=one.tank,

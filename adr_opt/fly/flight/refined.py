@@ -3,13 +3,16 @@
 Nothing of :mod:`adr_opt.kernels` is used but constants and the compiler: the pull is written once
 more, and :mod:`.propagation` integrates the change of elements by an explicit method, where the
 refinement integrates positions by an implicit one. Bodies are propagated from the states at the
-epoch that the file states, the chaser from its origin's.
+epoch that the file states, the chaser from its origin's. Of a plan that was refined onto
+ephemerides, bodies are where :mod:`.as_reported` reads that they are, and the chaser begins at the
+stated state, whose distance from its origin counts as a miss.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,9 +21,11 @@ import numpy.typing as npt
 from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits.gravity import J3, J4
-from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
 from ...problem.instance import Instance
+from .as_reported import ReportedStates
 from .flyable import refuse_foreign
+from .held import found_m_s
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .release import released
@@ -65,12 +70,17 @@ def fly_refined(
     """
     refuse_strangers(instance, refined)
     world = _World(refined.gravity)
-    bodies = _Ephemeris(world, refined)
+    onto = refined.ephemerides
+    reported = None if onto is None else ReportedStates(instance, onto)
+    bodies = _Ephemeris(world, refined, reported)
     flown = []
     report(0, len(refined.legs))
     for leg in refined.legs:
         try:
             flown.append(_fly_leg(world, bodies, leg, instance))
+            if reported is not None:
+                needed = found_m_s(reported, world.coast, leg)
+                flown[-1] = replace(flown[-1], holding_found_m_s=needed)
         except ArithmeticError as error:
             raise InputError(f"leg {leg.leg}: cannot be flown: {error}") from None
         report(len(flown), len(refined.legs))
@@ -150,10 +160,16 @@ def _lowest(states: Array) -> float:
 
 
 class _Ephemeris:
-    """States of bodies at the beginnings and ends of legs, propagated together from the epoch."""
+    """States of bodies at the beginnings and ends of legs.
 
-    def __init__(self, world: _World, refined: RefinedPlan) -> None:
-        self._world = world
+    Those that nothing is reported of are propagated together from the epoch.
+    """
+
+    def __init__(
+        self, world: _World, refined: RefinedPlan, reported: ReportedStates | None
+    ) -> None:
+        self._world, self._reported = world, reported
+        elsewhere = () if reported is None else reported.bodies
         wanted: dict[float, set[str]] = {}
         for leg in refined.legs:
             led = leg.tow_before
@@ -167,16 +183,21 @@ class _Ephemeris:
         states = {
             body.name: np.array([*body.position_m, *body.velocity_m_s])
             for body in refined.bodies
-            if body.name in last
+            if body.name in last and body.name not in elsewhere
         }
         self._known: dict[tuple[str, float], Array] = {}
         now = 0.0
         for time in sorted(wanted):
+            for name in wanted[time].difference(states):
+                assert reported is not None  # the others have a state at the epoch
+                self._known[name, time] = reported.state(name, time)
             names = [name for name in states if last[name] >= time]
+            if not names:
+                continue
             moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
             states = dict(zip(names, moved.T, strict=True))
             now = time
-            for name in wanted[time]:
+            for name in wanted[time].intersection(states):
                 self._known[name, time] = states[name]
 
     def state(self, name: str, time_s: float) -> Array:
@@ -186,6 +207,8 @@ class _Ephemeris:
     def following(self, name: str, time_s: float, length_m: float) -> Array:
         """State of the point that follows a body on its orbit, slightly delayed."""
         state = self._known[name, time_s]
+        if self._reported is not None and name in self._reported.bodies:
+            return self._reported.state(name, time_s - length_m / math.hypot(*state[3:]))
         return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
 
 
@@ -193,8 +216,9 @@ def _fly_leg(
     world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance
 ) -> RefinedLegFlight:
     now = leg.states[0].time_s
-    chaser = _begun(world, bodies, leg, instance)
-    begin, begun = leg.states[0], chaser[:3, 0]
+    begin, begun = leg.states[0], _begun(world, bodies, leg, instance)[:, 0]
+    onto = leg.holding_delta_v_m_s is not None
+    chaser = _stated(begin) if onto else begun[:, None].copy()
     at_standoff = None
     thrust = None
     if leg.thrust is not None:
@@ -222,7 +246,9 @@ def _fly_leg(
         kind=leg.kind,
         planned_delta_v_m_s=leg.planned_delta_v_m_s,
         flown_delta_v_m_s=burnt + (0.0 if thrust is None else thrust.delta_v_m_s),
-        departure_miss_m=math.dist(begin.position_m, begun),
+        departure_miss_m=math.dist(begin.position_m, begun[:3]),
+        departure_miss_m_s=math.dist(begin.velocity_m_s, begun[3:]) if onto else None,
+        holding_delta_v_m_s=leg.holding_delta_v_m_s,
         standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
         arrival_miss_m=math.dist(chaser[:3, 0], target[:3]),
@@ -242,6 +268,11 @@ def _begun(world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instanc
     end_s = leg.tow_before.released.time_s
     led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
     return world.coast(led.state[:, None], end_s, now)
+
+
+def _stated(begin: RefinedState) -> Array:
+    """A state of a refined plan, shape (6, 1)."""
+    return np.array([*begin.position_m, *begin.velocity_m_s])[:, None]
 
 
 class PlannedLeg(NamedTuple):
@@ -273,15 +304,25 @@ def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLe
         A state leads into the centre of the Earth or away from it.
     """
     world = _World(refined.gravity)
-    bodies = _Ephemeris(world, refined)
+    onto = refined.ephemerides
+    reported = None if onto is None else ReportedStates(instance, onto)
+    bodies = _Ephemeris(world, refined, reported)
     for leg in refined.legs:
         begin_s, end_s = leg.states[0].time_s, leg.standoff_s
         there = bodies.state(leg.destination, end_s)[:, None]
         try:
+            if leg.holding_delta_v_m_s is None:
+                begun = _begun(world, bodies, leg, instance)
+            else:
+                begun = _stated(leg.states[0])
+            if reported is not None and leg.destination in reported.bodies:
+                body = reported.state(leg.destination, begin_s)
+            else:
+                body = world.coast(there, end_s, begin_s)[:, 0]
             planned = PlannedLeg(
                 leg,
-                _begun(world, bodies, leg, instance)[:, 0],
-                world.coast(there, end_s, begin_s)[:, 0],
+                begun[:, 0],
+                body,
                 bodies.following(leg.destination, end_s, instance.transfer.standoff_m),
             )
         except ArithmeticError as error:

@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from .held import LEAST_SHARE, SPARE_M_S
 from .result import ChaserFlight, TankFlight, chasers_of
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
+
+ONTO_MISS_M, ONTO_MISS_M_S = 10.0, 1e-2
+"""The same, and of the departure, of a plan that was refined onto ephemerides."""
 
 MOST_RELEASE_OFF_M, MOST_RELEASE_ECCENTRICITY = 1e3, 1e-3
 """Largest difference between the mean altitude at the release of a spiral and that of disposal [m],
@@ -54,6 +58,11 @@ class RefinedLegFlight:
     tow_propellant_kg, tow_shadow_s, release_off_m, release_eccentricity : float or None
         Of a tow by a spiral: what it took, how long thrust was on in the shadow, the mean altitude
         at its release less that of disposal, and the mean eccentricity there; None of any other.
+    departure_miss_m_s : float or None
+        Speed of the stated departure relative to the origin, where the plan was refined onto
+        ephemerides; else None [m/s].
+    holding_delta_v_m_s, holding_found_m_s : float or None
+        ΔV of holding beside bodies there, as the plan states it and as it is found here [m/s].
     """
 
     leg: int
@@ -77,14 +86,30 @@ class RefinedLegFlight:
     tow_shadow_s: float | None = None
     release_off_m: float | None = None
     release_eccentricity: float | None = None
+    departure_miss_m_s: float | None = None
+    holding_delta_v_m_s: float | None = None
+    holding_found_m_s: float | None = None
 
     @property
     def arrives(self) -> bool:
-        """Whether it hits its stand-off, its target and, with a tow, the release point."""
+        """Whether it hits its stand-off, its target and, with a tow, the release point.
+
+        Between ephemerides, whether it begins at its origin, too.
+        """
+        far = max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0)
+        fast = max(self.standoff_miss_m_s, self.arrival_miss_m_s)
+        if self.departure_miss_m_s is None:
+            return far <= MOST_MISS_M and fast <= MOST_MISS_M_S
         return (
-            max(self.standoff_miss_m, self.arrival_miss_m, self.tow_miss_m or 0.0) <= MOST_MISS_M
-            and max(self.standoff_miss_m_s, self.arrival_miss_m_s) <= MOST_MISS_M_S
+            max(far, self.departure_miss_m) <= ONTO_MISS_M
+            and max(fast, self.departure_miss_m_s) <= ONTO_MISS_M_S
         )
+
+    @property
+    def understates_holding(self) -> bool:
+        """Whether holding takes more than the plan states."""
+        needed = LEAST_SHARE * (self.holding_found_m_s or 0.0) - SPARE_M_S
+        return (self.holding_delta_v_m_s or 0.0) < needed
 
     @property
     def is_in_shadow(self) -> bool:
@@ -104,6 +129,9 @@ class RefinedLegFlight:
         content = asdict(self) | {"arrives": self.arrives}
         if self.tow_miss_m is None:
             del content["tow_miss_m"]
+        if self.departure_miss_m_s is None:
+            for name in ("departure_miss_m_s", "holding_delta_v_m_s", "holding_found_m_s"):
+                del content[name]
         if not self.towing_m_s:
             del content["towing_m_s"]
         if self.shadow_s is None:
@@ -137,6 +165,21 @@ class RefinedFlight:
     missing: tuple[int, ...] = ()
 
     @property
+    def onto_ephemerides(self) -> bool:
+        """Whether bodies are where ephemerides say."""
+        return any(leg.departure_miss_m_s is not None for leg in self.legs)
+
+    @property
+    def holding_m_s(self) -> float:
+        """Estimated ΔV of holding beside bodies; 0 without ephemerides [m/s]."""
+        return sum(leg.holding_delta_v_m_s or 0.0 for leg in self.legs)
+
+    @property
+    def limits(self) -> str:
+        """Largest miss that is let pass, in words."""
+        return "10 m or 1 cm/s" if self.onto_ephemerides else "1 m or 1 mm/s"
+
+    @property
     def worst_miss_m(self) -> float:
         """Largest position miss of stand-offs and arrivals; 0 without legs [m]."""
         return max((max(leg.standoff_miss_m, leg.arrival_miss_m) for leg in self.legs), default=0.0)
@@ -159,6 +202,11 @@ class RefinedFlight:
         return tuple(leg for leg in self.legs if leg.is_in_shadow)
 
     @property
+    def understated(self) -> tuple[RefinedLegFlight, ...]:
+        """Legs that state too little ΔV of holding."""
+        return tuple(leg for leg in self.legs if leg.understates_holding)
+
+    @property
     def off_disposal(self) -> tuple[RefinedLegFlight, ...]:
         """Legs whose spirals end on another orbit than the circle of disposal."""
         return tuple(leg for leg in self.legs if leg.is_off_disposal)
@@ -177,9 +225,10 @@ class RefinedFlight:
     def holds(self) -> bool:
         """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice.
 
-        And whether spirals end on the circle of disposal.
+        And whether spirals end on the circle of disposal, and legs state the ΔV of holding.
         """
         wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
+        wrong = wrong or self.understated
         return not (wrong or self.broken_tanks)
 
     @property
@@ -201,6 +250,7 @@ class RefinedFlight:
             "worst_miss_m_s": self.worst_miss_m_s,
             "planned_delta_v_m_s": self.planned_delta_v_m_s,
             "flown_delta_v_m_s": self.flown_delta_v_m_s,
+            **({"holding_delta_v_m_s": self.holding_m_s} if self.onto_ephemerides else {}),
             "holds": self.holds,
             "missing": list(self.missing),
             "tanks": [tank.to_dict() for tank in self.tanks],

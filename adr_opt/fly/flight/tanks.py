@@ -72,7 +72,10 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
     for chaser, legs in refined_routes(instance, refined):
         # A launch is no refined leg, but the tank is filled with the kit aboard that stays there.
         launch = [(legs[0].origin, 0.0)] if chaser.is_launched else []
-        flown = [*launch, *((leg.destination, leg.flown_delta_v_m_s) for leg in legs)]
+        flown = [
+            *launch,
+            *((leg.destination, leg.flown_delta_v_m_s + leg.holding_m_s) for leg in legs),
+        ]
         towing = _towing_m_s(legs)
         worths = tank_worths(instance, chaser, flown, towing)
         stages = followed(instance, chaser, flown, towing)
@@ -94,7 +97,7 @@ def _towing_m_s(legs: list[RefinedLeg]) -> dict[str, float]:
 
 
 def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]:
-    """Tanks of a refined plan, with planned and flown ΔV of each."""
+    """Tanks of a refined plan, with planned and flown ΔV of each, that of holding included."""
     return tuple(
         TankFlight(
             tank=one.tank,
@@ -105,7 +108,9 @@ def tanks_of(instance: Instance, refined: RefinedPlan) -> tuple[TankFlight, ...]
                 leg.planned_delta_v_m_s + leg.planned_removal_m_s for leg in one.legs
             ),
             flown_delta_v_m_s=math.fsum(
-                part for leg in one.legs for part in (leg.spent_m_s, leg.removal_m_s)
+                part
+                for leg in one.legs
+                for part in (leg.spent_m_s, leg.removal_m_s, leg.holding_m_s)
             ),
             chaser=one.chaser.name if several(instance) else None,
         )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -14,9 +15,10 @@ from ...common.clock import now_s
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...mission.result import versions
-from ...plan.plan import InstanceReference, Plan
+from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
     BodyState,
+    EphemeridesReference,
     Freedom,
     Gravity,
     Missing,
@@ -27,9 +29,11 @@ from ...plan.refined_plan import (
 from ...plan.routes import owners, routes_of
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
-from .bodies import TrueBodies
+from .bodies import MovingBodies, TrueBodies
+from .holding_estimate import holding_m_s
 from .one_leg import refine_leg
 from .propelled import propelled_by_leg
+from .reported import DEFAULT_GRAVITY, ReportedBodies, opened
 from .spiral import NoSpiral, spirals_by_leg
 from .thrust_leg import Tows, refine_thrust_leg
 
@@ -54,9 +58,21 @@ class Wanted(NamedTuple):
     cluster: str | None
     enough: Callable[[], bool]
     report: Report
+    ephemerides: bool = False
 
 
-def refine(
+class Ends(NamedTuple):
+    """Where legs begin and end.
+
+    ``holding`` is the ΔV of holding by leg [m/s], of legs between ephemerides.
+    """
+
+    bodies: MovingBodies
+    onto: EphemeridesReference | None = None
+    holding: Mapping[int, float] = MappingProxyType({})
+
+
+def refine(  # noqa: PLR0913
     instance: AnyInstance,
     plan: Plan,
     *,
@@ -66,6 +82,7 @@ def refine(
     cluster: str | None = None,
     enough: Callable[[], bool] = lambda: False,
     report: Report = lambda done, total: None,
+    ephemerides: bool = False,
 ) -> RefinedPlan:
     """Turn a plan into a trajectory in true dynamics, leg by leg.
 
@@ -80,7 +97,7 @@ def refine(
         Need not be free of violations; :func:`adr_opt.check` judges that.
     gravity : {"two-body", "j2", "j3", "j4"}, optional
         The field, with zonal harmonics up to the one that is named; that of the instance's
-        dynamics by default.
+        dynamics by default, and with ephemerides "j4".
     freedom : {"free", "planned"}, optional
         ``free``: the least ΔV, with impulses at any time from a leg's first burn to its stand-off,
         between the altitude limits of the instance. ``planned``: the plan's burns, at their times
@@ -95,6 +112,10 @@ def refine(
         Asked between legs; once it says so, what is done is returned.
     report : callable
         Hears of how many legs are done, and of how many there are.
+    ephemerides : bool
+        Whether legs begin at and end with the states that the ephemerides beside the instance
+        report of their bodies, in place of those that mean elements lead to. The ΔV of holding
+        there is estimated.
 
     Returns
     -------
@@ -105,11 +126,11 @@ def refine(
     ------
     InputError
         The plan belongs to another instance or cannot be flown, its legs do not follow each
-        other, or a parameter is not one of those.
+        other, or a parameter is not one of those. With ephemerides: there are none, they are
+        others than the instance says, or a leg has low thrust or a tow.
     """
-    return refined_again(
-        instance_of(instance), plan, Wanted(gravity, freedom, jobs, cluster, enough, report), {}
-    )
+    wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
+    return refined_again(instance_of(instance), plan, wanted, {})
 
 
 def refined_again(
@@ -131,8 +152,8 @@ def refined_again(
     InputError
         As of :func:`refine`.
     """
-    jobs, cluster, enough, report = wanted[2:]
-    gravity = wanted.gravity or instance.dynamics
+    jobs, cluster, enough, report = wanted[2:6]
+    gravity = wanted.gravity or (DEFAULT_GRAVITY if wanted.ephemerides else instance.dynamics)
     _check_word("gravity", gravity, GRAVITIES)
     freedom = _freedom(instance, wanted.freedom)
     if jobs is not None and jobs < 0:
@@ -146,8 +167,8 @@ def refined_again(
     legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns or leg.traits.has_arcs]
     after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
     whose, lead_ins = owners(instance, plan), plan.lead_ins
-    names = dict.fromkeys(name for _, leg in legs for name in (leg.origin, leg.destination))
-    bodies = TrueBodies(instance, gravity, names)
+    ends = _ends(instance, gravity, legs, ephemerides=wanted.ephemerides)
+    bodies = ends.bodies
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
     done: dict[int, RefinedLeg] = {}
@@ -165,8 +186,8 @@ def refined_again(
         running: dict[Future[RefinedLeg], int] = {
             (
                 calls.submit(
-                    refine_thrust_leg, instance, bodies, number, leg, propelled[number],
-                    tows[number],
+                    refine_thrust_leg, instance, cast(TrueBodies, bodies), number, leg,
+                    propelled[number], tows[number],
                 )
                 if leg.traits.has_arcs
                 else calls.submit(
@@ -186,7 +207,9 @@ def refined_again(
                     missing[number] = Missing(leg=number, reason=INTERRUPTED)
                     continue
                 try:
-                    done[number] = calls.result(future).replace(chaser=whose.get(number))
+                    done[number] = calls.result(future).replace(
+                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number)
+                    )
                 except ArithmeticError as error:
                     tow = error.name if isinstance(error, NoSpiral) else None
                     missing[number] = Missing(leg=number, reason=str(error), tow=tow)
@@ -199,6 +222,7 @@ def refined_again(
     return RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
+        ephemerides=ends.onto,
         gravity=gravity,
         freedom=freedom,
         status="incomplete" if missing else "complete",
@@ -208,6 +232,20 @@ def refined_again(
         legs=tuple(done[number] for number in sorted(done)),
         missing=tuple(missing[number] for number in sorted(missing)),
     )
+
+
+def _ends(
+    instance: Instance, gravity: Gravity, legs: list[tuple[int, Leg]], *, ephemerides: bool
+) -> Ends:
+    """Where the legs of a plan begin and end."""
+    if not ephemerides:
+        names = [name for _, leg in legs for name in (leg.origin, leg.destination)]
+        return Ends(TrueBodies(instance, gravity, names))
+    known = opened(instance)
+    assert instance.ephemerides is not None  # else none could be opened
+    bodies = ReportedBodies(instance, known, gravity, (leg for _, leg in legs))
+    onto = EphemeridesReference(kind=instance.ephemerides.kind, sha256=instance.ephemerides.sha256)
+    return Ends(bodies, onto, {number: holding_m_s(known, gravity, leg) for number, leg in legs})
 
 
 def _tows(instance: Instance, plan: Plan, after_launch: set[int]) -> dict[int, Tows]:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -49,6 +49,29 @@ def moved(state: Array, duration_s: float, gravity: Gravity) -> Array:
     return now
 
 
+class MovingBodies(Protocol):
+    """Where the bodies of legs are.
+
+    Attributes
+    ----------
+    gravity : {"two-body", "j2", "j3", "j4"}
+        That a chaser flies in.
+    epoch_states : dict
+        Body → inertial state at the epoch, shape (6,) [m, m/s].
+    """
+
+    gravity: Gravity
+    epoch_states: dict[str, Array]
+
+    def state(self, name: str, time_s: float) -> Array:
+        """Inertial state of a body at a time since the epoch, shape (6,) [m, m/s]."""
+        ...
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State of the point that follows a body on its orbit at a distance, shape (6,)."""
+        ...
+
+
 class TrueBodies:
     """States of an instance's bodies in true dynamics.
 
@@ -76,7 +99,8 @@ class TrueBodies:
             if instance.decay_of(name):
                 raise InputError(
                     f"the orbit of {name!r} decays, and flights in true dynamics are without drag; "
-                    "leave decay_m_per_day out of the instance to refine without it"
+                    "refine onto ephemerides with --ephemerides, or leave decay_m_per_day out of "
+                    "the instance"
                 )
         self.gravity = gravity
         every = dict(zip(instance.names, instance.body_orbits, strict=True))

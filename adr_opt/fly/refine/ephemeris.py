@@ -16,14 +16,20 @@ from ..trajectory.sampling import FEWEST_INTERVALS, MOST_SAMPLES, SHORTEST_ARC_S
 from .bodies import Gravity, moved
 from .states import state_of
 from .thrust_states import thrust_states
+from .whereabouts import Whereabouts
 
 
 @dataclass(frozen=True)
 class EphemerisTrack:
-    """A coast without burns, and a description of its context."""
+    """A coast without burns, and a description of its context.
+
+    ``reported`` says that its states are those of an ephemeris, whose velocities need not be the
+    derivatives of the positions.
+    """
 
     comment: str
     arc: Arc
+    reported: bool = False
 
 
 def tracks(
@@ -33,6 +39,7 @@ def tracks(
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
+    bodies: Whereabouts | None = None,
 ) -> tuple[EphemerisTrack, ...]:
     """The flight of a refined plan, arc by arc.
 
@@ -47,11 +54,14 @@ def tracks(
         Only this leg, by its number in the plan.
     chaser : str, optional
         Only the legs of this one of several chasers.
+    bodies : Whereabouts, optional
+        Where they are; needed for a plan that was refined onto ephemerides.
 
     Raises
     ------
     InputError
-        No legs, no such leg or body, a step that is not positive, or too many states.
+        No ephemerides of a plan refined onto them, no legs, no such leg or body, a step that is
+        not positive, or too many states.
     """
     step = STEP_S if step_s is None else step_s
     if not (step > 0.0 and math.isfinite(step)):
@@ -71,45 +81,50 @@ def tracks(
             f"{end - start:.3g} s, a state every {step:g} s, would be more than {MOST_SAMPLES:,} "
             "states; take a longer step"
         )
-    states = {one.name: state_of(one) for one in refined.bodies}
+    if bodies is None:
+        if refined.ephemerides is not None:
+            raise InputError(
+                "the plan was refined onto ephemerides; give the whereabouts of bodies"
+            )
+        bodies = Whereabouts(refined, {})
     if body is not None:
-        if body not in states:
+        if body not in bodies.bodies:
             raise InputError(f"{body!r} is not a body that the refined plan visits")
-        begin = moved(states[body], start, refined.gravity)
-        arc = _arc("service", start, begin, end, step, refined.gravity)
-        return (EphemerisTrack(f"{body}, from the state at the epoch", arc),) if arc else ()
-    return tuple(track for one in legs for track in _of_leg(refined, states, one, step))
+        arc = _docked("service", body, bodies, (start, end), step)
+        said = f"{body}, {bodies.source_of(body)}"
+        return (EphemerisTrack(said, arc, bodies.is_reported(body)),) if arc else ()
+    return tuple(track for one in legs for track in _of_leg(bodies, one, step))
 
 
-def _of_leg(
-    refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
-) -> Iterator[EphemerisTrack]:
+def _of_leg(bodies: Whereabouts, leg: RefinedLeg, step: float) -> Iterator[EphemerisTrack]:
     name = f"leg {leg.leg}, {leg.origin} to {leg.destination}"
-    for arc, with_thrust in _arcs(refined, states, leg, step):
+    beside = {"wait": leg.origin, "service": leg.destination}
+    for arc, with_thrust in _arcs(bodies, leg, step):
         if arc is not None:
             said = ", with low thrust" if with_thrust else ""
-            yield EphemerisTrack(f"{name}: {arc.phase}{said}", arc)
+            reported = arc.phase in beside and bodies.is_reported(beside[arc.phase])
+            yield EphemerisTrack(f"{name}: {arc.phase}{said}", arc, reported)
 
 
-def _arcs(
-    refined: RefinedPlan, states: dict[str, Array], leg: RefinedLeg, step: float
-) -> Iterator[tuple[Arc | None, bool]]:
+def _arcs(bodies: Whereabouts, leg: RefinedLeg, step: float) -> Iterator[tuple[Arc | None, bool]]:
     """Arcs of a leg, and whether each has low thrust; None where one is too short."""
-    gravity, departure_s = refined.gravity, leg.states[0].time_s
+    gravity, departure_s = bodies.gravity, leg.states[0].time_s
 
     def coast(phase: str, start_s: float, state: Array, end_s: float) -> tuple[Arc | None, bool]:
         return _arc(phase, start_s, state, end_s, step, gravity), False
 
+    def docked(phase: str, body: str, start_s: float, end_s: float) -> tuple[Arc | None, bool]:
+        return _docked(phase, body, bodies, (start_s, end_s), step), False
+
     def towing(body: str, tow: RefinedTow) -> tuple[Arc | None, bool]:
-        state, end_s = moved(states[body], tow.start_s, gravity), tow.released.time_s
+        state, end_s = bodies.at(body, tow.start_s), tow.released.time_s
         if tow.thrust is not None:
             return _thrusting("tow", tow.thrust, state, (tow.start_s, end_s), step, gravity), True
         state[3:] += tow.burns[0].delta_v_m_s
         return coast("tow", tow.start_s, state, end_s)
 
     if leg.tow_before is None:
-        waiting = moved(states[leg.origin], leg.ready_s, gravity)
-        yield coast("wait", leg.ready_s, waiting, departure_s)
+        yield docked("wait", leg.origin, leg.ready_s, departure_s)
     elif leg.after_launch:
         yield towing(leg.origin, leg.tow_before)
     state, now, phase = state_of(leg.states[0]), departure_s, "transfer"
@@ -122,11 +137,9 @@ def _arcs(
         state = moved(state, burn.time_s - now, gravity)
         state[3:] += burn.delta_v_m_s
         now, phase = burn.time_s, burn.phase
-    target = moved(states[leg.destination], leg.arrival_s, gravity)
-    yield coast("service", leg.arrival_s, target, leg.end_s)
+    yield docked("service", leg.destination, leg.arrival_s, leg.end_s)
     if leg.tow is not None:
-        waiting = moved(states[leg.destination], leg.end_s, gravity)
-        yield coast("wait", leg.end_s, waiting, leg.tow.start_s)
+        yield docked("wait", leg.destination, leg.end_s, leg.tow.start_s)
         yield towing(leg.destination, leg.tow)
 
 
@@ -140,11 +153,19 @@ def _thrusting(
 ) -> Arc:
     """A flight with low thrust, in one piece."""
     begin, end = span_s
-    times = np.linspace(begin, end, max(FEWEST_INTERVALS, math.ceil((end - begin) / step)) + 1)
-    found = thrust_states(thrust, state, begin, times, gravity)
-    for array in (times, found):
-        array.setflags(write=False)
-    return Arc(phase, times, found[:, :3], found[:, 3:])
+    times = _times(begin, end, step)
+    return _made(phase, times, thrust_states(thrust, state, begin, times, gravity))
+
+
+def _docked(
+    phase: str, body: str, bodies: Whereabouts, span_s: tuple[float, float], step: float
+) -> Arc | None:
+    """A time beside a body; None if it is too short."""
+    begin, end = span_s
+    if not end - begin >= SHORTEST_ARC_S:
+        return None
+    times = _times(begin, end, step)
+    return _made(phase, times, bodies.along(body, times))
 
 
 def _arc(
@@ -152,12 +173,20 @@ def _arc(
 ) -> Arc | None:
     if not end - start >= SHORTEST_ARC_S:
         return None
-    count = max(FEWEST_INTERVALS, math.ceil((end - start) / step))
-    times = np.linspace(start, end, count + 1)
+    times = _times(start, end, step)
     found = np.empty((times.size, 6))
     found[0] = state
     for at in range(1, times.size):
         found[at] = moved(found[at - 1], times[at] - times[at - 1], gravity)
+    return _made(phase, times, found)
+
+
+def _times(begin: float, end: float, step: float) -> Array:
+    count = max(FEWEST_INTERVALS, math.ceil((end - begin) / step))
+    return np.linspace(begin, end, count + 1)
+
+
+def _made(phase: str, times: Array, found: Array) -> Arc:
     for array in (times, found):
         array.setflags(write=False)
     return Arc(phase, times, found[:, :3], found[:, 3:])

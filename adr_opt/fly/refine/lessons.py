@@ -40,7 +40,8 @@ class Lessons:
     it lacked time. So a plan costs from then on at least what its legs were flown with.
 
     A spiral takes more than planned, and its leg is charged with it. One that was not found, or
-    left the orbit eccentric, gets more time.
+    left the orbit eccentric, gets more time. Holding beside bodies with ephemerides is charged to
+    its leg, too.
 
     Parameters
     ----------
@@ -66,7 +67,8 @@ class Lessons:
     def learn(self, plan: Plan, refined: RefinedPlan) -> None:
         """Record the refined costs of a plan's legs."""
         for leg in refined.legs:
-            flown = leg.flown_delta_v_m_s + spirals_excess_m_s(leg, self._masses)
+            flown = leg.flown_delta_v_m_s + leg.holding_m_s
+            flown += spirals_excess_m_s(leg, self._masses)
             costs = leg.planned_delta_v_m_s, flown
             self._legs.setdefault(self._key(leg), set()).add(costs)
         hurried = {one.name for one in strayed(self._instance, refined)}

@@ -27,6 +27,7 @@ from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
 from .holding import beginning, troubles
 from .lessons import Lessons
+from .reported import opened
 
 MOST_ROUNDS = 10
 """Default maximum number of rounds."""
@@ -45,7 +46,7 @@ class Round:
     objective : float
         Of the plan.
     planned_delta_v_m_s, flown_delta_v_m_s : float
-        Of the legs that were refined [m/s].
+        Of the legs that were refined, holding beside ephemerides included [m/s].
     troubles : tuple of str
         Why the refined plan does not hold; nothing if it does.
     refined : RefinedPlan
@@ -151,6 +152,7 @@ def solve_refined(  # noqa: PLR0913
     *,
     gravity: Gravity | None = None,
     freedom: Freedom | None = None,
+    ephemerides: bool = False,
     rounds: int = MOST_ROUNDS,
     spend_savings: bool = False,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
@@ -176,7 +178,7 @@ def solve_refined(  # noqa: PLR0913
     ----------
     instance, method, progress
         As in :func:`adr_opt.solve`.
-    gravity, freedom
+    gravity, freedom, ephemerides
         As in :func:`.refine`.
     rounds : int
         How often the mission is planned, at most.
@@ -212,6 +214,8 @@ def solve_refined(  # noqa: PLR0913
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
     refuse_given(mission.instance)
+    if ephemerides:
+        opened(mission.instance)  # what is wrong with them is said before planning
     lessons, best, held = Lessons(mission.instance, spend_savings), _Best(), list[Round]()
 
     able = [spec_of(method), *([spec_of(bound, BOUNDS)] if bound else [])]
@@ -226,7 +230,7 @@ def solve_refined(  # noqa: PLR0913
     def over() -> bool:
         return stop is not None and stop.remaining_s() <= 0.0
 
-    refining = Wanted(gravity, freedom, jobs, None, over, lambda done, total: None)
+    refining = Wanted(gravity, freedom, jobs, None, over, lambda done, total: None, ephemerides)
     known: dict[Hashable, RefinedLeg] = {}
     while True:
         here = mission.corrected(lessons.corrections) if held else mission
@@ -240,7 +244,8 @@ def solve_refined(  # noqa: PLR0913
         held.append(
             Round(
                 len(held) + 1, here.connecting.corrections, plan.objective,
-                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s, wrong, refined,
+                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s + refined.holding_m_s, wrong,
+                refined,
             )
         )  # fmt: skip
         told(held[-1])

@@ -13,7 +13,7 @@ from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from ...problem.instance import Instance
 from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
-from .bodies import TrueBodies, moved
+from .bodies import MovingBodies, moved
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
 from .own_burns import cheapest_near
 from .states import recorded, state_of
@@ -28,7 +28,7 @@ LAST_REVOLUTIONS = 2
 
 def refine_leg(
     instance: Instance,
-    bodies: TrueBodies,
+    bodies: MovingBodies,
     number: int,
     leg: Leg,
     freedom: Freedom,
@@ -40,7 +40,7 @@ def refine_leg(
     Parameters
     ----------
     instance : Instance
-    bodies : TrueBodies
+    bodies : MovingBodies
         With the origin and the destination.
     number : int
         From 1.

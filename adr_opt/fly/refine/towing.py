@@ -15,18 +15,18 @@ import numpy as np
 
 from ...plan.plan import Burn
 from ...plan.refined_plan import RefinedBurn, RefinedTow
-from .bodies import TrueBodies, moved
+from .bodies import MovingBodies, moved
 from .states import recorded
 
 
 def towed(
-    bodies: TrueBodies, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
+    bodies: MovingBodies, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
 ) -> RefinedTow:
     """Tow an object in true dynamics.
 
     Parameters
     ----------
-    bodies : TrueBodies
+    bodies : MovingBodies
         With the object.
     name : str
         Of the object.

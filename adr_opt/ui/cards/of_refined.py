@@ -15,11 +15,13 @@ if TYPE_CHECKING:
 
 def of_refined(refined: RefinedPlan) -> Card:
     """The card of a refined plan; on a page, with planned and flown legs."""
-    facts = (
+    facts: tuple[str, ...] = (
         refined.status, counted(len(refined.legs), "leg"),
         f"planned {refined.planned_delta_v_m_s:,.1f} m/s",
         f"flown {refined.flown_delta_v_m_s:,.1f} m/s", refined.gravity,
     )  # fmt: skip
+    if refined.ephemerides is not None:
+        facts = (*facts, "onto ephemerides", f"holding {refined.holding_m_s:,.1f} m/s")
     rows = [
         (
             leg.origin, leg.destination, f"{leg.leg}", days(leg.arrival_s),

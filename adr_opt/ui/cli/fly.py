@@ -46,10 +46,10 @@ def command(
     for the flown burns, those of drift legs included.
 
     A refined plan is flown in true dynamics, by a different integrator from the one that made it.
-    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, low thrust is on in the Earth's
-    shadow, a leg is missing, or a tank does not suffice. With --samples it is flown again with burn
-    and navigation errors and corrections. Exit status 1 also if a tank does not suffice for 95 % of
-    those flights.
+    Exit status 1: an arrival misses by more than 1 m or 1 mm/s, or onto ephemerides by more than
+    10 m or 1 cm/s, low thrust is on in the Earth's shadow, a leg is missing, or a tank does not
+    suffice. With --samples it is flown again with burn and navigation errors and corrections. Exit
+    status 1 also if a tank does not suffice for 95 % of those flights.
 
     With --forces full, a refined plan is flown in brahe with gravity to degree 20, drag, Sun, Moon
     and radiation pressure. The output states how far off each leg arrives uncorrected, and the cost

@@ -70,13 +70,19 @@ def said(flight: RefinedFlight) -> str:
         f"{counted(len(flight.legs), 'leg')} in the field {flight.gravity}, planned with "
         f"{flight.planned_delta_v_m_s:.1f} and flown with {flight.flown_delta_v_m_s:.1f} m/s"
     ]
+    if flight.onto_ephemerides:
+        parts.append(
+            "onto ephemerides, beside which holding takes an estimated "
+            f"{flight.holding_m_s:.1f} m/s more"
+        )
     for legs, wrong in (
-        (flight.strayed, "missed by more than 1 m or 1 mm/s"),
+        (flight.strayed, f"missed by more than {flight.limits}"),
         (flight.in_shadow, "thrust in the Earth's shadow"),
         (
             flight.off_disposal,
             "release more than 1 km or 0.001 of eccentricity off the disposal orbit",
         ),
+        (flight.understated, "state too little ΔV of holding beside their bodies"),
     ):
         if legs:
             numbers = ", ".join(str(leg.leg) for leg in legs)
@@ -110,6 +116,9 @@ def _tell_legs(flight: RefinedFlight) -> None:
             ("planned\nkg", lambda leg: _kg(leg.planned_propellant_kg)),
             ("flown\nkg", lambda leg: _kg(leg.flown_propellant_kg)),
         ]
+    holding: list[tuple[str, Callable[[RefinedLegFlight], str]]] = []
+    if flight.onto_ephemerides:
+        holding.append(("holding\nm/s", lambda leg: f"{leg.holding_delta_v_m_s or 0.0:.1f}"))
     emit_legs(
         flight.legs,
         (
@@ -120,10 +129,15 @@ def _tell_legs(flight: RefinedFlight) -> None:
             ("planned\nm/s", lambda leg: f"{leg.planned_delta_v_m_s:.1f}"),
             ("flown\nm/s", lambda leg: f"{leg.flown_delta_v_m_s:.1f}"),
             *propellant,
+            *holding,
         ),
         whose(flight.tanks),
-        bold=lambda leg: not leg.arrives or leg.is_in_shadow or leg.is_off_disposal,
+        bold=_is_wrong,
     )
+
+
+def _is_wrong(leg: RefinedLegFlight) -> bool:
+    return not leg.arrives or leg.is_in_shadow or leg.is_off_disposal or leg.understates_holding
 
 
 def _kg(mass: float | None) -> str:

@@ -33,6 +33,9 @@ freedom_option = click.option(
     help="free: least ΔV at any times; planned: the plan's own burns, changed little; by default "
     "free, or planned where there are keep-out zones.",
 )
+ephemerides_option = take.flag(
+    "--ephemerides", "Refine legs onto the states that the ephemerides beside INSTANCE report."
+)
 
 
 @click.command("refine", short_help="Turn PLAN into a trajectory in true dynamics.")
@@ -41,6 +44,7 @@ freedom_option = click.option(
 @take.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
+@ephemerides_option
 @take.count("--jobs", "N", "Number of cores; 0 for all.")
 @take.cluster
 @take.as_json
@@ -51,6 +55,7 @@ def command(
     out: str,
     gravity: Gravity | None,
     freedom: Freedom | None,
+    ephemerides: bool,
     jobs: int | None,
     cluster: str | None,
     as_json: bool,
@@ -71,7 +76,7 @@ def command(
     with about(plan_path), signals_to(stopped.set), bar as show:
         refined = refine(
             instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,
-            enough=stopped.is_set, report=show,
+            enough=stopped.is_set, report=show, ephemerides=ephemerides,
         )  # fmt: skip
     refined.save(out)
     say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}", unless=quiet)
@@ -94,7 +99,16 @@ def _summary(refined: RefinedPlan) -> str:
     kept = f", and {own:.1f} m/s with the plan's own burns" if _is_free(refined) else ""
     return (
         f"{counted(len(refined.legs), 'leg')} in the field {refined.gravity}: planned with "
-        f"{planned:.1f} m/s, flown with {flown:.1f} m/s{kept}"
+        f"{planned:.1f} m/s, flown with {flown:.1f} m/s{kept}{_holding(refined)}"
+    )
+
+
+def _holding(refined: RefinedPlan) -> str:
+    if refined.ephemerides is None:
+        return ""
+    return (
+        f"; onto ephemerides, beside which holding takes an estimated {refined.holding_m_s:.1f} "
+        "m/s more"
     )
 
 
@@ -127,6 +141,8 @@ def _tell_legs(refined: RefinedPlan) -> None:
     ]
     if any(leg.removal_m_s for leg in refined.legs):
         columns.insert(4, ("tow\nm/s", lambda leg: f"{leg.removal_m_s:.1f}"))
+    if refined.ephemerides is not None:
+        columns.append(("holding\nm/s", lambda leg: f"{leg.holding_m_s:.1f}"))
     whose = {leg.leg: leg.chaser for leg in refined.legs if leg.chaser is not None}
     emit_legs(refined.legs, columns, whose)
 
@@ -141,6 +157,17 @@ def _told(refined: RefinedPlan, out: str) -> dict[str, object]:
         "gravity": refined.gravity,
         "burns": refined.freedom,
         **{name: getattr(refined, name) for name in facts},
+        **_told_onto(refined),
         "missing": [missing.model_dump() for missing in refined.missing],
         "legs": legs,
+    }
+
+
+def _told_onto(refined: RefinedPlan) -> dict[str, object]:
+    """What is told of ephemerides."""
+    if refined.ephemerides is None:
+        return {}
+    return {
+        "ephemerides": refined.ephemerides.model_dump(),
+        "holding_delta_v_m_s": refined.holding_m_s,
     }

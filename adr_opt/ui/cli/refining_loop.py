@@ -9,11 +9,11 @@ from ...common.stop import Stop
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, say
-from .refine import freedom_option, gravity_option
+from .refine import ephemerides_option, freedom_option, gravity_option
 
 if TYPE_CHECKING:
     from ...fly.refine.loop import RefinedResult
-    from ...plan.refined_plan import Freedom, Gravity
+    from ...plan.refined_plan import Freedom, Gravity, RefinedPlan
     from ...problem.instance import Instance
     from ...run.run_options import RunOptions
     from .work import Watch
@@ -26,6 +26,7 @@ class Refining(NamedTuple):
     refined_out: str | None
     gravity: Gravity | None
     freedom: Freedom | None
+    ephemerides: bool
     rounds: int | None
     spend_savings: bool
 
@@ -37,6 +38,7 @@ class Refining(NamedTuple):
             ("--refined-out", self.refined_out),
             ("--gravity", self.gravity),
             ("--burns", self.freedom),
+            ("--ephemerides", "" if self.ephemerides else None),
             ("--rounds", self.rounds),
             ("--spend-savings", "" if self.spend_savings else None),
         ):
@@ -50,6 +52,7 @@ refine_options = take.together(
     take.file("--refined-out", "Refined plan file to write."),
     gravity_option,
     freedom_option,
+    ephemerides_option,
     take.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
     take.flag(
         "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
@@ -73,6 +76,7 @@ def run_refined(
 
     return solve_refined(
         instance, method, gravity=refining.gravity, freedom=refining.freedom,
+        ephemerides=refining.ephemerides,
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
         spend_savings=refining.spend_savings,
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),
@@ -102,6 +106,7 @@ def tell_refined(looped: RefinedResult, as_json: bool) -> None:
                 "reason": looped.reason,
                 "planned_delta_v_m_s": planned,
                 "flown_delta_v_m_s": flown,
+                **_told_holding(refined),
                 "notes": looped.result.notes,
                 "rounds": [one.to_dict() for one in looped.rounds],
                 "plan": None if plan is None else plan.to_dict(),
@@ -110,7 +115,21 @@ def tell_refined(looped: RefinedResult, as_json: bool) -> None:
     elif looped.holds:
         emit(
             f"the plan holds when refined: planned with {planned:.1f} m/s, flown with "
-            f"{flown:.1f} m/s, after {counted(len(looped.rounds), 'round')}"
+            f"{flown:.1f} m/s{_holding(refined)}, after {counted(len(looped.rounds), 'round')}"
         )
     else:
         emit(f"the plan does not hold: {looped.reason}")
+
+
+def _holding(refined: RefinedPlan | None) -> str:
+    """Estimated ΔV of holding, where there are ephemerides."""
+    if refined is None or refined.ephemerides is None:
+        return ""
+    return f" and {refined.holding_m_s:.1f} m/s of holding beside ephemerides"
+
+
+def _told_holding(refined: RefinedPlan | None) -> dict[str, float]:
+    """The same as plain data."""
+    if refined is None or refined.ephemerides is None:
+        return {}
+    return {"holding_delta_v_m_s": refined.holding_m_s}

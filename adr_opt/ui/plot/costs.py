@@ -35,7 +35,8 @@ def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
     numbers = range(1, len(plan.legs) + 1)
     if refined is not None:
         flown = {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
-        shown.append(("refined", REFINED, [flown.get(at, math.nan) for at in numbers]))
+        name = "refined" if refined.ephemerides is None else "refined onto ephemerides"
+        shown.append((name, REFINED, [flown.get(at, math.nan) for at in numbers]))
     columns = (
         Columns(name=name, colour=colour, x=numbers, y=values, legs=numbers, of=plan.legs)
         for name, colour, values in shown

@@ -49,8 +49,11 @@ def complaints(
         return ()
     found = [f"leg {missing.leg} is missing: {missing.reason}" for missing in refined.missing]
     if refined_flight is not None:
-        found += [f"leg {leg.leg} misses by more than 1 m or 1 mm/s, as another integrator flies it"
+        found += [f"leg {leg.leg} misses by more than {refined_flight.limits}, as another "
+                  "integrator flies it"
                   for leg in refined_flight.strayed]  # fmt: skip
+        found += [f"leg {leg.leg} states too little ΔV of holding beside its bodies"
+                  for leg in refined_flight.understated]  # fmt: skip
         found += [f"leg {leg.leg} releases its object on another orbit than that of disposal"
                   for leg in refined_flight.off_disposal]  # fmt: skip
     return (*found, *(str(tank) for tank in tanks_of(instance, refined) if not tank.holds))
@@ -108,8 +111,8 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
     free = "with free burns" if refined.freedom == "free" else "with the burns of the plan, mended"
     said = (
         f"Each leg led to its stand-off and its target in numerically integrated motion, in the "
-        f"field {refined.gravity}, {free}. Own burns is what the plan’s own come to when they are "
-        "corrected. The residual is what is left at the stand-off or the target"
+        f"field {refined.gravity}, {_onto(refined)}{free}. Own burns is what the plan’s own come "
+        "to when they are corrected. The residual is what is left at the stand-off or the target"
         + (", and the miss what another integrator finds." if flight else ".")
     )
     rows = []
@@ -153,7 +156,23 @@ def _total(refined: RefinedPlan) -> str:
     return (
         f"In all, {counted(len(refined.legs), 'leg')}: planned with "
         f"{fixed(refined.planned_delta_v_m_s, 1)} m/s, {fixed(own, 1)} m/s with the plan’s own "
-        f"burns, and flown with {fixed(refined.flown_delta_v_m_s, 1)} m/s."
+        f"burns, and flown with {fixed(refined.flown_delta_v_m_s, 1)} m/s." + _holding(refined)
+    )
+
+
+def _onto(refined: RefinedPlan) -> str:
+    if refined.ephemerides is None:
+        return ""
+    return "between the states that the ephemerides of its bodies report, "
+
+
+def _holding(refined: RefinedPlan) -> str:
+    """The ΔV of holding, if there is any."""
+    if refined.ephemerides is None:
+        return ""
+    return (
+        " Holding beside the bodies, which move freely in no field, is not flown: it takes an "
+        f"estimated {fixed(refined.holding_m_s, 1)} m/s, which tanks count."
     )
 
 

@@ -1,0 +1,112 @@
+"""Bodies of a plan's legs where their ephemerides say.
+
+A leg begins at the position and velocity that is reported of its origin and ends at those reported
+of its destination. Between them it is a trajectory in the field; the bodies are on none, since
+their ephemerides know of other forces, and those of SGP4 have velocities that are not the
+derivatives of their positions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from ...common.errors import InputError
+from ...kernels.orbits.short_periods import Array
+from ...plan.plan import Leg
+from ...problem.instance import Instance
+from ...sources.ephemerides import Ephemerides, ephemerides_of
+from .bodies import Gravity, TrueBodies
+
+DEFAULT_GRAVITY: Gravity = "j4"
+"""Field of legs between ephemerides: SGP4 has these harmonics, too."""
+
+
+class ReportedBodies:
+    """States of bodies at the times of legs, as :class:`.bodies.MovingBodies`.
+
+    They are read once, so that threads and workers share nothing but numbers. A body without an
+    ephemeris, which a station may be, moves in the field as :class:`.bodies.TrueBodies` has it.
+
+    Parameters
+    ----------
+    instance : Instance
+    known : Ephemerides
+        Of the instance.
+    gravity : {"two-body", "j2", "j3", "j4"}
+    legs : iterable of Leg
+        With burns, the last of them those of the approach.
+
+    Raises
+    ------
+    InputError
+        An ephemeris cannot be read, or the orbit of a body without one decays.
+    """
+
+    def __init__(
+        self, instance: Instance, known: Ephemerides, gravity: Gravity, legs: Iterable[Leg]
+    ) -> None:
+        legs = tuple(legs)
+        names = dict.fromkeys(name for leg in legs for name in (leg.origin, leg.destination))
+        others = [name for name in names if name not in known.bodies]
+        self.gravity, self._others = gravity, TrueBodies(instance, gravity, others)
+        reported = {name: known.of(name) for name in names if name in known.bodies}
+        self.epoch_states = {
+            name: reported[name].state(0.0) if name in reported else self._others.epoch_states[name]
+            for name in names
+        }
+        self._states: dict[tuple[str, float], Array] = {}
+        self._behind: dict[tuple[str, float, float], Array] = {}
+        length_m = instance.transfer.standoff_m
+        for leg in legs:
+            start_s, standoff_s, docked_s = times_of(leg)
+            if leg.origin in reported:
+                self._states[leg.origin, start_s] = reported[leg.origin].state(start_s)
+            if leg.destination in reported:
+                ephemeris = reported[leg.destination]
+                self._states[leg.destination, docked_s] = ephemeris.state(docked_s)
+                now = ephemeris.state(standoff_s)
+                self._behind[leg.destination, standoff_s, length_m] = ephemeris.state(
+                    standoff_s - delay_s(now, length_m)
+                )
+
+    def state(self, name: str, time_s: float) -> Array:
+        """State reported of a body at its time in a leg, shape (6,) [m, m/s]."""
+        if name in self._others.epoch_states:
+            return self._others.state(name, time_s)
+        return self._states[name, time_s].copy()
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State reported of a body for the time ago that a distance takes, shape (6,)."""
+        if name in self._others.epoch_states:
+            return self._others.following(name, time_s, length_m)
+        return self._behind[name, time_s, length_m].copy()
+
+
+def times_of(leg: Leg) -> tuple[float, float, float]:
+    """Times of a leg's first burn, its stand-off and its docking [s]."""
+    standoff_s = next(burn.time_s for burn in leg.burns if burn.phase == "approach")
+    return leg.burns[0].time_s, standoff_s, leg.burns[-1].time_s
+
+
+def delay_s(state: Array, length_m: float) -> float:
+    """Time that a distance takes at the speed of a state [s]."""
+    return length_m / math.sqrt(float(state[3:] @ state[3:]))
+
+
+def opened(instance: Instance) -> Ephemerides:
+    """Ephemerides of an instance that legs are to be refined onto.
+
+    Raises
+    ------
+    InputError
+        There are none, they are others than the instance says, or it has low thrust or tows.
+    """
+    known = ephemerides_of(instance)
+    if instance.has_low_thrust or any(target.service.is_flown for target in instance.targets):
+        what = "low thrust" if instance.has_low_thrust else "tows"
+        raise InputError(
+            f"{instance.name!r} has {what}, and only legs of impulses without tows are refined "
+            "onto ephemerides; refine without --ephemerides"
+        )
+    return known
