@@ -163,7 +163,9 @@ class ConnectionFinder:
         assert found is not None  # there are short legs
         return found
 
-    def flown(self, i: int, j: int, family: int, stated: StatedLeg) -> FlownLeg:
+    def flown(
+        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None
+    ) -> FlownLeg:
         """Flight of a connection of a pair by a family, given by its number.
 
         Raises
@@ -171,7 +173,10 @@ class ConnectionFinder:
         InputError
             It cannot be flown.
         """
-        return registry.families()[family].flown(self.ends.of(i, j), stated)
+        known, ends = registry.families()[family], self.ends.of(i, j)
+        if delta_v_m_s is None:
+            return known.flown(ends, stated)
+        return known.flown_at(ends, stated, delta_v_m_s)
 
     def found(self, i: int, j: int) -> ConnectionArrays:
         """The connections of a pair that planning needs: cached, or computed."""

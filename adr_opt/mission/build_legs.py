@@ -136,8 +136,8 @@ def transfer_leg(
     departure, arrival = float(found.departure[row]), float(found.arrival[row])
     connecting = mission.connecting
     delta_v_m_s = connecting.modelled(*ends, family, float(found.delta_v[row]))
-    stated = StatedLeg(departure, arrival, revolutions, delta_v_m_s)
-    flown = connecting.flown(*ends, family, stated)
+    stated = StatedLeg(departure, arrival, revolutions)
+    flown = connecting.flown(*ends, family, stated, delta_v_m_s)
     return Leg(
         kind=kind.name,
         origin=mission.names[ends[0]],

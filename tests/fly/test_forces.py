@@ -24,7 +24,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, J2, MU_M3_S2
 from adr_opt.fly.flight.refined import planned_legs
 from adr_opt.fly.forces import ForcedFlight, Forces, fly_forced
-from adr_opt.fly.forces.corrected import Span, correction_m_s, last_lap
+from adr_opt.fly.forces.corrected import Stretch, correction_m_s, last_lap
 from adr_opt.fly.forces.flown import fly_leg, plan_field
 from adr_opt.fly.forces.library import Array, Moving, World
 from adr_opt.fly.forces.push import direction
@@ -303,7 +303,7 @@ def test_a_delay_costs_two_small_burns() -> None:
         return state
 
     reached = world.coast([Moving(start, field.chaser)], 0.0, lap)[0]
-    last = last_lap(Span(0.0, lap, start, reached), {})
+    last = last_lap(Stretch(0.0, lap, start, reached), {})
     for length in (100.0, 10e3, -50e3):
         delay = length / math.hypot(*start[3:])
         goal = world.coast([Moving(start, field.chaser)], 0.0, lap - delay)[0]

@@ -56,7 +56,7 @@ class LastLap(NamedTuple):
     reached: Array
 
 
-class Span(NamedTuple):
+class Stretch(NamedTuple):
     """Times [s] between which a leg is corrected, with the states of the chaser at both."""
 
     begin_s: float
@@ -65,7 +65,7 @@ class Span(NamedTuple):
     reached: Array
 
 
-def last_lap(span: Span, burns: dict[float, Array]) -> LastLap:
+def last_lap(span: Stretch, burns: dict[float, Array]) -> LastLap:
     """The last revolution over a span, the burns of the leg by time."""
     start, begin_s, end_s = span.start, span.begin_s, span.end_s
     places = np.linspace(begin_s, end_s, PLACES + 1)

@@ -16,7 +16,7 @@ from ...problem.instance import Instance
 from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
-from .corrected import Span, correction_m_s, last_lap
+from .corrected import Stretch, correction_m_s, last_lap
 from .course import Acting, LegCourse, kicked
 from .library import Moving, World
 from .result import ForcedFlight, ForcedLeg, Off, total
@@ -113,7 +113,7 @@ def _arrivals(
     delay = standoff_m / math.hypot(*body[3:])
     following = world.coast([Moving(body, course.acting.body)], end_s + delay, end_s)[0]
     burns = {at: burn for at, burn in course.burns.items() if last_s <= at <= end_s}
-    last = last_lap(Span(last_s, end_s, start, chaser), burns)
+    last = last_lap(Stretch(last_s, end_s, start, chaser), burns)
 
     def fly(impulses: Array) -> Array:
         made = dict(zip(last.times.tolist(), impulses, strict=True))

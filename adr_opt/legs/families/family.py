@@ -119,12 +119,11 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """Times [s] and phasing revolutions of a leg as stated in a plan, and its ΔV if known [m/s]."""
+    """Times [s] and phasing revolutions of a leg as stated in a plan."""
 
     departure: float
     arrival: float
     revolutions: int
-    delta_v_m_s: float | None = None
 
 
 class RecomputedLeg(NamedTuple):
@@ -219,6 +218,13 @@ class LegFamily(ABC):
         InputError
             It cannot be; the sentence says why.
         """
+
+    def flown_at(self, ends: PairEnds, stated: StatedLeg, delta_v_m_s: float) -> FlownLeg:
+        """The leg of a ΔV, where there may be several between the same times.
+
+        By default the one that :meth:`flown` makes.
+        """
+        return self.flown(ends, stated)
 
 
 class RegisteredFamily(LegFamily):

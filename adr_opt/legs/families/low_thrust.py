@@ -60,6 +60,12 @@ class LowThrustLegs(LegFamily):
         return merged(found, made, ends.latest_s, 0.0 if ends.relaxed else resolution_m_s)
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
+        return self._flown(ends, stated, None)
+
+    def flown_at(self, ends: PairEnds, stated: StatedLeg, delta_v_m_s: float) -> FlownLeg:
+        return self._flown(ends, stated, delta_v_m_s)
+
+    def _flown(self, ends: PairEnds, stated: StatedLeg, delta_v_m_s: float | None) -> FlownLeg:
         assert ends.drive is not None
         if ends.relaxed:  # no leg has to be as cheap
             return FlownLeg(stated.departure)
@@ -67,10 +73,10 @@ class LowThrustLegs(LegFamily):
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
         thrust = Thrust(ends.drive.least_acceleration, ends.drive.exhaust_m_s)
         times = stated.departure, stated.arrival
-        if stated.delta_v_m_s is None:
+        if delta_v_m_s is None:
             leg = low_thrust.leg_between(pair, thrust, *times)
         else:
-            leg = low_thrust.leg_stated(pair, thrust, *times, stated.delta_v_m_s)
+            leg = low_thrust.leg_stated(pair, thrust, *times, delta_v_m_s)
         if not math.isfinite(leg.split.delta_v):
             raise InputError("there is no leg of low thrust between these times")
         return FlownLeg(stated.departure, arcs=_arcs(pair.drift, leg, stated))
