@@ -10,12 +10,11 @@ import math
 from ...common.constants import MU_M3_S2
 from ..core.compile import inlined, kernel
 
-SPREAD_M = 2000.0
-"""Width over which each perigee and apogee is spread, and least width of a shell [m]. Short-period
-motion moves both by more."""
+LEAST_WIDTH_M = 5000.0
+"""Least width of a shell, from perigee to apogee [m]. Short-period motion is wider."""
 
-BLUR = math.exp(-1.5)
-"""Distance of two perigees spread over a width, in the mean of its logarithm, over that width."""
+BLUR_M = 1000.0
+"""Width over which each perigee and apogee is spread evenly [m]."""
 
 LEAST_PART = 1e-12
 """Least complementary parameter of K for two inclinations, which is 0 for two polar orbits."""
@@ -36,6 +35,24 @@ def quarter_period(part):
     return math.pi / (one + other)
 
 
+@inlined
+def _integral(distance):
+    """Second integral of the logarithm of a distance [m²]."""
+    return 0.0 if distance == 0.0 else distance**2 * (0.5 * math.log(abs(distance)) - 0.75)
+
+
+@kernel
+def blurred(distance):
+    """Distance of two perigees, each spread over :data:`BLUR_M`, in the mean of its logarithm [m].
+
+    K grows with the logarithm where two perigees or apogees agree, and is finite in the mean.
+    """
+    if distance > 4.0 * BLUR_M:
+        return distance
+    above, below = _integral(distance + BLUR_M), _integral(distance - BLUR_M)
+    return math.exp((above - 2.0 * _integral(distance) + below) / BLUR_M**2)
+
+
 @kernel
 def shell_factor(perigee, apogee, other_perigee, other_apogee):
     """Equation 2: chance density that both objects are at one radius, and the middle radius.
@@ -43,7 +60,7 @@ def shell_factor(perigee, apogee, other_perigee, other_apogee):
     Parameters
     ----------
     perigee, apogee, other_perigee, other_apogee : float
-        Radii [m], each shell at least :data:`SPREAD_M` wide.
+        Radii [m], each shell at least :data:`LEAST_WIDTH_M` wide.
 
     Returns
     -------
@@ -56,13 +73,11 @@ def shell_factor(perigee, apogee, other_perigee, other_apogee):
     third, lowest = max(perigee, other_perigee), min(perigee, other_perigee)
     if second <= third:
         return 0.0, 0.0
-    blur = BLUR * SPREAD_M
-    above = math.sqrt((highest - second) ** 2 + blur**2)
-    below = math.sqrt((third - lowest) ** 2 + blur**2)
-    product = (second - third + above) * (second - third + below)
-    part = above * below / product
-    radius = 0.5 * (second + third)
-    return 2.0 * quarter_period(part) / (math.pi**2 * math.sqrt(product)), radius
+    above, below = blurred(highest - second), blurred(third - lowest)
+    product = (highest - third) * (second - lowest)
+    part = min(above * below / product, 1.0)
+    factor = 2.0 * quarter_period(part) / (math.pi**2 * math.sqrt(product))
+    return factor, 0.5 * (second + third)
 
 
 @kernel
@@ -79,9 +94,28 @@ def tilt_factor(tilt, other_tilt):
     return quarter_period(min(max(part, LEAST_PART), 1.0)) / math.sqrt(apart)
 
 
+@inlined
+def between(table, row, column):
+    """Value of a table at a fractional row and column, linear between entries."""
+    row = min(max(row, 0.0), table.shape[0] - 1.0)
+    column = min(max(column, 0.0), table.shape[1] - 1.0)
+    i, j = min(int(row), table.shape[0] - 2), min(int(column), table.shape[1] - 2)
+    down, right = row - i, column - j
+    upper = table[i, j] * (1.0 - right) + table[i, j + 1] * right
+    lower = table[i + 1, j] * (1.0 - right) + table[i + 1, j + 1] * right
+    return upper * (1.0 - down) + lower * down
+
+
+@inlined
+def _squares(perigee, apogee, radius):
+    """Squared speed and squared speed across the radius at a radius [m²/s²]."""
+    squared = MU_M3_S2 * (2.0 / radius - 2.0 / (perigee + apogee))
+    return squared, MU_M3_S2 * 2.0 * perigee * apogee / ((perigee + apogee) * radius**2)
+
+
 @kernel
-def encounter_rate(shells, tilts, widths, i, j):
-    """Equation 1: rate at which two objects come closer than the sum of their radii [1/s].
+def encounter_rate(shells, tilts, widths, speeds, i, j):
+    """Equation 1: rate at which two objects come closer than the sum of their radii.
 
     Parameters
     ----------
@@ -89,22 +123,32 @@ def encounter_rate(shells, tilts, widths, i, j):
         Radii of perigee and apogee [m].
     tilts, widths : (object,) float64
         Inclinations [rad], radii of the objects [m].
+    speeds : (tilt, tilt) float64
+        Mean relative speed of encounters of circles over the speed of both, by inclinations from 0°
+        to 180°.
     i, j : int
 
     Returns
     -------
     rate : float
+        [1/s].
     radius : float
         Middle of the radii at which they meet; 0 where their shells do not [m].
     speed : float
-        Geometric mean of both speeds at this radius [m/s].
+        Mean relative speed of encounters [m/s].
     """
     factor, radius = shell_factor(shells[i, 0], shells[i, 1], shells[j, 0], shells[j, 1])
     if factor == 0.0:
         return 0.0, 0.0, 0.0
-    axis, other_axis = 0.5 * (shells[i, 0] + shells[i, 1]), 0.5 * (shells[j, 0] + shells[j, 1])
-    squared = (2.0 / radius - 1.0 / axis) * (2.0 / radius - 1.0 / other_axis)
-    speed = math.sqrt(MU_M3_S2 * math.sqrt(squared))
+    step = math.pi / (speeds.shape[0] - 1)
+    relative = between(speeds, tilts[i] / step, tilts[j] / step)
+    squared, across = _squares(shells[i, 0], shells[i, 1], radius)
+    other_squared, other_across = _squares(shells[j, 0], shells[j, 1], radius)
+    both = math.sqrt(across * other_across)
+    # Motion along the radius and unequal speeds add to the relative speed of circles.
+    added = max(squared + other_squared - 2.0 * both, 0.0)
+    speed = math.sqrt(both * relative**2 + added)
+    axes = 0.25 * (shells[i, 0] + shells[i, 1]) * (shells[j, 0] + shells[j, 1])
     wide = (widths[i] + widths[j]) ** 2 / math.pi**2
-    rate = wide * speed / (axis * other_axis) * factor * tilt_factor(tilts[i], tilts[j])
+    rate = wide * speed / (relative * axes) * factor * tilt_factor(tilts[i], tilts[j])
     return rate, radius, speed
