@@ -139,26 +139,26 @@ def all_collisions(objects, tables, first, last, sums, partners, cells):
 
 
 @kernel
-def pair_worths(objects, tables, some):
-    """Worth of every pair among some objects.
+def worths_with(objects, tables, one, some):
+    """Worth of the pairs of one object with each of some.
 
     Parameters
     ----------
     objects : Objects
     tables : Tables
+    one : int
     some : (n,) int64
 
     Returns
     -------
-    (n, n) float64
-        Symmetric, with zeros on the diagonal [fragment-years].
+    (n,) float64
+        0 for the object itself [fragment-years].
     """
-    found = np.zeros((some.size, some.size))
-    for row in range(some.size):
-        for column in range(row):
-            worth = collision(objects, tables, some[row], some[column])[1]
-            found[row, column] = worth
-            found[column, row] = worth
+    found = np.zeros(some.size)
+    for place in range(some.size):
+        if some[place] != one:
+            first, second = min(one, some[place]), max(one, some[place])
+            found[place] = collision(objects, tables, first, second)[1]
     return found
 
 
