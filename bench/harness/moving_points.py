@@ -16,7 +16,6 @@ from scipy.spatial import cKDTree
 
 from adr_opt.common.constants import MU_M3_S2
 
-
 NEAR_RAD = 0.004
 
 

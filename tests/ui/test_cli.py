@@ -38,9 +38,9 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     listed = re.findall(r"(?m)^  ([a-z-]+) ", cli("--help").out.partition("Commands:")[2])
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
-        "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
-        "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
-        "warm-up", "doctor", "schema",
+        "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
+        "tradeoff", "replan", "fly", "refine", "matrix", "export", "report", "serve", "train",
+        "methods", "warm-up", "doctor", "schema",
     }  # fmt: skip
 
 

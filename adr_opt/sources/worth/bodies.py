@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
+from ..catalogue.filters import Filters
 from ..catalogue.records import ElementSet
 from .air import ALTITUDES_KM, FLOAT
 from .measures import Measures
@@ -111,6 +112,7 @@ def bodies_of(
     records: Sequence[ElementSet],
     satcat: Satcat | None = None,
     measures: Mapping[int, Measures] | None = None,
+    excluded: Collection[str] = (),
 ) -> Bodies:
     """Orbits, masses and sizes of a catalogue's objects.
 
@@ -121,7 +123,10 @@ def bodies_of(
     satcat : Satcat, optional
     measures : mapping of int to Measures, optional
         Of a table, by index of the record.
+    excluded : collection of str
+        Names to leave out, as of :class:`.Filters`: operating satellites that dodge, for example.
     """
+    dodging = Filters(names=tuple(excluded))
     kept: list[ElementSet] = []
     shells: list[tuple[float, float]] = []
     kinds: list[str] = []
@@ -129,7 +134,11 @@ def bodies_of(
     matched, left_out = 0, Counter[str]()
     for at, record in enumerate(records):
         shell = _shell(record)
-        reason = "decayed" if record.decayed else "below the air" if shell[0] < _lowest() else ""
+        reason = ""
+        if record.decayed or shell[0] < _lowest():
+            reason = "decayed"
+        elif excluded and dodging.match_name(record):
+            reason = "excluded"
         if reason:
             left_out[reason] += 1
             continue
@@ -159,11 +168,18 @@ def _lowest() -> float:
     return EARTH_RADIUS_M + 1e3 * ALTITUDES_KM[0]
 
 
+def ends_km(record: ElementSet) -> tuple[float, float]:
+    """Altitudes of perigee and apogee of an element set, by Kepler's law [km]."""
+    axis = np.cbrt(MU_M3_S2 / (record.mean_motion_rev_day * 2.0 * math.pi / DAY_S) ** 2)
+    half = axis * record.eccentricity
+    return (axis - half - EARTH_RADIUS_M) / 1e3, (axis + half - EARTH_RADIUS_M) / 1e3
+
+
 def _shell(record: ElementSet) -> tuple[float, float]:
-    """Radii of perigee and apogee [m]."""
-    axis = (MU_M3_S2 / (record.mean_motion_rev_day * 2.0 * math.pi / DAY_S) ** 2) ** (1.0 / 3.0)
-    half = max(axis * record.eccentricity, 0.5 * LEAST_WIDTH_M)
-    return axis - half, axis + half
+    """Radii of perigee and apogee [m], at least :data:`.LEAST_WIDTH_M` apart."""
+    perigee, apogee = (EARTH_RADIUS_M + 1e3 * end for end in ends_km(record))
+    more = max(0.5 * (LEAST_WIDTH_M - (apogee - perigee)), 0.0)
+    return perigee - more, apogee + more
 
 
 def _row_of(record: ElementSet, satcat: Satcat) -> SatcatRow | None:
@@ -196,8 +212,9 @@ def _measured(
         size, size_source = measures.size, TABLE
     elif row is not None and row.diameter is not None:
         length = row.length or row.diameter
-        size, size_source = cylinder(length.value, row.diameter.value), _certainty(
-            length, row.diameter
+        size, size_source = (
+            cylinder(length.value, row.diameter.value),
+            _certainty(length, row.diameter),
         )
     elif not mass_source.startswith(DEFAULT):
         # A known mass and no size: of the same density over area as the default.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -97,7 +98,8 @@ def shared(objects: Objects, tables: Tables, some: INDICES, jobs: int) -> FLOAT:
         return own
 
     with ThreadPoolExecutor(threads(jobs)) as pool:
-        return np.sum(list(pool.map(block, _bounds(len(some)))), axis=0)
+        found: FLOAT = np.sum(list(pool.map(block, _bounds(len(some)))), axis=0)
+    return found
 
 
 def with_one(objects: Objects, tables: Tables, one: int, some: INDICES) -> FLOAT:
@@ -110,4 +112,4 @@ def _bounds(count: int) -> list[tuple[int, int]]:
     """First and last object of blocks of about equally many pairs."""
     shares = 1.0 - np.sqrt(1.0 - np.arange(BLOCKS + 1) / BLOCKS)
     ends = np.unique(np.round(count * shares).astype(int)).tolist()
-    return list(zip(ends[:-1], ends[1:], strict=True))
+    return list(pairwise(ends))

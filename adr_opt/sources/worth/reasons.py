@@ -1,0 +1,26 @@
+"""Reasons why removing an object is worth much, in one clause each."""
+
+from __future__ import annotations
+
+from .worth import Worth
+
+SHORT = 0.9
+"""Share of the horizon that an object has to stay for its own decay not to matter."""
+
+
+def reason(worth: Worth, at: int) -> str:
+    """Mass, encounters and stay of an object, and the object most dangerous to it."""
+    bodies = worth.bodies
+    encounters, catastrophic = worth.encounters[at], worth.catastrophic[at]
+    parts = [
+        f"{bodies.masses[at]:,.0f} kg ({bodies.mass_sources[at]})",
+        f"{1e3 * encounters:.3g} encounters in 1,000 years"
+        + (f", {catastrophic / encounters:.0%} catastrophic" if encounters else ""),
+    ]
+    if worth.lives[at] < SHORT * worth.years:
+        parts.append(f"comes down in {worth.lives[at]:.2g} years")
+    partner = int(worth.partners[at])
+    if partner >= 0:
+        share = worth.partner_worths[at] / worth.alone[at]
+        parts.append(f"most with {bodies.records[partner].label} ({share:.1%})")
+    return "; ".join(parts)
