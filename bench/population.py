@@ -81,7 +81,7 @@ FAMILIES = (
 )
 """The rest, to the whole, is debris of all inclinations."""
 
-OTHER = Family("DEB", "D", 0.0, 900, 300, 0.0400, 70.0, 20.0, 0, 0, 0, 0.0)
+OTHER = Family("OLD DEB", "D", 0.0, 900, 300, 0.0400, 70.0, 20.0, 0, 0, 0, 0.0)
 
 UNKNOWN, UNCERTAIN = 0.05, 0.25
 """Shares of objects with a mass whose mass is left out, and marked as uncertain."""
@@ -137,7 +137,7 @@ def _elements(family: Family, number: int, random: np.random.Generator) -> list[
     node, perigee, anomaly = random.uniform(0.0, 360.0, 3)
     bstar = 0.05 * random.lognormal(0.0, 0.8) / 12.74 if family.kind == "D" else 1e-4
     return [
-        f"{family.name} {number}" if family is not OTHER else f"OLD {number} DEB",
+        family.name,
         _designator(number), EPOCH, f"{motion:.8f}", f"{eccentricity:.7f}", f"{inclination:.4f}",
         f"{node:.4f}", f"{perigee:.4f}", f"{anomaly:.4f}", 0, "U", number, 999, 1,
         f"{bstar:.5e}", 0, 0,

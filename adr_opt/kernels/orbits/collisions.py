@@ -8,7 +8,7 @@ from ..core.compile import kernel
 from .encounters import between, encounter_rate
 
 
-class Objects(NamedTuple):
+class CollidingObjects(NamedTuple):
     """Objects as arrays, in ascending order of perigee.
 
     Attributes
@@ -38,7 +38,7 @@ class Objects(NamedTuple):
     cells: np.ndarray
 
 
-class Tables(NamedTuple):
+class CollisionTables(NamedTuple):
     """What collisions are weighed by.
 
     Attributes
@@ -75,8 +75,8 @@ def collision(objects, tables, i, j):
 
     Parameters
     ----------
-    objects : Objects
-    tables : Tables
+    objects : CollidingObjects
+    tables : CollisionTables
     i, j : int
 
     Returns
@@ -111,8 +111,8 @@ def all_collisions(objects, tables, first, last, sums, partners, cells):
 
     Parameters
     ----------
-    objects : Objects
-    tables : Tables
+    objects : CollidingObjects
+    tables : CollisionTables
     first, last : int
         Objects of the block, which ends before the last.
     sums : (object, 4) float64
@@ -144,8 +144,8 @@ def worths_with(objects, tables, one, some):
 
     Parameters
     ----------
-    objects : Objects
-    tables : Tables
+    objects : CollidingObjects
+    tables : CollisionTables
     one : int
     some : (n,) int64
 
@@ -168,8 +168,8 @@ def shared_worths(objects, tables, some, first, last, sums):
 
     Parameters
     ----------
-    objects : Objects
-    tables : Tables
+    objects : CollidingObjects
+    tables : CollisionTables
     some : (n,) int64
         In ascending order.
     first, last : int

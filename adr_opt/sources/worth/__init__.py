@@ -13,17 +13,17 @@ equations are numbered in docs/worth.md.
 from .answer import answer
 from .bodies import Bodies, bodies_of
 from .measures import Measures, read_measures
-from .prizes import Prizes, prizes_of
+from .prizes import RemovalPrizes, prizes_of
 from .reasons import reason
 from .satcat import Satcat, read_satcat
-from .worth import Worth, worth_of
+from .worth import RemovalWorth, worth_of
 
 __all__ = [
     "Bodies",
     "Measures",
-    "Prizes",
+    "RemovalPrizes",
+    "RemovalWorth",
     "Satcat",
-    "Worth",
     "answer",
     "bodies_of",
     "prizes_of",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-from .prizes import Prizes, reference
+from .prizes import RemovalPrizes, reference
 from .reasons import reason
 from .satcat import Satcat
 from .worth import UNIT
@@ -17,7 +17,7 @@ SETS = (10, 50)
 """Sizes of the sets whose worth is told."""
 
 
-def answer(prizes: Prizes, satcat: Satcat | None) -> dict[str, Any]:
+def answer(prizes: RemovalPrizes, satcat: Satcat | None) -> dict[str, Any]:
     """Sums, sources, the best objects with reasons, and what sets take off."""
     worth = prizes.worth
     bodies = worth.bodies
@@ -52,7 +52,7 @@ def answer(prizes: Prizes, satcat: Satcat | None) -> dict[str, Any]:
     }
 
 
-def _set(prizes: Prizes, ranks: dict[int, int], size: int) -> dict[str, Any]:
+def _set(prizes: RemovalPrizes, ranks: dict[int, int], size: int) -> dict[str, Any]:
     worth = prizes.worth
     chosen = worth.best_set(size, prizes.candidates)
     avoided = worth.of_set(chosen)

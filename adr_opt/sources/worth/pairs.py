@@ -16,8 +16,8 @@ import numpy as np
 import numpy.typing as npt
 
 from ...kernels.orbits.collisions import (
-    Objects,
-    Tables,
+    CollidingObjects,
+    CollisionTables,
     all_collisions,
     shared_worths,
     worths_with,
@@ -58,7 +58,9 @@ def threads(jobs: int) -> int:
     return jobs or len(os.sched_getaffinity(0))
 
 
-def totals(objects: Objects, tables: Tables, cells: int, jobs: int, show: Show) -> Totals:
+def totals(
+    objects: CollidingObjects, tables: CollisionTables, cells: int, jobs: int, show: Show
+) -> Totals:
     """Sums over all pairs of objects that are sorted by perigee."""
     count = len(objects.tilts)
     found = Totals(np.zeros((count, 4)), np.full(count, -1), np.zeros((cells, cells)))
@@ -80,13 +82,13 @@ def totals(objects: Objects, tables: Tables, cells: int, jobs: int, show: Show) 
     return found._replace(cells=found.cells + found.cells.T)
 
 
-def shared(objects: Objects, tables: Tables, some: INDICES, jobs: int) -> FLOAT:
+def shared(objects: CollidingObjects, tables: CollisionTables, some: INDICES, jobs: int) -> FLOAT:
     """Fragment-years that each of some objects has with the others of them.
 
     Parameters
     ----------
-    objects : Objects
-    tables : Tables
+    objects : CollidingObjects
+    tables : CollisionTables
     some : (n,) int64
         In ascending order.
     jobs : int
@@ -102,7 +104,7 @@ def shared(objects: Objects, tables: Tables, some: INDICES, jobs: int) -> FLOAT:
     return found
 
 
-def with_one(objects: Objects, tables: Tables, one: int, some: INDICES) -> FLOAT:
+def with_one(objects: CollidingObjects, tables: CollisionTables, one: int, some: INDICES) -> FLOAT:
     """Fragment-years of one object with each of some [fragment-years]."""
     found: FLOAT = worths_with(objects, tables, one, some)
     return found

@@ -15,7 +15,7 @@ from ..catalogue.records import ElementSet
 from .air import FLOAT
 from .bodies import ends_km
 from .pairs import INDICES
-from .worth import UNIT, Worth
+from .worth import UNIT, RemovalWorth
 
 DIGITS = 5
 """Digits of the largest prize, unless a unit is given."""
@@ -30,12 +30,12 @@ DETAILS = (
 
 
 @dataclass(frozen=True)
-class Prizes:
+class RemovalPrizes:
     """Prizes of the candidates for removal.
 
     Attributes
     ----------
-    worth : Worth
+    worth : RemovalWorth
     candidates : (candidate,) int64
         Objects, the largest worth alone first.
     floors : (candidate,) float64
@@ -46,7 +46,7 @@ class Prizes:
         Floors in whole units, rounded down, so that no set is overrated.
     """
 
-    worth: Worth
+    worth: RemovalWorth
     candidates: INDICES
     floors: FLOAT
     unit: float
@@ -88,12 +88,14 @@ class Prizes:
         )  # fmt: skip
 
 
-def prizes_of(worth: Worth, candidates: int, unit: float | None = None, jobs: int = 0) -> Prizes:
+def prizes_of(
+    worth: RemovalWorth, candidates: int, unit: float | None = None, jobs: int = 0
+) -> RemovalPrizes:
     """Prizes of the objects that are most worth removing.
 
     Parameters
     ----------
-    worth : Worth
+    worth : RemovalWorth
     candidates : int
         Number of them; 0 for all objects. The fewer, the closer floors are to worths alone.
     unit : float, optional
@@ -116,7 +118,7 @@ def prizes_of(worth: Worth, candidates: int, unit: float | None = None, jobs: in
     largest = float(floors.max())
     if unit is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - DIGITS + 1) if largest > 0.0 else 1.0
-    return Prizes(worth, chosen, floors, unit, np.floor(floors / unit))
+    return RemovalPrizes(worth, chosen, floors, unit, np.floor(floors / unit))
 
 
 def reference(record: ElementSet) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from .worth import Worth
+from .worth import RemovalWorth
 
 SHORT = 0.9
 """Share of the horizon that an object has to stay for its own decay not to matter."""
 
 
-def reason(worth: Worth, at: int) -> str:
+def reason(worth: RemovalWorth, at: int) -> str:
     """Mass, encounters and stay of an object, and the object most dangerous to it."""
     bodies = worth.bodies
     encounters, catastrophic = worth.encounters[at], worth.catastrophic[at]

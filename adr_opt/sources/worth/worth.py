@@ -10,7 +10,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
-from ...kernels.orbits.collisions import Objects, Tables
+from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
 from .air import ACTIVITIES, FLOAT
 from .bodies import Bodies
 from .breakup import (
@@ -37,7 +37,7 @@ LEVELS, TILTS = 21, 18
 
 
 @dataclass(frozen=True)
-class Worth:
+class RemovalWorth:
     """Worth of removing each object of a catalogue.
 
     Attributes
@@ -71,8 +71,8 @@ class Worth:
     partner_worths: FLOAT
     lives: FLOAT
     cells: FLOAT
-    _objects: Objects
-    _tables: Tables
+    _objects: CollidingObjects
+    _tables: CollisionTables
     _order: INDICES
 
     @property
@@ -136,7 +136,7 @@ def worth_of(
     activity: str = "mean",
     jobs: int = 0,
     show: Show = lambda done, of: None,
-) -> Worth:
+) -> RemovalWorth:
     """Worth of removing each of some objects.
 
     Parameters
@@ -171,7 +171,7 @@ def worth_of(
     )
     fragments = np.array([0 if kind == "rocket body" else 1 for kind in bodies.kinds])
     assert tuple(KINDS) == ("rocket body", "spacecraft")
-    objects = Objects(
+    objects = CollidingObjects(
         *(
             np.ascontiguousarray(column[order])
             for column in (
@@ -181,7 +181,7 @@ def worth_of(
         )
     )  # fmt: skip
     table, exposure = fragment_years(years, activity)
-    tables = Tables(
+    tables = CollisionTables(
         mean_speeds(), table, EARTH_RADIUS_M + LOWEST_M, ALTITUDE_STEP_M, exposure, FRAGMENTS,
         CATASTROPHIC_J_KG, YEAR_S,
     )  # fmt: skip
@@ -189,7 +189,7 @@ def worth_of(
     sums, partners = np.empty_like(found.sums), np.empty_like(found.partners)
     sums[order] = found.sums
     partners[order] = np.where(found.partners < 0, -1, order[found.partners])
-    return Worth(
+    return RemovalWorth(
         bodies=bodies, years=years, activity=activity, alone=sums[:, 0], encounters=sums[:, 1],
         catastrophic=sums[:, 2], partners=partners, partner_worths=sums[:, 3], lives=lives,
         cells=found.cells, _objects=objects, _tables=tables, _order=order,

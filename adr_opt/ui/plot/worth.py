@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...plan.palette import CHASERS
-from ...sources.worth import Worth
+from ...sources.worth import RemovalWorth
 from ...sources.worth.bodies import ends_km
 from .chart import Chart, ChartAxis, Line
 
@@ -15,7 +15,7 @@ STEP_KM, HIGHEST_KM = 50.0, 2000.0
 KINDS = ("rocket body", "payload", "debris")
 
 
-def worth_chart(worth: Worth) -> Chart:
+def worth_chart(worth: RemovalWorth) -> Chart:
     """Sums of worths alone in bands of altitude, for each kind of object."""
     bodies = worth.bodies
     altitudes = np.array([sum(ends_km(record)) / 2.0 for record in bodies.records])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...common.wording import counted
-from ...sources.worth import Prizes, Worth
+from ...sources.worth import RemovalPrizes, RemovalWorth
 from ...sources.worth.worth import CELL_DEG, CELL_KM, LEVELS, TILTS
 from ..plot.worth import worth_chart
 from .charts import drawn
@@ -34,12 +34,12 @@ ASSUMED = (
 )
 
 
-def worth_page(prizes: Prizes, told: Mapping[str, Any]) -> str:
+def worth_page(prizes: RemovalPrizes, told: Mapping[str, Any]) -> str:
     """The HTML of the page.
 
     Parameters
     ----------
-    prizes : Prizes
+    prizes : RemovalPrizes
     told : mapping
         The answer of ``worth``, see :func:`adr_opt.sources.worth.answer.answer`.
     """
@@ -104,7 +104,7 @@ def _sets(sets: Iterable[Mapping[str, Any]]) -> str:
     return table("Removed as a set", [(title, "n") for title in headings], rows)
 
 
-def _map(worth: Worth) -> str:
+def _map(worth: RemovalWorth) -> str:
     """Shares as squares, darker for more."""
     shares = worth.cells.sum(axis=1).reshape(LEVELS, TILTS)
     shares = shares / max(float(shares.sum()), 1e-300)
@@ -144,7 +144,7 @@ def _map(worth: Worth) -> str:
     )
 
 
-def _pairs(worth: Worth) -> str:
+def _pairs(worth: RemovalWorth) -> str:
     once = np.triu(worth.cells)
     np.fill_diagonal(once, 0.5 * np.diagonal(once))
     order = np.argsort(-once, axis=None)[:PAIRS]
