@@ -11,6 +11,7 @@ from ...common.wording import counted
 from ...sources.worth import RemovalPrizes, RemovalWorth
 from ...sources.worth.worth import CELL_DEG, CELL_KM, LEVELS, TILTS
 from ..plot.worth import worth_chart
+from . import tables
 from .charts import drawn
 from .plain import page, row, section
 from .tables import table
@@ -45,8 +46,8 @@ def worth_page(prizes: RemovalPrizes, told: Mapping[str, Any]) -> str:
     """
     worth = prizes.worth
     under = (
-        f"{counted(told['objects'], 'object')} · {worth.years:g} years · {worth.activity} solar "
-        f"activity · {number(worth.total, 0)} fragment-years expected of all pairs"
+        f"{worth.years:g} years · {worth.activity} solar activity · {number(worth.total, 0)} "
+        f"fragment-years expected of all pairs"
     )
     parts = [
         section(
@@ -71,16 +72,17 @@ def worth_page(prizes: RemovalPrizes, told: Mapping[str, Any]) -> str:
         section("Sources", _matches(told), _sources(told)),
         section("Assumptions", ASSUMED, ""),
     ]
-    return page("Worth of removals", f"{told['objects']} objects", under, parts)
+    title = f"Fragment-years of {number(told['objects'])} objects"
+    return page("Worth of removals", title, under, parts)
 
 
 def _best(best: Iterable[Mapping[str, Any]]) -> str:
     rows = [
-        row(
+        tables.row(
             (
-                ("name", each["name"]), ("n", number(each["prize"], 0)),
+                ("", f"<b>{escape(each['name'])}</b>"), ("n", number(each["prize"], 0)),
                 ("n", number(each["worth_alone"], 1)), ("n", number(each["floor"], 1)),
-                ("name", each["reason"]),
+                ("name", f'<div style="min-width:36ch">{escape(each["reason"])}</div>'),
             )
         )
         for each in best
@@ -138,8 +140,9 @@ def _map(worth: RemovalWorth) -> str:
         "inclination; mean altitude [km] on the left</text>"
     )
     return (
-        '<div class="scroll" tabindex="0" role="region" aria-label="Map"><figure class="drawn">'
-        f'<svg viewBox="0 0 {width} {height}" style="min-width:560px" role="img" '
+        '<div class="scroll" style="max-height:none" tabindex="0" role="region" aria-label="Map">'
+        '<figure class="drawn">'
+        f'<svg viewBox="0 0 {width} {height}" style="min-width:560px;max-width:900px" role="img" '
         f'aria-label="Worth by altitude and inclination">{"".join(parts)}</svg></figure></div>'
     )
 
