@@ -96,7 +96,7 @@ def test_verb_imports_only_its_own_module() -> None:
     ("arguments", "named"),
     [
         ([], "missing command"),
-        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, import"),
+        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, worth, import"),
         (["--frobnicate"], "'--frobnicate'"),
         (["solve"], "missing argument 'INSTANCE'"),
         (["solve", "x.json", "--methd", "greedy"], "'--methd' (did you mean"),

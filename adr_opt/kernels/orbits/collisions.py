@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.compile import kernel
+from ..core.memory import borrowed
 from .encounters import between, encounter_rate
 
 
@@ -122,6 +123,7 @@ def all_collisions(objects, tables, first, last, sums, partners, cells):
     cells : (cell, cell) float64
         Increased: worth of pairs of two cells; each pair once, in the cell of the first object.
     """
+    objects, tables = borrowed(objects), borrowed(tables)
     for i in range(first, last):
         for j in range(i + 1, objects.tilts.size):
             if objects.shells[j, 0] >= objects.shells[i, 1]:
@@ -177,6 +179,7 @@ def shared_worths(objects, tables, some, first, last, sums):
     sums : (n,) float64
         Increased [fragment-years].
     """
+    objects, tables = borrowed(objects), borrowed(tables)
     for row in range(first, last):
         for column in range(row + 1, some.size):
             if objects.shells[some[column], 0] >= objects.shells[some[row], 1]:
