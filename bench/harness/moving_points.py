@@ -16,7 +16,8 @@ from scipy.spatial import cKDTree
 
 from adr_opt.common.constants import MU_M3_S2
 
-NEAR_RAD = 0.004
+NEAR_RAD, NEAR_SHARE = 0.004, 0.005
+"""Arguments of latitude that count as equal, and radii, as a share of those that both reach."""
 
 
 @dataclass(frozen=True)
@@ -74,10 +75,12 @@ def moving_rate(
     near : float
         Arguments of latitude that count as equal [rad]; fewer where the rate depends on them.
     """
-    low = max(one.perigee, other.perigee) - blur_m
-    high = min(one.apogee, other.apogee) + blur_m
+    low, high = max(one.perigee, other.perigee), min(one.apogee, other.apogee)
     if low >= high:
         return 0.0, 0.0
+    # A margin, so that points at the end of one shell find those of the other beyond it.
+    margin = max(blur_m, 2.0 * NEAR_SHARE * (high - low))
+    low, high = low - margin, high + margin
     batches = [_rate(one, other, count // 8, blur_m, (low, high), random, near) for _ in range(8)]
     return float(np.mean(batches)), float(np.std(batches, ddof=1) / math.sqrt(8))
 
@@ -96,7 +99,7 @@ def _rate(
     reach = math.sin(min(one.tilt, math.pi - one.tilt, other.tilt, math.pi - other.tilt))
     first, second = (each.within(reach) for each in (first, second))
     places = [np.arcsin(np.clip(np.sin(each.latitudes) / reach, -1, 1)) for each in (first, second)]
-    near_radius = 0.005 * (radii[1] - radii[0])
+    near_radius = NEAR_SHARE * (radii[1] - radii[0])
     trees = [
         cKDTree(np.column_stack((each.radii / near_radius, place / near)))
         for each, place in zip((first, second), places, strict=True)
