@@ -124,6 +124,8 @@ def _of_when(updated: str) -> str:
 
 
 def _tell(told: dict[str, Any], quiet: bool) -> None:
+    from ...sources.worth.reasons import figure
+
     masses = ", ".join(f"{source} {count}" for source, count in sorted(told["masses"].items()))
     say(f"{counted(told['objects'], 'object')}; masses: {masses}", unless=quiet)
     left = told["left_out"] | ({"bad rows": told["bad_rows"]} if told["bad_rows"] else {})
@@ -133,7 +135,7 @@ def _tell(told: dict[str, Any], quiet: bool) -> None:
             unless=quiet,
         )
     say(
-        f"all pairs: {told['total']:,.0f} fragment-years in {told['years']:g} years, "
+        f"all pairs: {figure(told['total'])} fragment-years in {told['years']:g} years, "
         f"{told['catastrophic_per_year']:.2g} catastrophic collisions a year; prizes in units of "
         f"{told['unit']['value']:g} fragment-years",
         unless=quiet,
@@ -141,7 +143,8 @@ def _tell(told: dict[str, Any], quiet: bool) -> None:
     for each in told["sets"]:
         say(
             f"removing {each['size']} as a set takes {each['share']:.1%} off, "
-            f"{each['worth']:,.0f} fragment-years; alone they sum to {each['sum_alone']:,.0f}",
+            f"{figure(each['worth'])} fragment-years; alone they sum to "
+            f"{figure(each['sum_alone'])}",
             unless=quiet,
         )
 

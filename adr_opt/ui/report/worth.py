@@ -9,6 +9,7 @@ import numpy as np
 
 from ...common.wording import counted
 from ...sources.worth import RemovalPrizes, RemovalWorth
+from ...sources.worth.reasons import figure
 from ...sources.worth.worth import CELL_DEG, CELL_KM, LEVELS, TILTS
 from ..plot.worth import worth_chart
 from . import tables
@@ -46,7 +47,7 @@ def worth_page(prizes: RemovalPrizes, told: Mapping[str, Any]) -> str:
     """
     worth = prizes.worth
     under = (
-        f"{worth.years:g} years · {worth.activity} solar activity · {number(worth.total, 0)} "
+        f"{worth.years:g} years · {worth.activity} solar activity · {figure(worth.total)} "
         f"fragment-years expected of all pairs"
     )
     parts = [
@@ -81,7 +82,7 @@ def _best(best: Iterable[Mapping[str, Any]]) -> str:
         tables.row(
             (
                 ("", f"<b>{escape(each['name'])}</b>"), ("n", number(each["prize"], 0)),
-                ("n", number(each["worth_alone"], 1)), ("n", number(each["floor"], 1)),
+                ("n", figure(each["worth_alone"])), ("n", figure(each["floor"])),
                 ("name", f'<div style="min-width:36ch">{escape(each["reason"])}</div>'),
             )
         )
@@ -96,8 +97,8 @@ def _sets(sets: Iterable[Mapping[str, Any]]) -> str:
         row(
             ("n", text)
             for text in (
-                str(each["size"]), number(each["worth"], 0), f"{fixed(100.0 * each['share'], 1)} %",
-                number(each["sum_alone"], 0), number(each["sum_floors"], 0),
+                str(each["size"]), figure(each["worth"]), f"{fixed(100.0 * each['share'], 1)} %",
+                figure(each["sum_alone"]), figure(each["sum_floors"]),
             )
         )
         for each in sets
