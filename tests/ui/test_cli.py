@@ -38,9 +38,9 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     listed = re.findall(r"(?m)^  ([a-z-]+) ", cli("--help").out.partition("Commands:")[2])
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
-        "generate", "import", "solve", "bound", "check", "verify", "price", "compare", "tradeoff",
-        "replan", "fly", "refine", "matrix", "export", "report", "serve", "train", "methods",
-        "warm-up", "doctor", "schema",
+        "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
+        "tradeoff", "replan", "fly", "refine", "matrix", "export", "report", "serve", "train",
+        "methods", "warm-up", "doctor", "schema",
     }  # fmt: skip
 
 
@@ -96,7 +96,7 @@ def test_verb_imports_only_its_own_module() -> None:
     ("arguments", "named"),
     [
         ([], "missing command"),
-        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, import"),
+        (["frobnicate"], "verb 'frobnicate' is unknown; use one of: generate, worth, import"),
         (["--frobnicate"], "'--frobnicate'"),
         (["solve"], "missing argument 'INSTANCE'"),
         (["solve", "x.json", "--methd", "greedy"], "'--methd' (did you mean"),

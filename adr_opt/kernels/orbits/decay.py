@@ -1,0 +1,85 @@
+"""Time that drag takes to bring an orbit down, in an atmosphere of exponential layers.
+
+Perigee and apogee change at rates averaged over a revolution, in a still, spherical atmosphere
+(D. G. King-Hele, Satellite Orbits in an Atmosphere, 1987, chapter 4).
+"""
+
+import math
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ..core.compile import kernel
+
+POINTS = 24
+"""Points of half a revolution in eccentric anomaly, denser towards perigee."""
+
+STEP = 0.08
+"""Largest change in a step: of the perigee in scale heights, of the width of the orbit."""
+
+MOST_STEPS = 5000
+
+
+@kernel
+def log_density(altitude, altitudes, logs):
+    """Logarithm of the density of the air [ln kg/m³] by a table, and the scale height [m]."""
+    last = altitudes.size - 2
+    low, high = 0, last
+    while low < high:
+        middle = (low + high + 1) // 2
+        if altitudes[middle] <= altitude:
+            low = middle
+        else:
+            high = middle - 1
+    slope = (logs[low + 1] - logs[low]) / (altitudes[low + 1] - altitudes[low])
+    return logs[low] + slope * (altitude - altitudes[low]), -1.0 / slope
+
+
+@kernel
+def drag_time(perigee, apogee, altitudes, logs, most):
+    """Time until an orbit is down, times its ballistic coefficient.
+
+    Parameters
+    ----------
+    perigee, apogee : float
+        Radii [m].
+    altitudes, logs : (row,) float64
+        Table of the air: altitudes [m], logarithms of densities [ln kg/m³]. The orbit is down
+        where its perigee falls below the lowest.
+    most : float
+        Result beyond which the orbit need not be followed.
+
+    Returns
+    -------
+    float
+        Time × drag coefficient × area / mass [s m²/kg]; at most about ``most``.
+    """
+    floor = EARTH_RADIUS_M + altitudes[0]
+    total = 0.0
+    for _ in range(MOST_STEPS):
+        if perigee <= floor or total >= most:
+            break
+        axis, half = 0.5 * (apogee + perigee), 0.5 * (apogee - perigee)
+        eccentricity = half / axis
+        falls, shrinks = 0.0, 0.0
+        for point in range(POINTS):
+            share = (point + 0.5) / POINTS
+            part = eccentricity * math.cos(math.pi * share**2)
+            altitude = axis * (1.0 - part) - EARTH_RADIUS_M
+            weight = 2.0 * share / POINTS * math.exp(log_density(altitude, altitudes, logs)[0])
+            speed = math.sqrt((1.0 + part) / (1.0 - part))
+            # Gauss's equations under drag along the track
+            falls += weight * speed * (1.0 + part)
+            shrinks += weight * speed * (1.0 - eccentricity**2) * math.cos(math.pi * share**2)
+        root = math.sqrt(MU_M3_S2 * axis)
+        axis_rate, eccentricity_rate = -falls * root, -shrinks * root / axis
+        perigee_rate = axis_rate * (1.0 - eccentricity) - axis * eccentricity_rate
+        apogee_rate = axis_rate * (1.0 + eccentricity) + axis * eccentricity_rate
+        scale = log_density(perigee - EARTH_RADIUS_M, altitudes, logs)[1]
+        step = STEP * min(
+            scale / max(-perigee_rate, 1e-300), (2.0 * half + scale) / max(-apogee_rate, 1e-300)
+        )
+        perigee += perigee_rate * step
+        apogee = max(apogee + apogee_rate * step, perigee)
+        # The air becomes denser within a step.
+        layers = max(-perigee_rate * step / scale, 1e-9)
+        total += step * -math.expm1(-layers) / layers
+    return total

@@ -1,0 +1,34 @@
+"""Worth of removing objects: expected fragment-years avoided, from a catalogue.
+
+`read_satcat` has masses and sizes, `bodies_of` gives each object of a catalogue its own, with the
+source; `worth_of` sums encounters over all pairs, and `prizes_of` makes prizes that add up. The
+equations are numbered in docs/worth.md.
+
+>>> from adr_opt.sources import catalogue, worth
+>>> found = catalogue.read("examples/catalogue/cloud.tle")  # doctest: +SKIP
+>>> made = worth.worth_of(worth.bodies_of(found.records), years=50.0)  # doctest: +SKIP
+>>> made.of_set(made.best(10))  # doctest: +SKIP
+"""
+
+from .answer import answer
+from .bodies import Bodies, bodies_of
+from .measures import Measures, read_measures
+from .prizes import RemovalPrizes, prizes_of
+from .reasons import reason
+from .satcat import Satcat, read_satcat
+from .worth import RemovalWorth, worth_of
+
+__all__ = [
+    "Bodies",
+    "Measures",
+    "RemovalPrizes",
+    "RemovalWorth",
+    "Satcat",
+    "answer",
+    "bodies_of",
+    "prizes_of",
+    "read_measures",
+    "read_satcat",
+    "reason",
+    "worth_of",
+]

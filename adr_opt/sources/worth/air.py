@@ -1,0 +1,49 @@
+"""Density of the air by altitude and solar activity, for decades.
+
+Means of NRLMSIS 2.1 (J. T. Emmert et al., Journal of Geophysical Research: Space Physics 127,
+2022) over latitudes, longitudes, hours and seasons: at a constant F10.7 of 70 (low) and 200 (high),
+and over a cycle in which F10.7 swings between both (mean). They are facts coded here, so that no
+package is needed: ``bench/air.py`` computes them by ``pymsis``. Above 1,000 km the model is
+extrapolated.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+FLOAT = npt.NDArray[np.float64]
+
+ALTITUDES_KM = (
+    120, 130, 140, 150, 175, 200, 225, 250, 275, 300, 350, 400, 450, 500, 550, 600, 650, 700, 750,
+    800, 850, 900, 950, 1000, 1100, 1200, 1300, 1400, 1500, 1700, 2000,
+)  # fmt: skip
+
+DENSITIES_KG_M3 = {
+    "low": (
+        1.634e-08, 5.917e-09, 2.796e-09, 1.517e-09, 4.465e-10, 1.649e-10, 6.907e-11, 3.155e-11,
+        1.538e-11, 7.888e-12, 2.313e-12, 7.509e-13, 2.632e-13, 9.957e-14, 4.138e-14, 1.939e-14,
+        1.044e-14, 6.413e-15, 4.374e-15, 3.202e-15, 2.45e-15, 1.928e-15, 1.544e-15, 1.254e-15,
+        8.517e-16, 5.992e-16, 4.356e-16, 3.268e-16, 2.526e-16, 1.636e-16, 9.974e-17,
+    ),
+    "mean": (
+        1.688e-08, 6.063e-09, 2.924e-09, 1.644e-09, 5.482e-10, 2.352e-10, 1.153e-10, 6.146e-11,
+        3.477e-11, 2.056e-11, 7.921e-12, 3.341e-12, 1.503e-12, 7.099e-13, 3.495e-13, 1.786e-13,
+        9.478e-14, 5.231e-14, 3.014e-14, 1.82e-14, 1.156e-14, 7.73e-15, 5.433e-15, 3.993e-15,
+        2.405e-15, 1.601e-15, 1.132e-15, 8.303e-16, 6.243e-16, 3.72e-16, 1.895e-16,
+    ),
+    "high": (
+        1.742e-08, 6.218e-09, 3.061e-09, 1.776e-09, 6.49e-10, 3.048e-10, 1.62e-10, 9.273e-11,
+        5.577e-11, 3.478e-11, 1.465e-11, 6.648e-12, 3.181e-12, 1.584e-12, 8.147e-13, 4.309e-13,
+        2.341e-13, 1.307e-13, 7.51e-14, 4.46e-14, 2.749e-14, 1.765e-14, 1.184e-14, 8.3e-15,
+        4.618e-15, 2.93e-15, 2.027e-15, 1.477e-15, 1.111e-15, 6.634e-16, 3.327e-16,
+    ),
+}  # fmt: skip
+"""Solar activity → densities at :data:`ALTITUDES_KM`."""
+
+ACTIVITIES = tuple(DENSITIES_KG_M3)
+
+
+def table(activity: str) -> tuple[FLOAT, FLOAT]:
+    """Altitudes [m] and logarithms of densities [ln kg/m³] at a solar activity."""
+    return 1e3 * np.array(ALTITUDES_KM, dtype=float), np.log(DENSITIES_KG_M3[activity])

@@ -1,0 +1,66 @@
+"""The answer of ``worth`` as plain data."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any
+
+from .prizes import RemovalPrizes, reference
+from .reasons import reason
+from .satcat import Satcat
+from .worth import UNIT
+
+LISTED = 10
+"""Number of objects listed with their reasons."""
+
+SETS = (10, 50)
+"""Sizes of the sets whose worth is told."""
+
+
+def answer(prizes: RemovalPrizes, satcat: Satcat | None) -> dict[str, Any]:
+    """Sums, sources, the best objects with reasons, and what sets take off."""
+    worth = prizes.worth
+    bodies = worth.bodies
+    ranks = {int(at): place for place, at in enumerate(prizes.candidates)}
+    return {
+        "objects": len(bodies),
+        "left_out": bodies.left_out,
+        "years": worth.years,
+        "activity": worth.activity,
+        "unit": {"value": prizes.unit, "of": UNIT},
+        "total": worth.total,
+        "catastrophic_per_year": 0.5 * float(worth.catastrophic.sum()),
+        "satcat": None
+        if satcat is None
+        else {"objects": len(satcat), "updated": satcat.updated, "matched": bodies.matched},
+        "masses": dict(Counter(bodies.mass_sources)),
+        "sizes": dict(Counter(bodies.size_sources)),
+        "areas": dict(Counter(bodies.area_sources)),
+        "candidates": len(prizes.candidates),
+        "best": [
+            {
+                "object": reference(bodies.records[at]),
+                "name": bodies.records[at].label,
+                "prize": float(prizes.prizes[ranks[at]]),
+                "worth_alone": float(worth.alone[at]),
+                "floor": float(prizes.floors[ranks[at]]),
+                "reason": reason(worth, at),
+            }
+            for at in map(int, prizes.candidates[:LISTED])
+        ],
+        "sets": [_set(prizes, ranks, size) for size in SETS if size <= len(prizes.candidates)],
+    }
+
+
+def _set(prizes: RemovalPrizes, ranks: dict[int, int], size: int) -> dict[str, Any]:
+    worth = prizes.worth
+    chosen = worth.best_set(size, prizes.candidates)
+    avoided = worth.of_set(chosen)
+    return {
+        "size": size,
+        "worth": avoided,
+        "share": avoided / worth.total if worth.total else 0.0,
+        "sum_alone": float(worth.alone[chosen].sum()),
+        "sum_floors": float(sum(prizes.floors[ranks[at]] for at in chosen)),
+        "objects": [reference(worth.bodies.records[at]) for at in chosen],
+    }

@@ -1,0 +1,117 @@
+"""Sums over all pairs of objects, in blocks that threads share.
+
+No matrix of pairs is kept: memory grows with the number of objects. Sums are added in the order of
+blocks, so that they do not depend on the number of threads.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...kernels.orbits.collisions import (
+    CollidingObjects,
+    CollisionTables,
+    all_collisions,
+    shared_worths,
+    worths_with,
+)
+from .air import FLOAT
+
+BLOCKS = 96
+"""Number of blocks of about equally many pairs."""
+
+INDICES = npt.NDArray[np.int64]
+
+Show = Callable[[int, int], None]
+"""Called with the numbers of finished blocks and of all."""
+
+
+class Totals(NamedTuple):
+    """Sums over all pairs.
+
+    Attributes
+    ----------
+    sums : (object, 4) float64
+        Fragment-years, encounters and catastrophic encounters a year, and the fragment-years of the
+        worst pair.
+    partners : (object,) int64
+        The other object of that pair; −1 if an object meets no other one.
+    cells : (cell, cell) float64
+        Fragment-years of pairs of two cells, symmetric: a pair within a cell counts twice on the
+        diagonal.
+    """
+
+    sums: FLOAT
+    partners: INDICES
+    cells: FLOAT
+
+
+def threads(jobs: int) -> int:
+    """Number of threads for a number of jobs, 0 for all cores."""
+    return jobs or len(os.sched_getaffinity(0))
+
+
+def totals(
+    objects: CollidingObjects, tables: CollisionTables, cells: int, jobs: int, show: Show
+) -> Totals:
+    """Sums over all pairs of objects that are sorted by perigee."""
+    count = len(objects.tilts)
+    found = Totals(np.zeros((count, 4)), np.full(count, -1), np.zeros((cells, cells)))
+
+    def block(ends: tuple[int, int]) -> Totals:
+        own = Totals(np.zeros((count, 4)), np.full(count, -1), np.zeros((cells, cells)))
+        all_collisions(objects, tables, *ends, *own)
+        return own
+
+    bounds = _bounds(count)
+    with ThreadPoolExecutor(threads(jobs)) as pool:
+        for done, part in enumerate(pool.map(block, bounds), 1):
+            found.sums[:, :3] += part.sums[:, :3]
+            worse = part.sums[:, 3] > found.sums[:, 3]
+            found.sums[worse, 3] = part.sums[worse, 3]
+            found.partners[worse] = part.partners[worse]
+            found.cells[...] += part.cells
+            show(done, len(bounds))
+    return found._replace(cells=found.cells + found.cells.T)
+
+
+def shared(objects: CollidingObjects, tables: CollisionTables, some: INDICES, jobs: int) -> FLOAT:
+    """Fragment-years that each of some objects has with the others of them.
+
+    Parameters
+    ----------
+    objects : CollidingObjects
+    tables : CollisionTables
+    some : (n,) int64
+        In ascending order.
+    jobs : int
+    """
+
+    def block(ends: tuple[int, int]) -> FLOAT:
+        own = np.zeros(len(some))
+        shared_worths(objects, tables, some, *ends, own)
+        return own
+
+    with ThreadPoolExecutor(threads(jobs)) as pool:
+        found: FLOAT = np.sum(list(pool.map(block, _bounds(len(some)))), axis=0)
+    return found
+
+
+def with_one(objects: CollidingObjects, tables: CollisionTables, one: int, some: INDICES) -> FLOAT:
+    """Fragment-years of one object with each of some [fragment-years]."""
+    found: FLOAT = worths_with(objects, tables, one, some)
+    return found
+
+
+def _bounds(count: int) -> list[tuple[int, int]]:
+    """First and last object of blocks of about equally many pairs."""
+    shares = 1.0 - np.sqrt(1.0 - np.arange(BLOCKS + 1) / BLOCKS)
+    ends = np.unique(np.round(count * shares).astype(int)).tolist()
+    return list(pairwise(ends))

@@ -1,0 +1,134 @@
+"""Prizes for instances: worths that add up, in whole multiples of a unit, as CSV files."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...common.errors import InputError
+from ..catalogue.records import ElementSet
+from .air import FLOAT
+from .bodies import ends_km
+from .pairs import INDICES
+from .worth import UNIT, RemovalWorth
+
+DIGITS = 5
+"""Digits of the largest prize, unless a unit is given."""
+
+DETAILS = (
+    "object", "name", "prize", "unit", "worth_alone", "floor", "kind", "mass_kg", "mass_source",
+    "size_m", "size_source", "area_to_mass_m2_kg", "area_source", "perigee_km", "apogee_km",
+    "inclination_deg", "lifetime_years", "encounters_per_year", "catastrophic_per_year",
+    "worst_partner", "worst_partner_worth",
+)  # fmt: skip
+"""Columns of the file of details; worths are in fragment-years, the prize in units."""
+
+
+@dataclass(frozen=True)
+class RemovalPrizes:
+    """Prizes of the candidates for removal.
+
+    Attributes
+    ----------
+    worth : RemovalWorth
+    candidates : (candidate,) int64
+        Objects, the largest worth alone first.
+    floors : (candidate,) float64
+        Worths that add up [fragment-years].
+    unit : float
+        [fragment-years].
+    prizes : (candidate,) float64
+        Floors in whole units, rounded down, so that no set is overrated.
+    """
+
+    worth: RemovalWorth
+    candidates: INDICES
+    floors: FLOAT
+    unit: float
+    prizes: FLOAT
+
+    @property
+    def unit_text(self) -> str:
+        """The unit in words."""
+        return f"{self.unit:g} {UNIT}"
+
+    def prizes_csv(self) -> str:
+        """Table of prizes and masses as ``import --prizes`` takes it."""
+        bodies = self.worth.bodies
+        rows = [
+            (reference(bodies.records[at]), f"{prize:.0f}", f"{bodies.masses[at]:.6g}")
+            for at, prize in zip(self.candidates, self.prizes, strict=True)
+        ]
+        return _csv(("object", "prize", "mass"), rows)
+
+    def details_csv(self) -> str:
+        """Table of all that is known of the candidates, under :data:`DETAILS`."""
+        return _csv(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
+
+    def _detail(self, place: int) -> tuple[object, ...]:
+        worth, at = self.worth, int(self.candidates[place])
+        bodies = worth.bodies
+        record, partner = bodies.records[at], int(worth.partners[at])
+        perigee_km, apogee_km = ends_km(record)
+        return (
+            reference(record), record.label, f"{self.prizes[place]:.0f}", self.unit_text,
+            f"{worth.alone[at]:.8g}", f"{self.floors[place]:.8g}", bodies.kinds[at],
+            f"{bodies.masses[at]:.6g}", bodies.mass_sources[at], f"{bodies.sizes[at]:.4g}",
+            bodies.size_sources[at], f"{bodies.areas[at]:.4g}", bodies.area_sources[at],
+            f"{perigee_km:.1f}", f"{apogee_km:.1f}", f"{record.inclination_deg:.3f}",
+            f"{worth.lives[at]:.4g}", f"{worth.encounters[at]:.5g}",
+            f"{worth.catastrophic[at]:.5g}",
+            "" if partner < 0 else bodies.records[partner].label,
+            f"{worth.partner_worths[at]:.5g}",
+        )  # fmt: skip
+
+
+def prizes_of(
+    worth: RemovalWorth, candidates: int, unit: float | None = None, jobs: int = 0
+) -> RemovalPrizes:
+    """Prizes of the objects that are most worth removing.
+
+    Parameters
+    ----------
+    worth : RemovalWorth
+    candidates : int
+        Number of them; 0 for all objects. The fewer, the closer floors are to worths alone.
+    unit : float, optional
+        [fragment-years]; by default the power of ten with which the largest prize has
+        :data:`DIGITS` digits.
+    jobs : int
+        Number of threads; 0 for all cores.
+
+    Raises
+    ------
+    InputError
+        A number is out of range.
+    """
+    if candidates < 0:
+        raise InputError(f"--candidates {candidates}: must be at least 0, for all objects")
+    if unit is not None and not 0.0 < unit < math.inf:
+        raise InputError(f"--unit {unit:g}: must be a positive number of {UNIT}")
+    chosen = worth.best(candidates or len(worth.bodies))
+    floors = np.maximum(worth.floors(chosen, jobs), 0.0)
+    largest = float(floors.max())
+    if unit is None:
+        unit = 10.0 ** (math.floor(math.log10(largest)) - DIGITS + 1) if largest > 0.0 else 1.0
+    return RemovalPrizes(worth, chosen, floors, unit, np.floor(floors / unit))
+
+
+def reference(record: ElementSet) -> str:
+    """Number, designator or name by which a table denotes an object."""
+    return str(record.number) if record.number else record.designator or record.label
+
+
+def _csv(header: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return text.getvalue()

@@ -1,0 +1,165 @@
+"""``worth``: what removing each object of a catalogue is worth, in fragment-years."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from . import complete, take
+from .output import emit_json, emit_rich, say
+from .parameters import check_out
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+FEW = 0.5
+"""Share of objects found in the satcat below which another date is suspected."""
+
+
+@click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
+@click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
+@take.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
+@take.file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
+@take.file("--table", "CSV file with columns object,mass,size, preferred to both.", "table_path")
+@click.option("--years", type=float, default=50.0, show_default=True, help="Horizon, at most 200.")
+@click.option(
+    "--activity",
+    type=click.Choice(["low", "mean", "high"]),
+    default="mean",
+    show_default=True,
+    help="Solar activity, on which the density of the air depends.",
+)
+@take.count(
+    "--candidates", "N", "Number of objects with prizes; 0 for all.", default=200, show_default=True
+)
+@take.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
+@take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
+@take.file("--page", "HTML file to write.", name="page_path")
+@take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
+@take.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
+@take.flag("--skip-bad", "Skip bad rows, and count them.")
+@take.as_json
+@take.quiet
+def command(
+    files: tuple[str, ...],
+    out: str,
+    satcat_path: str | None,
+    table_path: str | None,
+    years: float,
+    activity: str,
+    candidates: int,
+    unit: float | None,
+    details: str | None,
+    page_path: str | None,
+    exclude: tuple[str, ...],
+    jobs: int,
+    skip_bad: bool,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Rate the removal of each object in FILE... by the fragment-years that it avoids.
+
+    Encounters of all pairs of objects, fragments by the NASA standard breakup model, and the time
+    that they stay. Prizes add up: no set avoids less than the sum of its prizes.
+    """
+    from ...common.files import write_text
+    from ...sources import catalogue, worth
+    from ...sources.worth.worth import check_years
+    from ..report.plain import check_page, write_page
+    from ..report.worth import worth_page
+    from .bars import counting_bar
+    from .live import wanted
+
+    read = (*files, satcat_path, table_path)
+    check_out(out, *read, results=(details, page_path))
+    check_out(details, *read, results=(page_path,))
+    if page_path is not None:
+        check_page(page_path)
+        check_out(page_path, *read)
+    check_years(years)
+    if any(not pattern.strip() for pattern in exclude):
+        raise InputError("--exclude '': give a part of a name or a pattern")
+    if candidates < 0:
+        raise InputError(f"--candidates {candidates}: must be at least 0, for all objects")
+    if jobs < 0:
+        raise InputError(f"--jobs {jobs}: must be at least 0, for all cores")
+    if unit is not None and not unit > 0.0:
+        raise InputError(f"--unit {unit:g}: must be positive")
+    satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
+    found = catalogue.read(files, skip_bad=skip_bad)
+    measures = None if table_path is None else worth.read_measures(table_path, found.records)
+    bodies = worth.bodies_of(found.records, satcat, measures, exclude)
+    if satcat is not None and bodies.matched < FEW * len(bodies):
+        say(
+            f"warning: {satcat_path}: {_of_when(satcat.updated)} has {bodies.matched} of "
+            f"{counted(len(bodies), 'object')}; the others have default masses",
+            unless=quiet,
+        )
+    with counting_bar(wanted(as_json, quiet), "encounters") as show:
+        made = worth.worth_of(bodies, years, activity, jobs, show)
+    prizes = worth.prizes_of(made, candidates, unit, jobs)
+    told = worth.answer(prizes, satcat) | {"path": out, "bad_rows": len(found.dropped)}
+    page = None if page_path is None else worth_page(prizes, told)
+    write_text(out, prizes.prizes_csv())
+    if details is not None:
+        write_text(details, prizes.details_csv())
+    if page_path is not None and page is not None:
+        write_page(page_path, page)
+    for path in (out, details, page_path):
+        if path is not None:
+            say(f"wrote {path}", unless=quiet)
+    if as_json:
+        emit_json(told)
+    else:
+        _tell(told, quiet)
+        emit_rich(_table(told))
+    return 0
+
+
+def _of_when(updated: str) -> str:
+    return f"the file of {updated}" if updated else "the file"
+
+
+def _tell(told: dict[str, Any], quiet: bool) -> None:
+    from ...sources.worth.reasons import figure
+
+    masses = ", ".join(f"{source} {count}" for source, count in sorted(told["masses"].items()))
+    say(f"{counted(told['objects'], 'object')}; masses: {masses}", unless=quiet)
+    left = told["left_out"] | ({"bad rows": told["bad_rows"]} if told["bad_rows"] else {})
+    if left:
+        say(
+            "left out: " + ", ".join(f"{reason} {count}" for reason, count in left.items()),
+            unless=quiet,
+        )
+    say(
+        f"all pairs: {figure(told['total'])} fragment-years in {told['years']:g} years, "
+        f"{told['catastrophic_per_year']:.2g} catastrophic collisions a year; prizes in units of "
+        f"{told['unit']['value']:g} fragment-years",
+        unless=quiet,
+    )
+    for each in told["sets"]:
+        say(
+            f"removing {each['size']} as a set takes {each['share']:.1%} off, "
+            f"{figure(each['worth'])} fragment-years; alone they sum to "
+            f"{figure(each['sum_alone'])}",
+            unless=quiet,
+        )
+
+
+def _table(told: dict[str, Any]) -> Table:
+    from rich.table import Table
+
+    table = Table(box=None, pad_edge=False)
+    table.add_column("object")
+    for heading in ("prize", "alone", "floor"):
+        table.add_column(heading, justify="right")
+    table.add_column("reason")
+    for each in told["best"]:
+        table.add_row(
+            each["name"], f"{each['prize']:.0f}", f"{each['worth_alone']:.4g}",
+            f"{each['floor']:.4g}", each["reason"],
+        )  # fmt: skip
+    return table
