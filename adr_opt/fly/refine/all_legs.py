@@ -61,7 +61,7 @@ class Wanted(NamedTuple):
     ephemerides: bool = False
 
 
-class Bodies(NamedTuple):
+class KnownBodies(NamedTuple):
     """Where legs begin and end.
 
     ``holding`` is the ΔV of holding by leg [m/s], of legs between ephemerides.
@@ -236,16 +236,18 @@ def refined_again(
 
 def _ends(
     instance: Instance, gravity: Gravity, legs: list[tuple[int, Leg]], *, ephemerides: bool
-) -> Bodies:
+) -> KnownBodies:
     """Where the legs of a plan begin and end."""
     if not ephemerides:
         names = [name for _, leg in legs for name in (leg.origin, leg.destination)]
-        return Bodies(TrueBodies(instance, gravity, names))
+        return KnownBodies(TrueBodies(instance, gravity, names))
     known = opened(instance)
     assert instance.ephemerides is not None  # else none could be opened
     bodies = ReportedBodies(instance, known, gravity, (leg for _, leg in legs))
     onto = EphemeridesReference(kind=instance.ephemerides.kind, sha256=instance.ephemerides.sha256)
-    return Bodies(bodies, onto, {number: holding_m_s(known, gravity, leg) for number, leg in legs})
+    return KnownBodies(
+        bodies, onto, {number: holding_m_s(known, gravity, leg) for number, leg in legs}
+    )
 
 
 def _tows(instance: Instance, plan: Plan, after_launch: set[int]) -> dict[int, Tows]:
