@@ -59,6 +59,7 @@ def close(tmp_path_factory):
     return made_up(tmp_path_factory.mktemp("near") / "debris_data.txt", 4, 0.5, 23599.0)
 
 
+@pytest.mark.slow
 def test_a_plan_is_legal_and_above_the_bound(field, tmp_path):
     """A campaign of solve keeps all rules of the contest, and J is no less than the bound."""
     rows = read_debris(field)

@@ -17,7 +17,7 @@ from adr_opt.problem.instance import Instance
 
 pytest.importorskip("boinor")
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*faster on contiguous arrays")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:.*faster on contiguous arrays")]
 
 
 @pytest.fixture(scope="module")

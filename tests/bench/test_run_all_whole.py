@@ -266,6 +266,7 @@ def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_pa
         assert f"{wrong}: fails on the practice mission tiny-000-z2 (" in said
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_run_and_its_workers(
     start: Start, tmp_path: Path, environment: dict[str, str]
 ) -> None:

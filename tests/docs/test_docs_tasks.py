@@ -40,7 +40,7 @@ SHORTER = {
 }  # fmt: skip
 """What is put in the place of what in the commands of a page, so that they take seconds."""
 
-LONG = ("campaign", "cloud", "own-policy")
+LONG = ("campaign", "chemical-or-electric", "cloud", "own-policy")
 """Take longest even so."""
 
 

@@ -109,6 +109,7 @@ def compare() -> Callable[..., int]:
     return lambda *arguments: main([str(argument) for argument in arguments])
 
 
+@pytest.mark.slow
 def test_drives_are_compared_on_the_same_stages(
     compare: Callable[..., int], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -188,6 +188,7 @@ def mission(program: list[str], folder: Path) -> None:
     assert {"auto", "exact", "ppo"} <= set(found["planners"])
 
 
+@pytest.mark.slow
 def test_its_commands_work(programs: Path, tmp_path: Path) -> None:
     """Its program draws, plans, checks, reports and finds all well, as a module too."""
     pytest.importorskip("plotly")

@@ -93,6 +93,7 @@ def test_the_true_miss_is_what_the_target_is_off_its_circle() -> None:
     assert flown.miss_m < 1e-3
 
 
+@pytest.mark.slow
 def test_miss_and_correction_vanish_with_the_eccentricity() -> None:
     """A hundredth of the eccentricity: a hundredth of the miss, and of the correction at most."""
     large, small = (fly(*ellipses(e)) for e in (1e-4, 1e-6))

@@ -417,6 +417,7 @@ def iridium(folder: Path) -> Instance:
     return adr_opt.load(folder / "my.json")
 
 
+@pytest.mark.slow
 @pytest.mark.external
 @pytest.mark.skipif(not DATA.is_dir(), reason=f"no folder {DATA} (ADR_OPT_EXTERNAL_DATA)")
 def test_iridium_33_is_met_where_sgp4_says(tmp_path: Path) -> None:

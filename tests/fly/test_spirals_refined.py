@@ -64,6 +64,7 @@ def with_tow(leg: RefinedLeg, tow: RefinedTow) -> RefinedPlan:
     return refined().replace(legs=tuple(legs))
 
 
+@pytest.mark.slow
 def test_legs_and_spirals_are_flown() -> None:
     """Another integrator arrives, releases where it is stated, and stays out of the shadow."""
     instance, plan = mission()

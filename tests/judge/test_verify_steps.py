@@ -52,7 +52,7 @@ def changes_tanks(instance: Instance) -> bool:
 @over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(40), 4)
+        draw.__name__: (draw, range(40), 2)
         for draw in (
             random_mission, drifting_mission, given_mission, variant, laden, towing_mission,
             towing_and_laden, refuelling,
