@@ -131,6 +131,39 @@ def test_thrust_is_off_in_the_shortest_shadows() -> None:
     assert grazes > 10
 
 
+def test_windows_of_half_a_revolution_end_in_sunlight() -> None:
+    """A window that begins nearly half a revolution before the shadow ends before it, too."""
+    rng = np.random.default_rng(2)
+    law, zonals, ends = np.array([[0.0, 0.0, 1.0, 0.0, 0.0]]), FIELDS["j2"], 0
+    for _ in range(400):
+        state, since = circle(rng), rng.uniform(8e8, 9e8)
+        start, push = thrusting.elements_of(state, 0.0), Push(0.05, EXHAUST_M_S, 300.0, since)
+        one, room = ThrustArcs(law, np.zeros(1), np.zeros(1), np.array([5e3])), np.empty((9, 3))
+        count, _, _ = thrusting.fly(start.copy(), 6e3, push, one, zonals, room)
+        if count < 2:
+            continue
+        # From places about half a revolution before the end of the first window.
+        end = room[0, 1]
+        back = thrusting.follow(start.copy(), np.array([end]), room[:0], law, push, zonals)[0]
+        for before in np.linspace(3.08, 3.13, 12):
+            earlier = back.copy()
+            pace = math.sqrt(MU_M3_S2 / np.linalg.norm(back[:3]) ** 3)
+            coast.coast(earlier, -before / pace, zonals, np.empty((0, 0)))
+            begin = end - before / pace
+            now = thrusting.elements_of(earlier, begin)
+            arc = ThrustArcs(law, np.zeros(1), np.array([begin]), np.array([9e3]))
+            found, _, _ = thrusting.fly(now, end + 3e3, push, arc, zonals, room)
+            times = room[:found, 1]
+            states = thrusting.follow(
+                thrusting.elements_of(earlier, begin), times, room[:found], law, push, zonals
+            )
+            for time, there in zip(times, states, strict=True):
+                place = thrusting.elements_of(there, time)[[0, 1, 2, 3, 4, 6]]
+                assert not is_dark(place, since + time)
+                ends += 1
+    assert ends > 500
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_the_average_predicts_the_integration(seed: int) -> None:
     """What thrust does by averaged and by integrated motion differs by little of the ΔV."""

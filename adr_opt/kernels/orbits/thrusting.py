@@ -265,10 +265,11 @@ def _next_switch(now, is_on, law, least, sun):
             return (high - NEAR_RAD, False) if far else (high, True)
         before = here
         here += SCAN_RAD
-    # No place beyond the last one that was asked for, nor past a shadow that may be grazed.
+    # From afar an edge may be nearer than it seems: short of the last place that was asked for, and
+    # not past a shadow that may be grazed.
     if now[6] + NEAR_RAD < beside < before and _clearance(now, darkest, sun) < GRAZED_M:
         return beside, False
-    return before, False
+    return before - NEAR_RAD, False
 
 
 @kernel
