@@ -24,7 +24,7 @@ from scipy.optimize import minimize
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_windows
+from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_split, low_thrust_windows
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
 from adr_opt.kernels.legs.low_thrust_windows import WINDOWS_RAD, prepare
 from adr_opt.problem.orbit import Orbit
@@ -200,7 +200,7 @@ def free(pair, thrust, window, span):
     drift = pair.drift
     task = drift_pair.task_of(drift, 0.0, span, 0.0)
     steers = low_thrust_windows.steering(low_thrust_windows.places(pair, task, 0.0, span), window)
-    found, _ = low_thrust.free_split(weighted(drift, steers.turn), task, thrust, steers)
+    found, _ = low_thrust_split.free_split(weighted(drift, steers.turn), task, thrust, steers)
     known = task.lag + drift.node_rate_i * (span - 0.5 * found.times.first)
     known -= drift.node_rate_j * 0.5 * found.times.second
     coasting = span - 0.5 * (found.times.first + found.times.second)

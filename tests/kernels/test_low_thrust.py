@@ -26,7 +26,7 @@ from adr_opt.judge.check.low_thrust_windows import (
     with_shape,
 )
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_windows
+from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_split, low_thrust_windows
 from adr_opt.kernels.legs.drift_free import LEVEL, with_bowl
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
 from adr_opt.kernels.orbits import columns, sunlight
@@ -136,7 +136,7 @@ def free_cost(pair, thrust, window, departure, arrival):
         low_thrust_windows.places(pair, task, departure, arrival), window
     )
     drift = weighted(pair.drift, steers.turn)
-    return low_thrust.free_split(drift, task, thrust, steers)[0].delta_v
+    return low_thrust_split.free_split(drift, task, thrust, steers)[0].delta_v
 
 
 def test_richer_is_not_always_better():

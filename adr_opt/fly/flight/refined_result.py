@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from .held import LEAST_SHARE, SPARE_M_S
-from .result import ChaserFlight, TankFlight, chasers_of
+from .result import TankFlight, WithTanks
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a stand-off or target at arrival, in position [m] and velocity [m/s]."""
@@ -146,7 +146,7 @@ class RefinedLegFlight:
 
 
 @dataclass(frozen=True)
-class RefinedFlight:
+class RefinedFlight(WithTanks):
     """Result of flying a refined plan.
 
     Attributes
@@ -210,16 +210,6 @@ class RefinedFlight:
     def off_disposal(self) -> tuple[RefinedLegFlight, ...]:
         """Legs whose spirals end on another orbit than the circle of disposal."""
         return tuple(leg for leg in self.legs if leg.is_off_disposal)
-
-    @property
-    def broken_tanks(self) -> tuple[TankFlight, ...]:
-        """Tanks that do not suffice."""
-        return tuple(tank for tank in self.tanks if not tank.holds)
-
-    @property
-    def chasers(self) -> tuple[ChaserFlight, ...]:
-        """Totals by chaser; empty if there is only one."""
-        return chasers_of(self.tanks)
 
     @property
     def holds(self) -> bool:

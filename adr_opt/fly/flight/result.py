@@ -243,8 +243,24 @@ def chasers_of(tanks: Iterable[TankFlight]) -> tuple[ChaserFlight, ...]:
     return tuple(told)
 
 
+class WithTanks:
+    """What tanks tell of a flight that has ``tanks``."""
+
+    tanks: tuple[TankFlight, ...]
+
+    @property
+    def broken_tanks(self) -> tuple[TankFlight, ...]:
+        """Tanks that do not suffice."""
+        return tuple(tank for tank in self.tanks if not tank.holds)
+
+    @property
+    def chasers(self) -> tuple[ChaserFlight, ...]:
+        """Totals by chaser; empty if there is only one."""
+        return chasers_of(self.tanks)
+
+
 @dataclass(frozen=True)
-class Flight:
+class Flight(WithTanks):
     """Result of flying a plan.
 
     Attributes
@@ -266,16 +282,6 @@ class Flight:
     def drifts(self) -> tuple[LegFlight, ...]:
         """The drift legs."""
         return tuple(leg for leg in self.legs if leg_kind(leg.kind).on_time_grid)
-
-    @property
-    def broken_tanks(self) -> tuple[TankFlight, ...]:
-        """Tanks that do not suffice; none if the plan holds."""
-        return tuple(tank for tank in self.tanks if not tank.holds)
-
-    @property
-    def chasers(self) -> tuple[ChaserFlight, ...]:
-        """Totals by chaser; empty if there is only one."""
-        return chasers_of(self.tanks)
 
     @property
     def eccentric(self) -> tuple[EccentricFlight, ...]:

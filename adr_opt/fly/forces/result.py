@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..flight.result import ChaserFlight, TankFlight, chasers_of
+from ..flight.result import TankFlight, WithTanks
 from .settings import Forces
 
 
@@ -87,7 +87,7 @@ class ForcedLeg:
 
 
 @dataclass(frozen=True)
-class ForcedFlight:
+class ForcedFlight(WithTanks):
     """Result of flying a refined plan with all forces.
 
     Attributes
@@ -137,16 +137,6 @@ class ForcedFlight:
     def uncorrected(self) -> tuple[ForcedLeg, ...]:
         """Legs that do not last, or for which no correction to the planned body is found."""
         return tuple(leg for leg in self.legs if not leg.is_corrected)
-
-    @property
-    def broken_tanks(self) -> tuple[TankFlight, ...]:
-        """Tanks that do not suffice for burns and corrections."""
-        return tuple(tank for tank in self.tanks if not tank.holds)
-
-    @property
-    def chasers(self) -> tuple[ChaserFlight, ...]:
-        """Totals by chaser; empty if there is only one."""
-        return chasers_of(self.tanks)
 
     @property
     def holds(self) -> bool:

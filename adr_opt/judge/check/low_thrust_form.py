@@ -1,6 +1,6 @@
 """The closed form of low-thrust legs, stated once more for the judge.
 
-That of :mod:`adr_opt.kernels.legs.low_thrust`, with rates that are integrated over the ramps.
+That of :mod:`adr_opt.kernels.legs.low_thrust_split`, with rates that are integrated over the ramps.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ the rest add up as
                                                                              sin 2u, −cos 2u),
 
 f being the ΔV without it, and S over all places in sunlight. With w linear in y, the second term is
-a parabola (docs/model.md section 11.1).
+a parabola (docs/model.md section 11.7).
 """
 
 import math
