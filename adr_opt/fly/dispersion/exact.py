@@ -15,14 +15,14 @@ from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
 from .errors import FlightErrors
-from .feedback import LegPart
+from .feedback import LegPart, Off
 
 STEPS = 3
 """Number of targeting steps before each burn."""
 
 
 def fly_exactly(
-    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors
+    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: Off | None = None
 ) -> tuple[float, Array]:
     """Fly a part of a leg once.
 
@@ -34,13 +34,16 @@ def fly_exactly(
     drawn : (burns, 3) float64
         Standard normal numbers.
     errors : FlightErrors
+    off : Off, optional
+        Of the bodies, each of shape (6,).
 
     Returns
     -------
     float
         ΔV [m/s].
     (6,) float64
-        The state at the end less that of the refined plan [m, m/s].
+        The state at the end less that of the refined plan, or less that of the stand-off where
+        the destination is [m, m/s].
 
     Raises
     ------
@@ -48,10 +51,19 @@ def fly_exactly(
         It leads away from the Earth or into its centre.
     """
     zonals, none = FIELDS[part.gravity], np.empty((0, 0))
-    now, angle, spent = part.start + begun, 0.0, 0.0
+    docked, goal, elsewhere = part.start, part.goal, np.zeros(6)
+    if off is not None:
+        docked, goal, elsewhere = moved(docked, off.origin), moved(goal, off.target), off.target
+    now, angle, spent = docked + begun, 0.0, 0.0
     last = part.times.size - 1
     for at, impulse in enumerate(part.impulses):
-        burn = impulse + _correction(part, now, at, angle)
+        if at < part.seen and part.gains[at] is not None:
+            known = docked.copy()  # no burn before this one is seen
+            coast.coast(known, part.times[at] - part.times[0], zonals, none)
+        else:
+            known = now
+        target = elsewhere if at >= part.tracked else np.zeros(6)
+        burn = impulse + _correction(part, known, at, angle, target)
         burn = errors.of_burns(burn[:, None], drawn[at][:, None])[:, 0]
         spent += math.hypot(*burn)
         now = now.copy()
@@ -60,17 +72,24 @@ def fly_exactly(
         angle += coast.coast(now, until - part.times[at], zonals, none)
     if not np.isfinite(now).all():
         raise ArithmeticError("a flight with errors leads away from the Earth or into its centre")
-    return spent, now - part.goal
+    return spent, now - goal
 
 
-def _correction(part: LegPart, state: Array, at: int, angle: float) -> Array:
-    """Change of a burn, from a state before it and the angle covered so far."""
+def moved(state: Array, off: Array) -> Array:
+    """A state moved by elements in its own frame, both of shape (6,)."""
+    frame = equinoctial.own_frame(state)
+    there: Array = equinoctial.state_of(equinoctial.elements(state, frame) + off, frame)
+    return there
+
+
+def _correction(part: LegPart, state: Array, at: int, angle: float, target: Array) -> Array:
+    """Change of a burn, from a state before it, the angle covered so far and where the goal is."""
     gain, effects = part.gains[at], part.effects[at:]
     if gain is None:
         return np.zeros(3)
     changes = np.zeros((len(effects), 3))
     for _ in range(STEPS):
-        miss = _miss(part, state, at, angle, changes)
+        miss = _miss(part, state, at, angle, changes) - target
         changes = gain @ (miss - np.einsum("kij,kj->i", effects, changes))
     return np.asarray(changes[0])
 

@@ -10,12 +10,16 @@ least weighted squares of corrections at it and at all later ones are solved for
 and δu_k is made: the gain is one matrix a burn, known beforehand (A. Bryson and Y.-C. Ho, Applied
 Optimal Control, 1975, chapter 5, for feedback of terminal misses). The second sum keeps corrections
 small where the burns that are left have no leverage: what remains is the approach's.
+
+Bodies may be elsewhere than planned (:mod:`.displaced`). Where the origin is, is known when the leg
+begins; where the destination is, from a time on: before it, corrections lead to the planned place.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,6 +27,7 @@ from ...common.constants import MU_M3_S2
 from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
+from ...plan.plan import Vector
 from ...plan.refined_plan import RefinedBurn, RefinedLeg
 from ..refine.bodies import Gravity
 from ..refine.states import state_of
@@ -39,6 +44,42 @@ alone they cost in full."""
 
 SHORTEST_ARC = 0.1
 """Length of an arc below which it gets no pure correction burns [revolutions]."""
+
+CLOSE_S = 1e-3
+"""Times closer than this are one [s]."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """What is uncertain about the bodies at both ends of a leg.
+
+    Attributes
+    ----------
+    origin : bool
+        Whether the origin may be elsewhere than planned.
+    tracked_s : float or None
+        Time from which it is known where the destination is; None if it is where it is planned [s].
+    """
+
+    origin: bool = False
+    tracked_s: float | None = None
+
+
+PLANNED = Ends()
+"""Both bodies are where they are planned."""
+
+
+class Off(NamedTuple):
+    """By how much bodies are off, in equinoctial elements in the frame of the planned state there.
+
+    Attributes
+    ----------
+    origin, target : (6, n) float64
+        At the beginning of a part, and at its end.
+    """
+
+    origin: Array
+    target: Array
 
 
 @dataclass(frozen=True)
@@ -65,8 +106,12 @@ class LegPart:
     gains : tuple of (burns left, 3, 6) float64
         For each burn, corrections at it and at those after it by the miss; none for burns that
         come before anything is known.
-    states : (6, 6) float64
-        Derivative of the state at the end by the elements there.
+    seen : int
+        The first burn at which errors of the chaser are known; before it, those of the origin are.
+    tracked : int
+        The first burn at which it is known where the destination is.
+    starts, states : (6, 6) float64
+        Derivative of the state at the beginning, and at the end, by the elements there.
     """
 
     gravity: Gravity
@@ -79,6 +124,9 @@ class LegPart:
     beginning: Array
     effects: Array
     gains: tuple[Array | None, ...]
+    seen: int
+    tracked: int
+    starts: Array
     states: Array
 
 
@@ -90,7 +138,9 @@ class Parted:
     miss: Array
 
 
-def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[LegPart, LegPart]:
+def parts_of(
+    leg: RefinedLeg, gravity: Gravity, corrections: int, ends: Ends = PLANNED
+) -> tuple[LegPart, LegPart]:
     """The two parts of a refined leg: up to the stand-off, and the approach.
 
     Parameters
@@ -100,6 +150,7 @@ def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[LegPa
     gravity : {"two-body", "j2", "j3", "j4"}
     corrections : int
         Burns for corrections alone after each burn before the approach.
+    ends : Ends
     """
     first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
     begin = leg.states[0]
@@ -110,6 +161,7 @@ def parts_of(leg: RefinedLeg, gravity: Gravity, corrections: int) -> tuple[LegPa
         leg.standoff_s,
         gravity,
         corrections,
+        ends,
         blind=True,
     )
     approach = part(transfer.goal, leg.standoff_s, leg.burns[first:], leg.arrival_s, gravity)
@@ -123,6 +175,7 @@ def part(
     end_s: float,
     gravity: Gravity,
     corrections: int = 0,
+    ends: Ends = PLANNED,
     *,
     blind: bool = False,
 ) -> LegPart:
@@ -138,17 +191,24 @@ def part(
     gravity : {"two-body", "j2", "j3", "j4"}
     corrections : int
         Burns for corrections alone after each burn, evenly in the revolution that follows it or
-        until the next one.
+        until the next one; also after the destination is tracked.
+    ends : Ends
     blind : bool
         The first burn is made as planned: the error at the beginning is seen after it.
     """
-    times, impulses, first = _with_corrections(start, start_s, burns, end_s, corrections)
+    made = [(burn.time_s, burn.delta_v_m_s) for burn in burns]
+    tracked_s = math.inf if ends.tracked_s is None else max(ends.tracked_s, burns[0].time_s)
+    if tracked_s < end_s and all(abs(time_s - tracked_s) > CLOSE_S for time_s, _ in made):
+        made = sorted([*made, (tracked_s, (0.0, 0.0, 0.0))])
+    times, impulses, first = _with_corrections(start, start_s, made, end_s, corrections)
     states, arcs, angle = coast.fly(start, times, impulses, end_s, FIELDS[gravity], True)
     goal = states[-1]
     frame = equinoctial.own_frame(goal)
     jacobian = equinoctial.jacobian(goal, frame)
     effects = jacobian @ arcs[:, :, 3:]
-    known = first + 1 if blind else first
+    seen = first + 1 if blind else first
+    tracked = int(np.searchsorted(times, tracked_s - CLOSE_S))
+    known = first if ends.origin or tracked <= first else seen
     radius = float(np.linalg.norm(goal[:3]))
     gains = [
         _gain(effects[at:], impulses[at:], radius) if at >= known else None
@@ -156,11 +216,15 @@ def part(
     ]
     return LegPart(
         gravity, start, goal, times, end_s, impulses, angle,
-        jacobian @ arcs[0], effects, tuple(gains), np.linalg.inv(jacobian),
+        jacobian @ arcs[0], effects, tuple(gains), seen, max(tracked, first),
+        np.linalg.inv(equinoctial.jacobian(start, equinoctial.own_frame(start))),
+        np.linalg.inv(jacobian),
     )  # fmt: skip
 
 
-def fly(part: LegPart, begun: Array, drawn: Array, errors: FlightErrors) -> Parted:
+def fly(
+    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: Off | None = None
+) -> Parted:
     """Fly a part many times.
 
     Parameters
@@ -171,34 +235,47 @@ def fly(part: LegPart, begun: Array, drawn: Array, errors: FlightErrors) -> Part
     drawn : (burns, 3, n) float64
         Standard normal numbers.
     errors : FlightErrors
+    off : Off, optional
+        Of the bodies; the miss is then that of the stand-off where the destination is.
     """
     miss = part.beginning @ begun
     spent = np.zeros(begun.shape[1])
-    for impulse, effect, gain, normal in zip(
-        part.impulses, part.effects, part.gains, drawn, strict=True
+    brought = np.zeros_like(miss)
+    if off is not None:
+        brought = part.beginning @ (part.starts @ off.origin)
+        miss = miss + brought
+    for at, (impulse, effect, gain, normal) in enumerate(
+        zip(part.impulses, part.effects, part.gains, drawn, strict=True)
     ):
-        wanted = impulse[:, None] if gain is None else impulse[:, None] + gain[0] @ miss
+        wanted = impulse[:, None]
+        if gain is not None:
+            known = miss if at >= part.seen else brought
+            if off is not None and at >= part.tracked:
+                known = known - off.target
+            wanted = wanted + gain[0] @ known
         burns = errors.of_burns(np.broadcast_to(wanted, normal.shape), normal)
         spent += np.sqrt(np.sum(burns * burns, axis=0))
         miss = miss + effect @ (burns - impulse[:, None])
+    if off is not None:
+        miss = miss - off.target
     return Parted(spent, part.states @ miss)
 
 
 def _with_corrections(
-    start: Array, start_s: float, burns: tuple[RefinedBurn, ...], end_s: float, corrections: int
+    start: Array, start_s: float, burns: list[tuple[float, Vector]], end_s: float, corrections: int
 ) -> tuple[Array, Array, int]:
     """Times and impulses with corrections inserted as zeros, and the index of the first burn."""
     revolution = math.tau * math.sqrt(float(np.linalg.norm(start[:3])) ** 3 / MU_M3_S2)
-    times = [start_s] if burns[0].time_s > start_s else []
+    times = [start_s] if burns[0][0] > start_s else []
     impulses = [(0.0, 0.0, 0.0)] * len(times)
     first = len(times)
-    for at, burn in enumerate(burns):
-        times.append(burn.time_s)
-        impulses.append(burn.delta_v_m_s)
-        arc = (burns[at + 1].time_s if at + 1 < len(burns) else end_s) - burn.time_s
+    for at, (time_s, delta_v_m_s) in enumerate(burns):
+        times.append(time_s)
+        impulses.append(delta_v_m_s)
+        arc = (burns[at + 1][0] if at + 1 < len(burns) else end_s) - time_s
         if arc >= SHORTEST_ARC * revolution:
             step = min(arc, revolution) / (corrections + 1)
-            times += [burn.time_s + step * (number + 1) for number in range(corrections)]
+            times += [time_s + step * (number + 1) for number in range(corrections)]
             impulses += [(0.0, 0.0, 0.0)] * corrections
     return np.array(times), np.array(impulses), first
 

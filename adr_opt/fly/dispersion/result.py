@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...common.records import without
 from ...kernels.orbits.short_periods import Array
 from ..flight.result import of_chaser
 from .errors import FlightErrors
@@ -81,6 +82,8 @@ class LegDispersion:
     waits_share : float
         Of the flights that miss the stand-off by more than half its distance from the target and
         wait a revolution there.
+    target_off_m : Quantile or None
+        Distance of the target from where it is planned, at the stand-off; None where that is sure.
     """
 
     leg: int
@@ -93,10 +96,11 @@ class LegDispersion:
     standoff_miss_m_s: Quantile
     arrival_miss_m: Quantile
     waits_share: float
+    target_off_m: Quantile | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """The statistics as plain data."""
-        return asdict(self)
+        return without(asdict(self), "target_off_m")
 
 
 @dataclass(frozen=True)

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
 
 import numpy as np
 
-from ...common.constants import MU_M3_S2
 from ...common.errors import InputError
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
+from ...sources.uncertainty import TargetError
 from ..flight.refined import refuse_strangers
 from ..flight.tanks import legs_by_tank, refined_routes
-from ..refine.bodies import Gravity
+from .displaced import DisplacedBodies
 from .errors import FlightErrors
-from .exact import fly_exactly
-from .feedback import LegPart, fly, parts_of
+from .flown_leg import LegFlights, fly_leg
 from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
 
 SHARE = 0.95
@@ -33,20 +31,6 @@ revolution."""
 
 MOST_FLIGHTS, MOST_CORRECTIONS = 100_000, 10
 
-EXACT_FLIGHTS = 10
-"""Number of flights repeated without linearisation."""
-
-
-class _Flights(NamedTuple):
-    """Flights of one leg."""
-
-    delta_v_m_s: Array  # (flights,)
-    standoff: Array  # (6, flights), misses in position and velocity
-    arrival_m: Array  # (flights,)
-    exact_m_s: Array  # (exact flights,), difference of ΔV
-    exact_m: float  # largest difference of places at the stand-off
-    revolution_s: float
-
 
 def sample_flights(  # noqa: PLR0913
     instance: Instance,
@@ -57,6 +41,8 @@ def sample_flights(  # noqa: PLR0913
     seed: int = 0,
     corrections: int = 2,
     share: float = SHARE,
+    targets: Mapping[str, TargetError] | None = None,
+    known_before_s: float | None = None,
     jobs: int | None = None,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> Dispersion:
@@ -78,6 +64,11 @@ def sample_flights(  # noqa: PLR0913
         Burns for corrections alone after each burn before the approach that has time for them.
     share : float
         Of the flights whose needs are asked for.
+    targets : mapping, optional
+        Body → the error of where it is. A leg begins where its origin is; it leads to where its
+        destination is planned until that is known, and from then on to where it is.
+    known_before_s : float, optional
+        Time before the stand-off from which the destination is known; by default a revolution [s].
     jobs : int, optional
         Threads, which change nothing but the time it takes; all cores by default.
     report : callable
@@ -102,11 +93,19 @@ def sample_flights(  # noqa: PLR0913
     if not refined.legs:
         raise InputError("the refined plan has no legs: there is nothing to fly")
 
-    def one(leg: RefinedLeg) -> _Flights:
-        rng = np.random.default_rng([seed, leg.leg])
-        return _fly_leg(leg, refined.gravity, errors, rng, flights, corrections)
+    if known_before_s is not None and not 0.0 <= known_before_s < math.inf:
+        raise InputError(f"known_before_s = {known_before_s:g}: must be 0 or a positive time")
+    displaced = DisplacedBodies(instance, refined, targets or {}, flights, seed)
+    for name, times_s in _meetings(refined.legs).items():
+        displaced.follow(name, times_s)
 
-    flown: list[_Flights] = []
+    def one(leg: RefinedLeg) -> LegFlights:
+        rng = np.random.default_rng([seed, leg.leg])
+        return fly_leg(
+            leg, refined.gravity, errors, rng, flights, corrections, displaced, known_before_s
+        )
+
+    flown: list[LegFlights] = []
     report(0, len(refined.legs))
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
         for leg_flights in pool.map(one, refined.legs):
@@ -115,65 +114,25 @@ def sample_flights(  # noqa: PLR0913
     return _told(instance, refined, flown, errors, seed, corrections, share)
 
 
+def _meetings(legs: Iterable[RefinedLeg]) -> dict[str, list[float]]:
+    """Times at which bodies are left, and at which stand-offs from them are reached [s]."""
+    found: dict[str, list[float]] = {}
+    for leg in legs:
+        found.setdefault(leg.origin, []).append(leg.states[0].time_s)
+        found.setdefault(leg.destination, []).append(leg.standoff_s)
+    return found
+
+
 def _check(name: str, value: int, least: float, most: float) -> None:
     if not least <= value <= most:
         upper = "" if math.isinf(most) else f" and at most {most:,}"
         raise InputError(f"{name} = {value}: must be at least {least}{upper}")
 
 
-def _fly_leg(
-    leg: RefinedLeg,
-    gravity: Gravity,
-    errors: FlightErrors,
-    rng: np.random.Generator,
-    flights: int,
-    corrections: int,
-) -> _Flights:
-    if all(burn.phase != "approach" for burn in leg.burns) or leg.burns[0].phase == "approach":
-        raise InputError(f"leg {leg.leg}: no burns lead to an approach; add them")
-    transfer, approach = parts_of(leg, gravity, corrections)
-    if not all(np.isfinite(part.effects).all() for part in (transfer, approach)):
-        raise InputError(f"leg {leg.leg}: cannot be flown: its burns lead away from the Earth")
-    begun = errors.of_departure(rng.standard_normal((6, flights)))
-    drawn = [rng.standard_normal((part.times.size, 3, flights)) for part in (transfer, approach)]
-    to_standoff = fly(transfer, begun, drawn[0], errors)
-    to_target = fly(approach, to_standoff.miss, drawn[1], errors)
-    spent = to_standoff.delta_v_m_s + to_target.delta_v_m_s
-    try:
-        exact = list(_exactly((transfer, approach), begun, drawn, errors))
-    except ArithmeticError as error:
-        raise InputError(f"leg {leg.leg}: {error}; take smaller errors") from None
-    axis = 1.0 / (
-        2.0 / float(np.linalg.norm(transfer.goal[:3]))
-        - float(transfer.goal[3:] @ transfer.goal[3:]) / MU_M3_S2
-    )
-    return _Flights(
-        delta_v_m_s=spent,
-        standoff=to_standoff.miss,
-        arrival_m=np.linalg.norm(to_target.miss[:3], axis=0),
-        exact_m_s=np.array([cost for cost, _ in exact]) - spent[: len(exact)],
-        exact_m=max(
-            float(np.linalg.norm(there - to_standoff.miss[:3, at]))
-            for at, (_, there) in enumerate(exact)
-        ),
-        revolution_s=math.tau * math.sqrt(axis**3 / MU_M3_S2),
-    )
-
-
-def _exactly(
-    parts: tuple[LegPart, LegPart], begun: Array, drawn: list[Array], errors: FlightErrors
-) -> Iterator[tuple[float, Array]]:
-    """ΔV of the first flights, and their position errors at the stand-off."""
-    for at in range(min(EXACT_FLIGHTS, begun.shape[1])):
-        first, standoff = fly_exactly(parts[0], begun[:, at], drawn[0][:, :, at], errors)
-        second, _ = fly_exactly(parts[1], standoff, drawn[1][:, :, at], errors)
-        yield first + second, standoff[:3]
-
-
 def _told(
     instance: Instance,
     refined: RefinedPlan,
-    flown: list[_Flights],
+    flown: list[LegFlights],
     errors: FlightErrors,
     seed: int,
     corrections: int,
@@ -200,6 +159,7 @@ def _told(
             standoff_miss_m_s=Quantile.of(apart[at], share),
             arrival_miss_m=Quantile.of(flown[at].arrival_m, share),
             waits_share=float(waiting[at].mean()),
+            target_off_m=_quantile(flown[at].target_m, share),
         )
         for at, leg in enumerate(refined.legs)
     )
@@ -226,6 +186,10 @@ def _told(
         leg_delta_v_m_s=spent,
         leg_standoff_miss_m=missed,
     )
+
+
+def _quantile(values: Array | None, share: float) -> Quantile | None:
+    return None if values is None else Quantile.of(values, share)
 
 
 def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:

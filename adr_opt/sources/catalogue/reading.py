@@ -51,7 +51,7 @@ def read(paths: Paths, *, skip_bad: bool = False) -> Catalogue:
     formats: dict[str, str] = {}
     for path in listed:
         source = str(path)
-        found = read_bytes(_load(path), source, skip_bad=skip_bad)
+        found = read_bytes(load_bytes(path), source, skip_bad=skip_bad)
         records += found.records
         dropped += found.dropped
         formats |= found.formats
@@ -96,7 +96,8 @@ def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue
     return Catalogue(tuple(records), tuple(dropped), {source: kind})
 
 
-def _load(path: str | os.PathLike[str]) -> bytes:
+def load_bytes(path: str | os.PathLike[str]) -> bytes:
+    """Content of a file of element sets, or an :class:`InputError` if it cannot be one."""
     try:
         with Path(path).open("rb") as file:
             status = os.fstat(file.fileno())
