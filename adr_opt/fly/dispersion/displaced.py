@@ -64,6 +64,11 @@ class DisplacedBodies:
         for body in refined.bodies:
             self._states[body.name] = state_of(body)
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Bodies that legs meet and that have an error."""
+        return tuple(name for name in self._drawn if name in self._states)
+
     def __contains__(self, name: str) -> bool:
         """Whether a body has an error."""
         return name in self._drawn

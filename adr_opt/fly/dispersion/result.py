@@ -181,6 +181,10 @@ class Dispersion:
     linearity : Linearity
     leg_delta_v_m_s, leg_standoff_miss_m : (legs, flights) float64
         Each flight's [m/s], [m].
+    uncertain : tuple of str
+        Bodies that are elsewhere than planned.
+    known_before_s : float or None
+        Time before the stand-off from which it is known where they are; None: a revolution [s].
     """
 
     flights: int
@@ -196,6 +200,8 @@ class Dispersion:
     linearity: Linearity
     leg_delta_v_m_s: Array
     leg_standoff_miss_m: Array
+    uncertain: tuple[str, ...] = ()
+    known_before_s: float | None = None
 
     @property
     def broken_tanks(self) -> tuple[TankDispersion, ...]:
@@ -204,11 +210,13 @@ class Dispersion:
 
     def to_dict(self) -> dict[str, Any]:
         """The statistics as plain data: the addition of ``fly --samples N --json``."""
+        targets = {"uncertain": list(self.uncertain), "known_before_s": self.known_before_s}
         return {
             "flights": self.flights,
             "seed": self.seed,
             "corrections": self.corrections,
             "errors": self.errors.to_dict(),
+            **({"targets": targets} if self.uncertain else {}),
             "refined_delta_v_m_s": self.refined_delta_v_m_s,
             "delta_v_m_s": self.delta_v_m_s.to_dict(),
             "waits_s": self.waits_s.to_dict(),

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
@@ -111,7 +112,8 @@ def sample_flights(  # noqa: PLR0913
         for leg_flights in pool.map(one, refined.legs):
             flown.append(leg_flights)
             report(len(flown), len(refined.legs))
-    return _told(instance, refined, flown, errors, seed, corrections, share)
+    found = _told(instance, refined, flown, errors, seed, corrections, share)
+    return replace(found, uncertain=displaced.names, known_before_s=known_before_s)
 
 
 def _meetings(legs: Iterable[RefinedLeg]) -> dict[str, list[float]]:

@@ -34,6 +34,13 @@ SPREAD = 1.5
 """Ratio of the largest to the smallest age from which on constant and growth are told apart."""
 
 
+ROUNDS = 6
+"""Rounds of the fit along the track, each weighted by the one before it."""
+
+LEAST_M2 = 1.0
+"""Least variance along the track that weighs a difference [m²]."""
+
+
 class SetDifference(NamedTuple):
     """How far an element set is from a newer one at the epoch of that."""
 
@@ -152,8 +159,11 @@ def growth_of(differences: Sequence[SetDifference], mean_motion_rev_day: float) 
         columns.append(np.ones_like(grown))
     from scipy.optimize import nnls
 
-    # Squares of differences vary as much as they are large: each counts by its age.
-    found, _ = nnls(np.column_stack(columns) / ages[:, None] ** 2, along**2 / ages**2)
+    # Squares of differences vary as much as they are large: each counts by the fit before it.
+    model, expected = np.column_stack(columns), ages**2
+    for _ in range(ROUNDS):
+        found, _ = nnls(model / expected[:, None], along**2 / expected)
+        expected = np.maximum(model @ found, LEAST_M2)
     radial, across = (math.sqrt(float(np.mean(table[:, at] ** 2))) for at in (1, 3))
     constant = float(found[1]) if found.size > 1 else 0.0
     return Growth(radial, math.sqrt(constant), across, math.sqrt(float(found[0])))

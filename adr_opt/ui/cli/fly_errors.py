@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from statistics import median
 from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
@@ -10,9 +11,12 @@ from . import take
 from .output import emit
 
 if TYPE_CHECKING:
-    from ...fly.dispersion import Dispersion, Quantile
+    from collections.abc import Callable, Mapping
+
+    from ...fly.dispersion import Dispersion, LegDispersion, Quantile
     from ...fly.refine import RefinedPlan
     from ...problem.instance import Instance
+    from ...sources.uncertainty import Compared, TargetError
     from .bars import Show
 
 OPTIONS = (
@@ -28,7 +32,29 @@ OPTIONS = (
         "M_S",
         "1-sigma error per axis at departure; default 0.01.",
     ),
+    (
+        "--target-errors",
+        str,
+        "FILE",
+        "Errors of where targets are at the epoch: a table, as CSV or JSON.",
+    ),
+    (
+        "--element-sets",
+        str,
+        "FILE",
+        "Element sets of targets, of several epochs: errors by comparing them; repeatable.",
+    ),
+    (
+        "--known-before",
+        float,
+        "S",
+        "Time before a stand-off from which it is known where the target is; default one "
+        "revolution.",
+    ),
 )
+
+SEVERAL = ("--element-sets",)
+"""Options that may be repeated."""
 
 
 class Sampling(NamedTuple):
@@ -41,14 +67,39 @@ class Sampling(NamedTuple):
     burn_pointing_error: float | None
     navigation_position_error: float | None
     navigation_velocity_error: float | None
+    target_errors: str | None
+    element_sets: tuple[str, ...]
+    known_before: float | None
 
     def refuse_stray(self) -> None:
-        """Raise :class:`InputError` for error options without flights."""
+        """Raise :class:`InputError` for error options without what they belong to."""
+        if self.target_errors is not None and self.element_sets:
+            raise InputError("--target-errors and --element-sets exclude each other; give one")
         if self.samples is not None:
+            if self.known_before is not None and not self.of_targets:
+                raise InputError("--known-before needs --target-errors or --element-sets")
             return
         for (name, *_), value in zip(OPTIONS, self, strict=True):
-            if value is not None:
+            if value not in (None, ()):
                 raise InputError(f"{name} needs --samples N, the number of flights")
+
+    @property
+    def of_targets(self) -> bool:
+        """Whether targets may be elsewhere than planned."""
+        return self.target_errors is not None or bool(self.element_sets)
+
+    def errors_of_targets(
+        self, instance: Instance
+    ) -> tuple[Mapping[str, TargetError] | None, Compared | None]:
+        """Errors of where targets are, and what element sets show if they come from these."""
+        from ...sources.uncertainty import compared, read_target_errors
+
+        if self.target_errors is not None:
+            return read_target_errors(self.target_errors, instance.names), None
+        if not self.element_sets:
+            return None, None
+        shown = compared(instance, self.element_sets)
+        return shown.errors, shown
 
     def refuse_unrefined(self, plan_path: str) -> None:
         """Raise :class:`InputError` if flights with errors are requested of an unrefined plan."""
@@ -58,8 +109,14 @@ class Sampling(NamedTuple):
                 "'refine' and give that"
             )
 
-    def fly(self, instance: Instance, refined: RefinedPlan, show: Show) -> Dispersion:
-        """Fly the requested number of times."""
+    def fly(
+        self,
+        instance: Instance,
+        refined: RefinedPlan,
+        targets: Mapping[str, TargetError] | None,
+        show: Show,
+    ) -> Dispersion:
+        """Fly the requested number of times, with errors of where targets are."""
         from ...fly.dispersion import FlightErrors, sample_flights
 
         assert self.samples is not None
@@ -72,20 +129,26 @@ class Sampling(NamedTuple):
         errors = FlightErrors(**{name: value for name, value in said.items() if value is not None})
         said_too = {"seed": self.seed, "corrections": self.corrections}
         return sample_flights(
-            instance, refined, self.samples, errors, report=show,
+            instance, refined, self.samples, errors, report=show, targets=targets,
+            known_before_s=self.known_before,
             **{name: value for name, value in said_too.items() if value is not None},
         )  # fmt: skip
 
 
 error_options = take.together(
-    *(take.word(name, metavar, text, type=kind) for name, kind, metavar, text in OPTIONS)
+    *(
+        take.word(name, metavar, text, type=kind, multiple=name in SEVERAL)
+        for name, kind, metavar, text in OPTIONS
+    )
 )
 """The options of flights with errors."""
 
 
-def tell(dispersion: Dispersion) -> None:
-    """Print the outcome of flights with errors."""
+def tell(dispersion: Dispersion, shown: Compared | None = None) -> None:
+    """Print the outcome of flights with errors, and what element sets show."""
     _tell_legs(dispersion)
+    if shown is not None:
+        emit(_shown(shown))
     for sentence in said(dispersion):
         emit(sentence)
 
@@ -103,6 +166,15 @@ def said(dispersion: Dispersion) -> list[str]:
         f"{dispersion.refined_delta_v_m_s:.1f} m/s without errors, and in {asked} of the flights "
         f"no more than {_with_interval(dispersion.delta_v_m_s, '.1f')} m/s"
     ]
+    if dispersion.uncertain:
+        before = dispersion.known_before_s
+        lead = "a revolution" if before is None else f"{before:g} s"
+        off = [leg.target_off_m.value for leg in dispersion.legs if leg.target_off_m is not None]
+        farthest = f"; in {asked} they are no more than {max(off) / 1e3:.3g} km off" if off else ""
+        sentences.append(
+            f"{counted(len(dispersion.uncertain), 'body', 'bodies')} of these legs may be "
+            f"elsewhere than planned, known {lead} before the stand-off{farthest}"
+        )
     for tank in dispersion.tanks:
         verdict = "holds" if tank.holds else "is not enough"
         sentences.append(
@@ -124,6 +196,27 @@ def said(dispersion: Dispersion) -> list[str]:
     return sentences
 
 
+def _shown(compared: Compared) -> str:
+    """What comparing element sets shows, in a sentence."""
+    growths = [compared.growths[body] for body in compared.differences]
+    middle = [median([growth[at] for growth in growths]) for at in range(4)]
+    pairs = sum(map(len, compared.differences.values()))
+    said = (
+        f"{counted(pairs, 'pair')} of element sets of {counted(len(growths), 'object')}, "
+        f"{compared.median_age_days:.1f} days apart in the median, differ (1σ, medians) by "
+        f"{middle[0]:.0f} m outward, {middle[2]:.0f} m across, and along the track by "
+        f"{middle[1]:.0f} m and a decay of {middle[3]:.2g} m a day"
+    )
+    if compared.by_median:
+        said += f"; {counted(len(compared.by_median), 'target')} of one set take these"
+    if compared.by_largest:
+        said += (
+            f"; {counted(len(compared.by_largest), 'target')} that cannot be compared take the "
+            "largest"
+        )
+    return said
+
+
 def _with_interval(quantile: Quantile, form: str) -> str:
     low, high = (
         "unknown" if end is None else f"{end:{form}}" for end in (quantile.low, quantile.high)
@@ -135,6 +228,9 @@ def _tell_legs(dispersion: Dispersion) -> None:
     from .tables import emit_legs, whose
 
     asked = f"{100.0 * dispersion.delta_v_m_s.share:g} %"
+    off: list[tuple[str, Callable[[LegDispersion], str]]] = []
+    if dispersion.uncertain:
+        off.append(("target off\nkm", _target_off))
     emit_legs(
         dispersion.legs,
         (
@@ -143,8 +239,13 @@ def _tell_legs(dispersion: Dispersion) -> None:
             (f"{asked}\nm/s", lambda leg: f"{leg.delta_v_m_s.value:.1f}"),
             ("stand-off\nm", lambda leg: f"{leg.standoff_miss_m.value:.0f}"),
             ("\nm/s", lambda leg: f"{leg.standoff_miss_m_s.value:.2g}"),
+            *off,
             ("waits\n%", lambda leg: f"{100.0 * leg.waits_share:.1f}"),
         ),
         whose(dispersion.tanks),
         f"with errors; upper limits of ΔV and stand-off miss in {asked} of the flights",
     )
+
+
+def _target_off(leg: LegDispersion) -> str:
+    return "" if leg.target_off_m is None else f"{leg.target_off_m.value / 1e3:.3g}"

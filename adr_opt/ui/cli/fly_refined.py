@@ -36,12 +36,13 @@ def fly_and_tell(
     from .live import wanted
 
     instance, refined = load(instance_path), load_refined(refined_path)
+    targets, shown = sampling.errors_of_targets(instance)
     dispersion = None
     with about(refined_path):
         if sampling.samples is not None:
             # First, because it is quick: what is wrong with the errors is said at once.
             with counting_bar(wanted(as_json, quiet), "sampling legs") as show:
-                dispersion = sampling.fly(instance, refined, show)
+                dispersion = sampling.fly(instance, refined, targets, show)
         with counting_bar(wanted(as_json, quiet), "flying legs") as show:
             flight = fly_refined(instance, refined, show)
     if out is not None:
@@ -50,6 +51,8 @@ def fly_and_tell(
         say(f"wrote {out}", unless=quiet)
     if as_json:
         errors = {} if dispersion is None else {"errors": dispersion.to_dict()}
+        if shown is not None:
+            errors["errors"]["element_sets"] = shown.to_dict()
         emit_json(flight.to_dict() | errors)
     else:
         if flight.legs:
@@ -58,7 +61,7 @@ def fly_and_tell(
             emit(str(chaser))
         emit(said(flight))
         if dispersion is not None:
-            tell(dispersion)
+            tell(dispersion, shown)
     enough = dispersion is None or not dispersion.broken_tanks
     return 0 if flight.holds and enough else 1
 
