@@ -40,6 +40,7 @@ from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
 from adr_opt.problem.instance import Instance
 from adr_opt.sources import catalogue
 from adr_opt.sources.catalogue import ElementSet
+from adr_opt.sources.catalogue.propagation import mean_elements
 from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.oem import read_oem
@@ -250,6 +251,33 @@ def test_the_command_line_refines_onto_ephemerides(cli: Cli, files: Mission) -> 
     assert looped.status == 0, looped.err
     assert "of holding beside ephemerides" in looped.out
     assert cli("fly", "my.json", "looped.json").status == 0
+
+
+def test_errors_follow_from_successive_element_sets(cli: Cli, files: Mission) -> None:
+    """`fly --element-sets` compares sets of two epochs, counts who has one, and flies on that."""
+    older = records()
+    at = older[0].epoch - timedelta(days=3)
+    mean = np.degrees(mean_elements(older, at)[0][:, 3:]) % 360.0
+    before = [
+        replace(record, epoch=at, raan_deg=raan, argument_of_perigee_deg=perigee,
+                mean_anomaly_deg=anomaly, bstar=1.5 * record.bstar)
+        for record, (raan, perigee, anomaly) in zip(older[:-1], mean.tolist(), strict=False)
+    ]  # fmt: skip
+    Path("now.json").write_text(as_json(older), encoding="utf-8")
+    Path("before.json").write_text(as_json(before), encoding="utf-8")
+    asked = ["fly", "my.json", "refined.json", "--samples", "30", "--element-sets", "now.json"]
+    told = cli(*asked, "--element-sets", "before.json")
+    assert told.status == 0, told.err
+    assert "5 pairs of element sets of 5 objects" in told.out
+    assert "1 target of one set take these" in told.out
+    assert "known a revolution before the stand-off" in told.out
+    found = json.loads(cli(*asked, "--element-sets", "before.json", "--json").out)["errors"]
+    assert found["element_sets"]["by_median"] == [older[-1].label]
+    met = {leg.destination for leg in files.refined.legs} - set(files.instance.station_names)
+    assert set(found["targets"]["uncertain"]) == met
+    alone = cli(*asked)
+    assert (alone.status, alone.out) == (2, "")
+    assert "no target has element sets of two epochs" in alone.err
 
 
 def test_the_loop_learns_what_holding_takes(mission: Mission) -> None:
