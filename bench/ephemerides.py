@@ -5,12 +5,14 @@
 Prints a Markdown table for each catalogue: mean elements as SGP4 has them at the epoch, moved by J2
 alone, and those fitted to SGP4 over the mission; medians over the 60 targets with the nearest
 planes, the 90th percentile along the track, and the worst object. By default the catalogues of that
-folder with more than one object are taken, for a week and for a month. Then the accuracy of tables:
-states of a day between those of messages with a state every 60, 120 and 180 s.
+folder with more than one object are taken, for a week and for a month. Then the rates of nodes that
+fits leave, and how far nodes are off with a common rate and with one of each body; and the accuracy
+of tables: states of a day between those of messages with a state every 60, 120 and 180 s.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
@@ -19,12 +21,13 @@ from pathlib import Path
 import numpy as np
 from machine import heading
 
-from adr_opt.common.constants import DAY_S
+from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.common.errors import InputError
+from adr_opt.kernels.orbits.ephemeris import secular_rates
 from adr_opt.problem.fit import Fit
 from adr_opt.sources import catalogue
 from adr_opt.sources.ephemerides.by_sgp4 import ByElements
-from adr_opt.sources.ephemerides.fit import FittedOrbit, fitted
+from adr_opt.sources.ephemerides.fit import FittedOrbit, fitted, sample_times
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import LeftOver, left_over
 from adr_opt.sources.ephemerides.turning import TurningAxes
@@ -45,6 +48,13 @@ def main() -> None:
     for path in files:
         for days in DAYS:
             _compare(path, days)
+    print(
+        "\n| catalogue | days | rate of nodes left °/day | middle 90 % | node off km "
+        "| with a common rate | with one of each |\n|---|---|---|---|---|---|---|"
+    )
+    for path in files:
+        for days in DAYS:
+            _nodes(path, days)
     print("\n| step s | Lagrange, 8 states: m | Hermite, 4 states: m |\n|---|---|---|")
     for step in STEPS_S:
         _interpolate(files[0], step)
@@ -92,6 +102,33 @@ def _compare(path: Path, days: float) -> None:
     for name, left in (("SGP4's at the epoch", before), ("fitted", after)):
         print(f"| {path.stem} | {days:g} | {name} | {_row(left)} |")
     print(f"{each * 1e3:.0f} ms a fit", file=sys.stderr)
+
+
+def _nodes(path: Path, days: float) -> None:
+    """Rates of nodes beyond those of J2, and the largest distance of nodes; medians over bodies."""
+    times = sample_times(days * DAY_S)
+    rates, nodes, arcs = [], [], []
+    for ephemeris, _ in _bodies(path, days):
+        orbit = fitted(ephemeris, days * DAY_S).orbit
+        tilt = math.radians(orbit.inclination_deg)
+        rate, _, _ = secular_rates(orbit.semi_major_axis_m, orbit.eccentricity, tilt, OBLATENESS_M2)
+        normal = np.cross(*np.split(ephemeris.state(times), 2, axis=1))
+        node = np.unwrap(np.arctan2(normal[:, 0], -normal[:, 1])) - rate * times
+        rates.append(np.polyfit(times, node, 1)[0])
+        nodes.append(node)
+        arcs.append(orbit.semi_major_axis_m * math.sin(tilt) / 1e3)
+    common = float(np.median(rates))
+    off = []
+    for taken in (np.zeros(len(rates)), np.full(len(rates), common), np.array(rates)):
+        left = [node - rate * times for node, rate in zip(nodes, taken, strict=True)]
+        off.append(
+            [np.abs(one - one.mean()).max() * arc for one, arc in zip(left, arcs, strict=True)]
+        )
+    low, high = np.degrees(np.quantile(rates, (0.05, 0.95))) * DAY_S
+    print(
+        f"| {path.stem} | {days:g} | {math.degrees(common) * DAY_S:.5f} "
+        f"| {low:.5f} to {high:.5f} | " + " | ".join(f"{np.median(one):.2f}" for one in off) + " |"
+    )
 
 
 def _row(left: list[LeftOver]) -> str:
