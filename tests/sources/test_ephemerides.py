@@ -19,6 +19,7 @@ from messages import oem
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
+from adr_opt.fly.flight.as_interpolated import interpolated_states
 from adr_opt.problem.fit import Fit
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
@@ -160,6 +161,53 @@ def test_messages_in_every_frame_and_time_system_say_the_same(
     times = np.linspace(0.0, 7200.0, 101)
     expected = by_elements(record).state(times)
     assert np.abs(known.of(record.label).state(times) - expected)[:, :3].max() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("method", "degree", "frame"),
+    [("LAGRANGE", 7, None), ("LAGRANGE", 8, Frame(name="EME2000")), ("HERMITE", 7, TEME),
+     ("HERMITE", 3, Frame(name="GCRF")), ("LINEAR", 1, None)],
+)  # fmt: skip
+def test_three_readers_interpolate_alike(
+    method: str, degree: int, frame: Frame | None, tmp_path: Path
+) -> None:
+    """The judge's polynomials and those of the package `oem` agree with ours within a millimetre.
+
+    By other polynomials, other turning of axes, and in `oem` another reading of text and times.
+    """
+    third = pytest.importorskip("oem")
+    astropy_time = pytest.importorskip("astropy.time")
+    record = RECORDS[1]
+    fields = {"REF_FRAME": "TEME" if frame is None else frame.name}
+    if frame == TEME:
+        fields["REF_FRAME_EPOCH"] = EPOCH.replace(tzinfo=None).isoformat()
+    text = oem(
+        record.label, record.object_id, EPOCH, turned_into(frame, record), span_s=(-600.0, 1800.0),
+        step_s=60.0, INTERPOLATION=method, INTERPOLATION_DEGREE=str(degree), **fields,
+    )  # fmt: skip
+    known = of_contents("oem", {"a.oem": text.encode()}, {record.label: None}, epoch=EPOCH,
+                        frame=TEME)  # fmt: skip
+    times = np.concatenate((np.linspace(-600.0, 1800.0, 97), [-599.9, 0.5, 1799.9]))
+    ours = known.of(record.label).state(times)
+    judged = interpolated_states(read_oem(text.encode(), "a.oem"), times, EPOCH, TEME)
+    assert np.abs(judged - ours)[:, :3].max() < 1e-3
+    assert np.abs(judged - ours)[:, 3:].max() < 1e-5
+    with pytest.raises(InputError, match="do not cover"):
+        interpolated_states(read_oem(text.encode(), "a.oem"), times + 1.0, EPOCH, TEME)
+    if method == "LINEAR":
+        return
+    (tmp_path / "a.oem").write_text(text.replace("= TEME\n", "= EME2000\n"), encoding="ascii")
+    message = third.OrbitEphemerisMessage.open(tmp_path / "a.oem")
+    begin = astropy_time.Time(EPOCH.replace(tzinfo=None), scale="utc")
+    states = [message(begin + time * astropy_time.TimeDelta(1.0, format="sec")) for time in times]
+    read = 1e3 * np.array([[*state.position, *state.velocity] for state in states])
+    if frame is None:
+        axes = teme_axes([EPOCH + timedelta(seconds=float(time)) for time in times])
+        turns = from_gcrf(TEME) @ np.swapaxes(axes, 1, 2)
+    else:
+        turns = np.broadcast_to(from_gcrf(TEME) @ from_gcrf(frame).T, (times.size, 3, 3))
+    turned = np.einsum("tij,tkj->tki", turns, read.reshape(-1, 2, 3)).reshape(-1, 6)
+    assert np.abs(turned - judged)[:, :3].max() < 1e-3
 
 
 def test_messages_go_round_through_an_instance(cli: Cli) -> None:
@@ -385,6 +433,35 @@ def test_messages_of_others_are_read_or_refused() -> None:
         for segment in read_oem(path.read_bytes(), path.name):
             times, states = segment.states()
             assert len(times) == len(states) >= 2
+
+
+@pytest.mark.external
+def test_a_message_of_others_is_interpolated_alike() -> None:
+    """Of Orekit's example about the Earth `oem` reads the states that judge and product go through.
+
+    Between them these two are at one place. It asks for Hermite's method of degree 1, which `oem`
+    takes for a tangent at one state.
+    """
+    third, path = pytest.importorskip("oem"), DATA / "ccsds" / "OEMExample5.txt"
+    astropy_time = pytest.importorskip("astropy.time")
+    if not path.is_file():
+        pytest.skip(f"no {path}")
+    segments = read_oem(path.read_bytes(), path.name)
+    fields, inertial = segments[0].fields, Frame(name="GCRF")
+    begin = datetime.fromisoformat(fields["START_TIME"][:26]).replace(tzinfo=UTC)
+    known = of_contents("oem", {path.name: path.read_bytes()}, {fields["OBJECT_NAME"]: None},
+                        epoch=begin, frame=inertial)  # fmt: skip
+    times = np.linspace(30.0, 86000.0, 60)
+    ours = known.of(fields["OBJECT_NAME"]).state(times)
+    judged = interpolated_states(segments, times, begin, inertial)
+    assert np.abs(judged - ours)[:, :3].max() < 1e-3
+    states = third.OrbitEphemerisMessage.open(path).states
+    at = astropy_time.Time(begin.replace(tzinfo=None), scale="utc")
+    since = np.array([(state.epoch - at).sec for state in states])
+    within = (since >= 0.0) & (since <= 86400.0)
+    read = 1e3 * np.array([state.position for state in states])[within]
+    theirs = known.of(fields["OBJECT_NAME"]).state(since[within])
+    assert np.abs(read - theirs[:, :3]).max() < 1e-2  # labels have microseconds
 
 
 def test_messages_in_xml_say_what_those_in_lines_say() -> None:

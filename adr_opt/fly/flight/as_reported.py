@@ -19,7 +19,10 @@ from ...common.errors import InputError, MissingExtra
 from ...plan.refined_plan import EphemeridesReference
 from ...problem.frame_rotation import from_gcrf, teme_axes
 from ...problem.instance import Instance
-from ...sources.ephemerides import ephemerides_of
+from ...sources.ephemerides.oem import read_oem
+from ...sources.ephemerides.oem_segment import MessageSegment
+from ...sources.ephemerides.of_instance import by_body
+from .as_interpolated import interpolated_states
 
 Array = npt.NDArray[np.float64]
 
@@ -49,14 +52,17 @@ class ReportedStates:
                 f"those of {instance.name!r}; refine it again"
             )
         self._instance, self._elements = instance, dict[str, dict[str, Any]]()
-        self._known = None
+        self._segments: dict[str, list[MessageSegment]] = {}
+        contents = its.contents(instance.folder())
         if onto.kind == "oem":
-            self._known = ephemerides_of(instance)
-            self.bodies = self._known.bodies
+            every = [one for name, content in contents.items() for one in read_oem(content, name)]
+            listed = {station.name: station.object_id for station in instance.stations}
+            listed |= {target.name: target.object_id for target in instance.targets}
+            self._segments = by_body(every, listed)
         else:
-            for content in its.contents(instance.folder()).values():
+            for content in contents.values():
                 self._elements |= json.loads(content)["bodies"]
-            self.bodies = tuple(self._elements)
+        self.bodies = tuple(self._segments or self._elements)
 
     def state(self, body: str, time_s: float) -> Array:
         """State reported of a body in the frame of the instance, shape (6,) [m, m/s]."""
@@ -71,16 +77,18 @@ class ReportedStates:
         InputError
             The ephemeris does not reach as far.
         """
-        if self._known is not None:
-            return self._known.of(body).state(times_s)
+        instance = self._instance
+        assert instance.frame is not None  # ephemerides require it
+        if self._segments:
+            return interpolated_states(
+                self._segments[body], times_s, instance.epoch, instance.frame
+            )
         try:
             from sgp4 import omm
             from sgp4.api import Satrec
             from sgp4.conveniences import jday_datetime
         except ImportError:
             raise MissingExtra("flying onto element sets", "sgp4", "astro") from None
-        instance = self._instance
-        assert instance.frame is not None  # ephemerides require it
         satellite = Satrec()
         omm.initialize(satellite, self._elements[body])
         day, fraction = jday_datetime(instance.epoch)
