@@ -27,14 +27,18 @@ from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.dispersion import sample_flights
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.tanks import tanks_of
+from adr_opt.fly.refine.bodies import moved
 from adr_opt.fly.refine.ephemeris import tracks
+from adr_opt.fly.refine.holding import beginning
 from adr_opt.fly.refine.holding_estimate import following_m_s
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.one_leg import refine_leg
 from adr_opt.fly.refine.reported import ReportedBodies
 from adr_opt.fly.refine.whereabouts import Whereabouts
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
-from adr_opt.plan.refined_plan import RefinedPlan
+from adr_opt.plan.refined_plan import Missing, RefinedPlan
+from adr_opt.problem.chasers import TankByMass
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
 from adr_opt.problem.instance import Instance
@@ -343,22 +347,65 @@ def test_what_cannot_be_refined_onto_ephemerides_is_one_sentence(cli: Cli, files
 MASSES = ["--dry-mass", "300", "--propellant", "100", "--isp", "1500"]
 
 
-@pytest.mark.parametrize("said", ["has low thrust", "has tows"])
-def test_tows_and_low_thrust_are_one_sentence(cli: Cli, said: str) -> None:
+def test_low_thrust_is_one_sentence(cli: Cli) -> None:
     """Such missions are refused with ephemerides before anything is planned."""
     Path("all.json").write_text(as_json(records(3)), encoding="utf-8")
-    more = ["--thrust", "0.5", "--max-drift-days", "2"] if said == "has low thrust" else []
     made = cli("import", "all.json", "--epoch", EPOCH.isoformat(), "--duration-days", "2",
-               "--ephemerides", *MASSES, *more, "--out", "my.json", "--quiet")  # fmt: skip
+               "--ephemerides", *MASSES, "--thrust", "0.5", "--max-drift-days", "2",
+               "--out", "my.json", "--quiet")  # fmt: skip
     assert made.status == 0, made.err
-    if not more:
-        # An import refuses to tow what decays.
-        content = json.loads(Path("my.json").read_text(encoding="utf-8"))
-        content["mission"]["disposal_altitude_m"] = 400e3
-        for target in content["targets"]:
-            target |= {"removal": "tow", "mass_kg": 100.0, "decay_m_per_day": None}
-        Path("my.json").write_text(json.dumps(content), encoding="utf-8")
-    refused(cli("solve", "my.json", "--refine", "--ephemerides"), said)
+    refused(cli("solve", "my.json", "--refine", "--ephemerides"), "has low thrust")
+
+
+def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:
+    """Tows begin at the states of their objects, and legs at their releases; tanks pay for both.
+
+    Towed objects are fitted without a decay, and held beside until their tow begins. A beginning of
+    the plan that ends with a tow begins that at once, on the ephemeris, too.
+    """
+    (tmp_path / "all.json").write_text(as_json(records(4)), encoding="utf-8")
+    outline = catalogue.MissionOutline(epoch=EPOCH, duration_s=3.0 * DAY_S)
+    tank = TankByMass(dry_mass_kg=500.0, propellant_kg=1000.0, isp_s=310.0)
+    crew = catalogue.Crew(tank=tank, towed_kg=100.0, disposal_altitude_m=450e3)
+    made = catalogue.to_instance(catalogue.read(tmp_path / "all.json"), mission=outline, crew=crew)
+    with_ephemerides(made, tmp_path / "my.json").write(tmp_path / "my.json")
+    instance = adr_opt.load(tmp_path / "my.json")
+    assert not any(target.decay_m_per_day for target in instance.targets)
+    plan = adr_opt.solve(instance, QUICK, time_limit=60.0).plan
+    assert plan is not None
+    refined = adr_opt.refine(instance, plan, ephemerides=True)
+    assert refined.status == "complete"
+    flight = fly_refined(instance, refined)
+    assert flight.holds
+    assert flight.worst_miss_m < 0.1
+    towing = [leg for leg in refined.legs if leg.tow is not None]
+    assert len(towing) >= 3
+    for leg in towing:
+        tow = leg.tow
+        assert tow is not None
+        begin = by_sgp4_alone(instance, leg.destination, tow.start_s)
+        begin[3:] += tow.burns[0].delta_v_m_s
+        there = moved(begin, tow.released.time_s - tow.start_s, "j4")
+        assert np.linalg.norm(there[:3] - tow.released.position_m) < 0.1
+    led = [leg for leg in refined.legs if leg.tow_before is not None]
+    assert led
+    for leg in led:
+        assert leg.tow_before is not None
+        assert leg.states[0].position_m == pytest.approx(leg.tow_before.released.position_m)
+        assert leg.ready_s == leg.states[0].time_s
+    last = led[-1].leg
+    cut = refined.replace(
+        legs=tuple(leg for leg in refined.legs if leg.leg != last), status="incomplete",
+        missing=(Missing(leg=last, reason="cut"),),
+    )  # fmt: skip
+    kept = beginning(Problem(instance), plan, cut)
+    assert kept is not None
+    shorter, flown = kept
+    assert len(shorter.legs) == last - 1
+    final = flown.legs[-1].tow
+    assert final is not None
+    assert final.start_s == pytest.approx(flown.legs[-1].end_s)
+    assert fly_refined(instance, flown).holds
 
 
 def test_messages_go_round_through_a_refined_plan(tmp_path: Path, mission: Mission) -> None:

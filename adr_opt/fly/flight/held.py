@@ -29,6 +29,8 @@ LEAST_SHARE, SPARE_M_S = 0.8, 0.1
 def found_m_s(reported: ReportedStates, coast: Coast, leg: RefinedLeg) -> float:
     """ΔV that holding takes in the wait and the service of a leg, by continuous thrust [m/s].
 
+    An object that is towed is held beside until the tow begins.
+
     Parameters
     ----------
     reported : ReportedStates
@@ -39,7 +41,7 @@ def found_m_s(reported: ReportedStates, coast: Coast, leg: RefinedLeg) -> float:
     start_s, total = leg.states[0].time_s, 0.0
     for name, begin_s, end_s in (
         (leg.origin, leg.ready_s, start_s),
-        (leg.destination, leg.arrival_s, leg.end_s),
+        (leg.destination, leg.arrival_s, leg.end_s if leg.tow is None else leg.tow.start_s),
     ):
         # Differences stay within the time: an ephemeris may end with it.
         within_s = end_s - begin_s - 2.0 * APART_S

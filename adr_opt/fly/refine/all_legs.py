@@ -127,7 +127,7 @@ def refine(  # noqa: PLR0913
     InputError
         The plan belongs to another instance or cannot be flown, its legs do not follow each
         other, or a parameter is not one of those. With ephemerides: there are none, they are
-        others than the instance says, or a leg has low thrust or a tow.
+        others than the instance says, or a leg has low thrust.
     """
     wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
     return refined_again(instance_of(instance), plan, wanted, {})
@@ -167,7 +167,7 @@ def refined_again(
     legs = [(n, leg) for n, leg in numbered if leg.traits.has_burns or leg.traits.has_arcs]
     after_launch = {n + 1 for n, leg in numbered if leg.traits.from_nowhere}
     whose, lead_ins = owners(instance, plan), plan.lead_ins
-    ends = _ends(instance, gravity, legs, ephemerides=wanted.ephemerides)
+    ends = _ends(instance, gravity, plan, legs, ephemerides=wanted.ephemerides)
     bodies = ends.bodies
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
@@ -235,7 +235,12 @@ def refined_again(
 
 
 def _ends(
-    instance: Instance, gravity: Gravity, legs: list[tuple[int, Leg]], *, ephemerides: bool
+    instance: Instance,
+    gravity: Gravity,
+    plan: Plan,
+    legs: list[tuple[int, Leg]],
+    *,
+    ephemerides: bool,
 ) -> KnownBodies:
     """Where the legs of a plan begin and end."""
     if not ephemerides:
@@ -243,10 +248,16 @@ def _ends(
         return KnownBodies(TrueBodies(instance, gravity, names))
     known = opened(instance)
     assert instance.ephemerides is not None  # else none could be opened
-    bodies = ReportedBodies(instance, known, gravity, (leg for _, leg in legs))
+    tows = [
+        (leg.destination, leg.removal_burns[0].time_s) for leg in plan.legs if leg.removal_burns
+    ]
+    bodies = ReportedBodies(instance, known, gravity, (leg for _, leg in legs), tows)
+    led = plan.lead_ins
     onto = EphemeridesReference(kind=instance.ephemerides.kind, sha256=instance.ephemerides.sha256)
     return KnownBodies(
-        bodies, onto, {number: holding_m_s(known, gravity, leg) for number, leg in legs}
+        bodies,
+        onto,
+        {number: holding_m_s(known, gravity, leg, led=number in led) for number, leg in legs},
     )
 
 

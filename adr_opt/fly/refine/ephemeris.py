@@ -117,7 +117,7 @@ def _arcs(bodies: Whereabouts, leg: RefinedLeg, step: float) -> Iterator[tuple[A
         return _docked(phase, body, bodies, (start_s, end_s), step), False
 
     def towing(body: str, tow: RefinedTow) -> tuple[Arc | None, bool]:
-        state, end_s = bodies.at(body, tow.start_s), tow.released.time_s
+        state, end_s = bodies.state(body, tow.start_s), tow.released.time_s
         if tow.thrust is not None:
             return _thrusting("tow", tow.thrust, state, (tow.start_s, end_s), step, gravity), True
         state[3:] += tow.burns[0].delta_v_m_s

@@ -17,9 +17,9 @@ from ...problem.chasers import AtStation
 from ...problem.instance import Instance
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
-from .bodies import Gravity, TrueBodies
 from .releases import strayed
 from .towing import towed
+from .whereabouts import Whereabouts
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a leg, as judged by `fly`."""
@@ -99,7 +99,7 @@ def beginning(
         notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
     )  # fmt: skip
     renumbered = [
-        _towing(instance, refined.gravity, shorter, leg.replace(leg=kept.index(leg.leg) + 1))
+        _towing(instance, refined, shorter, leg.replace(leg=kept.index(leg.leg) + 1))
         for leg in refined.legs
         if leg.leg in kept
     ]
@@ -121,14 +121,14 @@ def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
             yield leg.replace(tow=tow_flown(row, tows[leg.destination], leg.end_s))
 
 
-def _towing(instance: Instance, gravity: Gravity, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
+def _towing(instance: Instance, refined: RefinedPlan, plan: Plan, leg: RefinedLeg) -> RefinedLeg:
     """A refined leg with the current tow of its plan."""
     tow = plan.legs[leg.leg - 1].tow
     if tow is None or leg.tow is None or leg.tow.thrust is not None:
         return leg
     if tow.start_s == leg.tow.start_s:
         return leg
-    bodies = TrueBodies(instance, gravity, [leg.destination])
+    bodies = Whereabouts.of(instance, refined)
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
 
 

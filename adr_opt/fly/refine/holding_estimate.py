@@ -25,7 +25,7 @@ PER_REVOLUTION = 24
 """Number of impulses in a revolution; with 60 it is 5 % more."""
 
 
-def holding_m_s(known: Ephemerides, gravity: Gravity, leg: Leg) -> float:
+def holding_m_s(known: Ephemerides, gravity: Gravity, leg: Leg, *, led: bool = False) -> float:
     """ΔV of a leg's wait at its origin and its service at its destination [m/s].
 
     Parameters
@@ -34,10 +34,14 @@ def holding_m_s(known: Ephemerides, gravity: Gravity, leg: Leg) -> float:
         A body without one takes nothing.
     gravity : {"two-body", "j2", "j3", "j4"}
     leg : Leg
-        With burns.
+        With burns; where it ends in a tow, the chaser is held until that begins.
+    led : bool
+        It begins where a tow has led, and is held nowhere.
     """
     start_s, _, docked_s = times_of(leg)
-    spans = (leg.origin, leg.ready_s, start_s), (leg.destination, docked_s, leg.end_s)
+    ready_s = start_s if led else leg.ready_s
+    until_s = leg.removal_burns[0].time_s if leg.removal_burns else leg.end_s
+    spans = (leg.origin, ready_s, start_s), (leg.destination, docked_s, until_s)
     return math.fsum(
         _beside(known, gravity, name, begin_s, end_s)
         for name, begin_s, end_s in spans

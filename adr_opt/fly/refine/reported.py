@@ -36,6 +36,8 @@ class ReportedBodies:
     gravity : {"two-body", "j2", "j3", "j4"}
     legs : iterable of Leg
         With burns, the last of them those of the approach.
+    tows : iterable of (str, float)
+        Objects that are towed, and when their tows begin [s].
 
     Raises
     ------
@@ -44,7 +46,12 @@ class ReportedBodies:
     """
 
     def __init__(
-        self, instance: Instance, known: Ephemerides, gravity: Gravity, legs: Iterable[Leg]
+        self,
+        instance: Instance,
+        known: Ephemerides,
+        gravity: Gravity,
+        legs: Iterable[Leg],
+        tows: Iterable[tuple[str, float]] = (),
     ) -> None:
         legs = tuple(legs)
         names = dict.fromkeys(name for leg in legs for name in (leg.origin, leg.destination))
@@ -57,6 +64,9 @@ class ReportedBodies:
         }
         self._states: dict[tuple[str, float], Array] = {}
         self._behind: dict[tuple[str, float, float], Array] = {}
+        for name, tow_s in tows:
+            if name in reported:
+                self._states[name, tow_s] = reported[name].state(tow_s)
         length_m = instance.transfer.standoff_m
         for leg in legs:
             start_s, standoff_s, docked_s = times_of(leg)
@@ -100,13 +110,12 @@ def opened(instance: Instance) -> Ephemerides:
     Raises
     ------
     InputError
-        There are none, they are others than the instance says, or it has low thrust or tows.
+        There are none, they are others than the instance says, or it has low thrust.
     """
     known = ephemerides_of(instance)
-    if instance.has_low_thrust or any(target.service.is_flown for target in instance.targets):
-        what = "low thrust" if instance.has_low_thrust else "tows"
+    if instance.has_low_thrust:
         raise InputError(
-            f"{instance.name!r} has {what}, and only legs of impulses without tows are refined "
-            "onto ephemerides; refine without --ephemerides"
+            f"{instance.name!r} has low thrust, and only legs of impulses are refined onto "
+            "ephemerides; refine without --ephemerides"
         )
     return known

@@ -10,23 +10,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
+from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn
 from ...plan.refined_plan import RefinedBurn, RefinedTow
-from .bodies import MovingBodies, moved
+from .bodies import Gravity, moved
 from .states import recorded
 
 
+class HasStates(Protocol):
+    """Where bodies are at any time."""
+
+    gravity: Gravity
+
+    def state(self, name: str, time_s: float) -> Array:
+        """Inertial state of a body at a time since the epoch, shape (6,) [m, m/s]."""
+        ...
+
+
 def towed(
-    bodies: MovingBodies, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
+    bodies: HasStates, name: str, planned: Sequence[Burn], leaves_s: float = math.inf
 ) -> RefinedTow:
     """Tow an object in true dynamics.
 
     Parameters
     ----------
-    bodies : MovingBodies
+    bodies : HasStates
         With the object.
     name : str
         Of the object.

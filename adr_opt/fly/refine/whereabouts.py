@@ -58,7 +58,7 @@ class Whereabouts:
         """Source of the states of a body, in words."""
         return "as its ephemeris says" if self.is_reported(name) else "from the state at the epoch"
 
-    def at(self, name: str, time_s: float) -> Array:
+    def state(self, name: str, time_s: float) -> Array:
         """State of a body at a time since the epoch, shape (6,) [m, m/s]."""
         if name in self._reported:
             return self._reported[name].state(time_s)

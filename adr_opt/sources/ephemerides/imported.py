@@ -135,12 +135,15 @@ def _fitted(
             + (f" and {len(missing) - 1} more bodies" if len(missing) > 1 else "")
             + "; give one for each target, or filter such objects out"
         )
+    # Tows of decaying objects are not planned, and stations are planned without a decay.
+    lasting = {target.name for target in instance.targets if target.service.is_flown}
+    lasting |= set(instance.station_names)
     fits, left = {}, []
     for body in made.records:
         ephemeris = known.of(body)
         if isinstance(ephemeris, ByTable):
             ephemeris.check_covered(0.0, duration_s)
-        fits[body] = fitted(ephemeris, duration_s, decays=body not in instance.station_names)
+        fits[body] = fitted(ephemeris, duration_s, decays=body not in lasting)
         left.append(left_over(ephemeris, fits[body], duration_s))
     targets = tuple(
         target.replace(
