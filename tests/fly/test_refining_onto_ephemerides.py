@@ -51,6 +51,7 @@ from adr_opt.sources.ephemerides.oem import read_oem
 from adr_opt.sources.ephemerides.of_instance import of_contents
 from adr_opt.ui.plot.costs import costs_chart
 from adr_opt.ui.report.flights import complaints, section
+from adr_opt.ui.report.sections import costs_note
 
 sgp4 = pytest.importorskip("sgp4.api")
 sgp4_omm = pytest.importorskip("sgp4.omm")
@@ -468,12 +469,47 @@ def test_the_chaser_is_beside_its_bodies_in_exports(mission: Mission, tmp_path: 
         write_refined(instance, refined, tmp_path / f"x.{format}", file=FlightFile(format), leg=leg)
 
 
+@pytest.mark.parametrize("name", ["TEME", "EME2000"])
+def test_other_readers_find_the_chaser_where_sgp4_says(
+    name: str, mission: Mission, tmp_path: Path
+) -> None:
+    """In a message as `oem` and `ccsds-ndm` read it, a leg ends where the package `sgp4` says."""
+    third, ndm_io = pytest.importorskip("oem"), pytest.importorskip("ccsds_ndm.ndm_io")
+    instance, refined = mission.instance, mission.refined
+    assert instance.frame is not None
+    frame = instance.frame if name == "TEME" else Frame(name="EME2000")
+    turn = from_gcrf(frame) @ from_gcrf(instance.frame).T
+    path = tmp_path / "a.oem"
+    leg = next(leg for leg in refined.legs if leg.destination not in instance.station_names)
+    write_refined(instance, refined, path, file=FlightFile(frame=name), leg=leg.leg)
+    read = third.OrbitEphemerisMessage.open(path)
+    assert {segment.metadata["REF_FRAME"] for segment in read.segments} == {name}
+    listed = [segment.metadata for segment in ndm_io.NdmIo().from_path(path).body.segment]
+    assert [one.ref_frame for one in listed] == [name] * len(read.segments)
+    ends = [list(segment.states)[-1] for segment in read.segments]
+    times = [(end.epoch.utc.to_datetime(timezone=UTC) - instance.epoch) for end in ends]
+    gaps = [abs(time.total_seconds() - leg.arrival_s) for time in times]
+    docked = ends[int(np.argmin(gaps))]
+    assert min(gaps) < 1e-5
+    found = 1e3 * np.concatenate((docked.position, docked.velocity))
+    reported = by_sgp4_alone(instance, leg.destination, leg.arrival_s)
+    assert np.linalg.norm(found[:3] - turn @ reported[:3]) < 0.5
+    # The last impulse follows the state that the message ends with.
+    found[3:] += turn @ leg.burns[-1].delta_v_m_s
+    assert np.linalg.norm(found[3:] - turn @ reported[3:]) < 1e-3
+
+
 def test_displays_tell_of_ephemerides(mission: Mission) -> None:
     """The chart of costs, the card and the report say what the plan was refined onto."""
     _, _, refined = mission
-    assert [one.name for one in costs_chart(mission.plan, refined).series][-1].endswith(
-        "onto ephemerides"
-    )
+    shown = {one.name: list(one.y) for one in costs_chart(mission.plan, refined).series}
+    assert shown == {
+        "planned": [leg.delta_v_m_s for leg in mission.plan.legs],
+        "burns": [leg.burns_delta_v_m_s for leg in mission.plan.legs],
+        "burns onto ephemerides": [leg.retargeted_delta_v_m_s for leg in refined.legs],
+        "refined onto ephemerides": [leg.flown_delta_v_m_s for leg in refined.legs],
+    }
+    assert "where ephemerides have the bodies" in costs_note(mission.plan, refined)
     assert "onto ephemerides" in repr(refined)
     page = section(mission.instance, None, refined, fly_refined(mission.instance, refined))
     assert "Holding beside the bodies" in page

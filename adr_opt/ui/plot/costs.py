@@ -1,4 +1,4 @@
-"""ΔV by leg: the plan's figure, and the sum of its burns."""
+"""ΔV by leg: the plan's figure, the sum of its burns, and what it takes refined."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .chart import Chart, ChartAxis, Columns
 from .draw import draw
 
 PLANNED, BURNED, REFINED = COLOURS["phasing"], COLOURS["terminal"], COLOURS["co-elliptic"]
+MENDED = COLOURS["approach"]
 
 
 def has_burns(plan: Plan) -> bool:
@@ -27,15 +28,23 @@ def has_burns(plan: Plan) -> bool:
 def costs_chart(plan: Plan, refined: RefinedPlan | None = None) -> Chart:
     """ΔV [m/s] of each leg: planned, in burns and, for a refined plan, as flown.
 
-    Burns are left out where the plan has none.
+    Burns are left out where the plan has none. Where legs were refined onto ephemerides, the plan's
+    own burns are shown, too, as they lead to where bodies are said to be.
     """
     shown = [("planned", PLANNED, [leg.delta_v_m_s for leg in plan.legs])]
     if has_burns(plan):
         shown.append(("burns", BURNED, [leg.burns_delta_v_m_s for leg in plan.legs]))
     numbers = range(1, len(plan.legs) + 1)
     if refined is not None:
-        flown = {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
-        name = "refined" if refined.ephemerides is None else "refined onto ephemerides"
+        known = {leg.leg: leg for leg in refined.legs}
+        onto = refined.ephemerides is not None
+        if onto:
+            own = {at: leg.retargeted_delta_v_m_s for at, leg in known.items()}
+            shown.append(
+                ("burns onto ephemerides", MENDED, [own.get(at, math.nan) for at in numbers])
+            )
+        flown = {at: leg.flown_delta_v_m_s for at, leg in known.items()}
+        name = "refined onto ephemerides" if onto else "refined"
         shown.append((name, REFINED, [flown.get(at, math.nan) for at in numbers]))
     columns = (
         Columns(name=name, colour=colour, x=numbers, y=values, legs=numbers, of=plan.legs)

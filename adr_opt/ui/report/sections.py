@@ -197,6 +197,8 @@ def costs_note(plan: Plan, refined: RefinedPlan | None) -> str:
         said += "; of a leg that drifts the first comes from a closed form"
     if any(leg.eccentricity_delta_v_m_s > 0.0 for leg in plan.legs):
         said += "; matching eccentricities is counted and has no burn"
+    if refined is not None and refined.ephemerides is not None:
+        said += "; what these burns come to when they lead to where ephemerides have the bodies"
     if refined is not None:
         said += "; and what it takes refined, in true dynamics"
     return said + "."
