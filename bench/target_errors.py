@@ -22,7 +22,7 @@ from adr_opt.common.constants import DAY_S
 from adr_opt.fly.dispersion import Dispersion, sample_flights
 from adr_opt.sources import catalogue
 from adr_opt.sources.ephemerides.imported import with_ephemerides
-from adr_opt.sources.uncertainty import Compared, compared
+from adr_opt.sources.uncertainty import SetsCompared, compared
 
 TARGETS, DAYS, FLIGHTS = 60, 7.0, 1000
 BEFORE_S = (2.0 * DAY_S, DAY_S, 12000.0, None, 3000.0, 1500.0)
@@ -71,7 +71,7 @@ def main() -> None:
     )
 
 
-def _print_shown(shown: Compared) -> None:
+def _print_shown(shown: SetsCompared) -> None:
     print(
         f"{len(shown.differences)} objects compared, {shown.median_age_days:.1f} days apart in the "
         f"median; {len(shown.by_median)} by the median, {len(shown.by_largest)} by the largest\n\n"

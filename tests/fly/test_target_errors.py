@@ -17,7 +17,7 @@ from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.fly.dispersion import Dispersion, FlightErrors, sample_flights
 from adr_opt.fly.dispersion.displaced import DisplacedBodies
 from adr_opt.fly.dispersion.exact import fly_exactly, moved
-from adr_opt.fly.dispersion.feedback import Ends, Off, fly, part
+from adr_opt.fly.dispersion.feedback import BodiesOff, UncertainEnds, fly, part
 from adr_opt.fly.refine.bodies import moved as coasted
 from adr_opt.fly.refine.states import state_of
 from adr_opt.kernels.orbits import equinoctial
@@ -90,9 +90,11 @@ def test_an_error_along_the_track_takes_what_linear_motion_says(along_m: float) 
     burns = tuple(
         RefinedBurn(time_s=at, delta_v_m_s=(0.0, 0.0, 0.0), phase="transfer") for at in (0.0, end)
     )
-    made = part(start, 0.0, burns, end, "two-body", 2, Ends(tracked_s=end - revolution), blind=True)
+    made = part(
+        start, 0.0, burns, end, "two-body", 2, UncertainEnds(tracked_s=end - revolution), blind=True
+    )
     ahead = np.array([0.0, 0.0, 0.0, 0.0, 0.0, along_m / radius])
-    off = Off(np.zeros((6, 1)), ahead[:, None])
+    off = BodiesOff(np.zeros((6, 1)), ahead[:, None])
     drawn = np.zeros((made.times.size, 3, 1))
     flown = fly(made, np.zeros((6, 1)), drawn, NONE, off)
     effects = [clohessy_wiltshire(n, revolution * left) for left in (1.0, 2 / 3, 1 / 3, 0.0)]
@@ -101,7 +103,9 @@ def test_an_error_along_the_track_takes_what_linear_motion_says(along_m: float) 
     assert 2.0 / 3.0 * abs(along_m) / revolution < wanted < 0.9 * abs(along_m) / revolution
     assert flown.delta_v_m_s[0] == pytest.approx(wanted, rel=2e-3)
     assert np.linalg.norm(flown.miss[:3]) < 1e-3 * abs(along_m)
-    spent, miss = fly_exactly(made, np.zeros(6), drawn[:, :, 0], NONE, Off(np.zeros(6), ahead))
+    spent, miss = fly_exactly(
+        made, np.zeros(6), drawn[:, :, 0], NONE, BodiesOff(np.zeros(6), ahead)
+    )
     assert spent == pytest.approx(wanted, rel=5e-3)
     assert np.linalg.norm(miss[:3]) < 1e-3 * abs(along_m)
     there = moved(made.goal, ahead)

@@ -17,7 +17,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.sources.catalogue import MissionOutline, read, to_instance
 from adr_opt.sources.catalogue.propagation import mean_elements
 from adr_opt.sources.uncertainty import TargetError, compared, read_target_errors
-from adr_opt.sources.uncertainty.successive import Growth, SetDifference, error_of, growth_of
+from adr_opt.sources.uncertainty.successive import ErrorGrowth, SetDifference, error_of, growth_of
 from adr_opt.sources.uncertainty.table import TRIANGLE
 
 pytest.importorskip("sgp4.api")
@@ -147,7 +147,7 @@ def test_growth_is_found_again() -> None:
 
 def test_an_aged_error_has_grown() -> None:
     """The decay since the element set is in the axis and the longitude at the epoch."""
-    covariance = error_of(Growth(0.0, 0.0, 0.0, 2.0), REV_DAY, 3.0).covariance
+    covariance = error_of(ErrorGrowth(0.0, 0.0, 0.0, 2.0), REV_DAY, 3.0).covariance
     sigmas = np.sqrt(covariance.diagonal())
     assert sigmas[0] == pytest.approx(6.0)
     assert sigmas[5] == pytest.approx(0.75 * math.tau * REV_DAY * 9.0 * 2.0)

@@ -15,14 +15,14 @@ from ...kernels.orbits import coast, equinoctial
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
 from .errors import FlightErrors
-from .feedback import LegPart, Off
+from .feedback import BodiesOff, LegPart
 
 STEPS = 3
 """Number of targeting steps before each burn."""
 
 
 def fly_exactly(
-    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: Off | None = None
+    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: BodiesOff | None = None
 ) -> tuple[float, Array]:
     """Fly a part of a leg once.
 
@@ -34,7 +34,7 @@ def fly_exactly(
     drawn : (burns, 3) float64
         Standard normal numbers.
     errors : FlightErrors
-    off : Off, optional
+    off : BodiesOff, optional
         Of the bodies, each of shape (6,).
 
     Returns

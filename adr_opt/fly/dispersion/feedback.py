@@ -50,7 +50,7 @@ CLOSE_S = 1e-3
 
 
 @dataclass(frozen=True)
-class Ends:
+class UncertainEnds:
     """What is uncertain about the bodies at both ends of a leg.
 
     Attributes
@@ -65,11 +65,11 @@ class Ends:
     tracked_s: float | None = None
 
 
-PLANNED = Ends()
+PLANNED = UncertainEnds()
 """Both bodies are where they are planned."""
 
 
-class Off(NamedTuple):
+class BodiesOff(NamedTuple):
     """By how much bodies are off, in equinoctial elements in the frame of the planned state there.
 
     Attributes
@@ -139,7 +139,7 @@ class Parted:
 
 
 def parts_of(
-    leg: RefinedLeg, gravity: Gravity, corrections: int, ends: Ends = PLANNED
+    leg: RefinedLeg, gravity: Gravity, corrections: int, ends: UncertainEnds = PLANNED
 ) -> tuple[LegPart, LegPart]:
     """The two parts of a refined leg: up to the stand-off, and the approach.
 
@@ -150,7 +150,7 @@ def parts_of(
     gravity : {"two-body", "j2", "j3", "j4"}
     corrections : int
         Burns for corrections alone after each burn before the approach.
-    ends : Ends
+    ends : UncertainEnds
     """
     first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
     begin = leg.states[0]
@@ -175,7 +175,7 @@ def part(
     end_s: float,
     gravity: Gravity,
     corrections: int = 0,
-    ends: Ends = PLANNED,
+    ends: UncertainEnds = PLANNED,
     *,
     blind: bool = False,
 ) -> LegPart:
@@ -192,7 +192,7 @@ def part(
     corrections : int
         Burns for corrections alone after each burn, evenly in the revolution that follows it or
         until the next one; also after the destination is tracked.
-    ends : Ends
+    ends : UncertainEnds
     blind : bool
         The first burn is made as planned: the error at the beginning is seen after it.
     """
@@ -223,7 +223,7 @@ def part(
 
 
 def fly(
-    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: Off | None = None
+    part: LegPart, begun: Array, drawn: Array, errors: FlightErrors, off: BodiesOff | None = None
 ) -> Parted:
     """Fly a part many times.
 
@@ -235,7 +235,7 @@ def fly(
     drawn : (burns, 3, n) float64
         Standard normal numbers.
     errors : FlightErrors
-    off : Off, optional
+    off : BodiesOff, optional
         Of the bodies; the miss is then that of the stand-off where the destination is.
     """
     miss = part.beginning @ begun

@@ -17,7 +17,7 @@ from ..refine.states import state_of
 from .displaced import DisplacedBodies
 from .errors import FlightErrors
 from .exact import fly_exactly
-from .feedback import PLANNED, Ends, LegPart, Off, fly, parts_of
+from .feedback import PLANNED, BodiesOff, LegPart, UncertainEnds, fly, parts_of
 
 EXACT_FLIGHTS = 10
 """Number of flights repeated without linearisation."""
@@ -92,7 +92,7 @@ def revolution_s(state: Array) -> float:
 
 def _ends(
     leg: RefinedLeg, displaced: DisplacedBodies, known_before_s: float | None
-) -> tuple[Ends, Off | None]:
+) -> tuple[UncertainEnds, BodiesOff | None]:
     """What is uncertain about the bodies of a leg, and by how much they are off."""
     origin, target = leg.origin in displaced, leg.destination in displaced
     if not (origin or target):
@@ -101,8 +101,8 @@ def _ends(
         standoff = next(state for state in leg.states if state.event == "stand-off")
         known_before_s = revolution_s(state_of(standoff))
     return (
-        Ends(origin, leg.standoff_s - known_before_s if target else None),
-        Off(
+        UncertainEnds(origin, leg.standoff_s - known_before_s if target else None),
+        BodiesOff(
             displaced.at(leg.origin, leg.states[0].time_s),
             displaced.at(leg.destination, leg.standoff_s),
         ),
@@ -114,11 +114,11 @@ def _exactly(
     begun: Array,
     drawn: list[Array],
     errors: FlightErrors,
-    off: Off | None,
+    off: BodiesOff | None,
 ) -> Iterator[tuple[float, Array]]:
     """ΔV of the first flights, and their position errors at the stand-off."""
     for at in range(min(EXACT_FLIGHTS, begun.shape[1])):
-        this = None if off is None else Off(off.origin[:, at], off.target[:, at])
+        this = None if off is None else BodiesOff(off.origin[:, at], off.target[:, at])
         first, standoff = fly_exactly(parts[0], begun[:, at], drawn[0][:, :, at], errors, this)
         second, _ = fly_exactly(parts[1], standoff, drawn[1][:, :, at], errors)
         yield first + second, standoff[:3]

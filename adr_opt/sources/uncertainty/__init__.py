@@ -1,7 +1,7 @@
 """Uncertainty of where bodies are: tables that state it, and what element sets show of it."""
 
-from .successive import Compared, compared
+from .successive import SetsCompared, compared
 from .table import read_target_errors
 from .target_error import TargetError
 
-__all__ = ["Compared", "TargetError", "compared", "read_target_errors"]
+__all__ = ["SetsCompared", "TargetError", "compared", "read_target_errors"]

@@ -50,7 +50,7 @@ class SetDifference(NamedTuple):
     across_m: float
 
 
-class Growth(NamedTuple):
+class ErrorGrowth(NamedTuple):
     """Standard deviations that an object's element sets show: at age zero, and of the decay."""
 
     radial_m: float
@@ -60,7 +60,7 @@ class Growth(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Compared:
+class SetsCompared:
     """Errors of the bodies of an instance that comparing element sets gives.
 
     Attributes
@@ -78,7 +78,7 @@ class Compared:
     """
 
     errors: dict[str, TargetError]
-    growths: dict[str, Growth]
+    growths: dict[str, ErrorGrowth]
     differences: dict[str, tuple[SetDifference, ...]] = field(repr=False)
     by_median: tuple[str, ...]
     by_largest: tuple[str, ...]
@@ -101,7 +101,7 @@ class Compared:
         return float(np.median(every))
 
 
-def compared(instance: Instance, paths: Sequence[str | os.PathLike[str]]) -> Compared:
+def compared(instance: Instance, paths: Sequence[str | os.PathLike[str]]) -> SetsCompared:
     """Errors of targets, from files with element sets of several epochs.
 
     Parameters
@@ -138,17 +138,17 @@ def compared(instance: Instance, paths: Sequence[str | os.PathLike[str]]) -> Com
         for body, pairs in differences.items()
     }
     columns = np.array(list(growths.values()))
-    growths |= dict.fromkeys(single, Growth(*np.median(columns, axis=0).tolist()))
-    growths |= dict.fromkeys(far, Growth(*columns.max(axis=0).tolist()))
+    growths |= dict.fromkeys(single, ErrorGrowth(*np.median(columns, axis=0).tolist()))
+    growths |= dict.fromkeys(far, ErrorGrowth(*columns.max(axis=0).tolist()))
     growths = {body: growths[body] for body in sets}
     errors = {
         body: error_of(growth, sets[body][-1].mean_motion_rev_day, _age(instance, sets[body]))
         for body, growth in growths.items()
     }
-    return Compared(errors, growths, differences, tuple(single), tuple(far))
+    return SetsCompared(errors, growths, differences, tuple(single), tuple(far))
 
 
-def growth_of(differences: Sequence[SetDifference], mean_motion_rev_day: float) -> Growth:
+def growth_of(differences: Sequence[SetDifference], mean_motion_rev_day: float) -> ErrorGrowth:
     """Standard deviations by the differences of an object."""
     table = np.array(differences)
     ages, along = table[:, 0], table[:, 2]
@@ -166,10 +166,10 @@ def growth_of(differences: Sequence[SetDifference], mean_motion_rev_day: float) 
         expected = np.maximum(model @ found, LEAST_M2)
     radial, across = (math.sqrt(float(np.mean(table[:, at] ** 2))) for at in (1, 3))
     constant = float(found[1]) if found.size > 1 else 0.0
-    return Growth(radial, math.sqrt(constant), across, math.sqrt(float(found[0])))
+    return ErrorGrowth(radial, math.sqrt(constant), across, math.sqrt(float(found[0])))
 
 
-def error_of(growth: Growth, mean_motion_rev_day: float, age_days: float) -> TargetError:
+def error_of(growth: ErrorGrowth, mean_motion_rev_day: float, age_days: float) -> TargetError:
     """The error at an age of the element set, in elements.
 
     What is seen outward is of the eccentricity: an error of the semi-major axis would run away

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...fly.dispersion import Dispersion, LegDispersion, Quantile
     from ...fly.refine import RefinedPlan
     from ...problem.instance import Instance
-    from ...sources.uncertainty import Compared, TargetError
+    from ...sources.uncertainty import SetsCompared, TargetError
     from .bars import Show
 
 OPTIONS = (
@@ -90,7 +90,7 @@ class Sampling(NamedTuple):
 
     def errors_of_targets(
         self, instance: Instance
-    ) -> tuple[Mapping[str, TargetError] | None, Compared | None]:
+    ) -> tuple[Mapping[str, TargetError] | None, SetsCompared | None]:
         """Errors of where targets are, and what element sets show if they come from these."""
         from ...sources.uncertainty import compared, read_target_errors
 
@@ -144,7 +144,7 @@ error_options = take.together(
 """The options of flights with errors."""
 
 
-def tell(dispersion: Dispersion, shown: Compared | None = None) -> None:
+def tell(dispersion: Dispersion, shown: SetsCompared | None = None) -> None:
     """Print the outcome of flights with errors, and what element sets show."""
     _tell_legs(dispersion)
     if shown is not None:
@@ -196,7 +196,7 @@ def said(dispersion: Dispersion) -> list[str]:
     return sentences
 
 
-def _shown(compared: Compared) -> str:
+def _shown(compared: SetsCompared) -> str:
     """What comparing element sets shows, in a sentence."""
     growths = [compared.growths[body] for body in compared.differences]
     middle = [median([growth[at] for growth in growths]) for at in range(4)]
