@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 from functools import cache
@@ -120,16 +121,21 @@ def displaced(error: TargetError, flights: int) -> tuple[DisplacedBodies, str, n
     return DisplacedBodies(instance, refined, {name: error}, flights, 3), name, state
 
 
-def test_errors_at_the_epoch_have_their_covariance() -> None:
-    """Errors drawn at the epoch, told in axes of the body again, converge to the covariance."""
-    flights, error = 40000, rtn_error()
+@pytest.mark.parametrize("since_s", [0.0, DAY_S])
+@pytest.mark.parametrize("coordinates", ["rtn", "inertial"])
+def test_errors_have_their_covariance_at_their_time(coordinates: str, since_s: float) -> None:
+    """Errors told in axes of the body, or those of the instance, converge to the covariance."""
+    flights = 40000
+    error = dataclasses.replace(rtn_error(), coordinates=coordinates, since_s=since_s)
     bodies, name, state = displaced(error, flights)
-    bodies.follow(name, [0.0])
+    bodies.follow(name, [0.0, since_s])
+    state = coasted(state, since_s, "j2")
     frame = equinoctial.own_frame(state)
-    inertial = np.linalg.inv(equinoctial.jacobian(state, frame)) @ bodies.at(name, 0.0)
-    own = np.kron(np.eye(2), frame) @ inertial
+    found = np.linalg.inv(equinoctial.jacobian(state, frame)) @ bodies.at(name, since_s)
+    if coordinates == "rtn":
+        found = np.kron(np.eye(2), frame) @ found
     sizes = np.sqrt(np.diag(error.covariance)[:6])
-    off = (own @ own.T / flights - error.covariance[:6, :6]) / np.outer(sizes, sizes)
+    off = (found @ found.T / flights - error.covariance[:6, :6]) / np.outer(sizes, sizes)
     assert np.abs(off).max() < 4.0 / math.sqrt(flights)
 
 

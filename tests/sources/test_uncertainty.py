@@ -11,19 +11,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 from catalogue_files import as_json, field
+from messages import oem
 
 import adr_opt
 from adr_opt.common.errors import InputError
+from adr_opt.problem.frame import Frame
+from adr_opt.problem.frame_rotation import from_gcrf
 from adr_opt.sources.catalogue import MissionOutline, read, to_instance
 from adr_opt.sources.catalogue.propagation import mean_elements
 from adr_opt.sources.uncertainty import TargetError, compared, read_target_errors
 from adr_opt.sources.uncertainty.successive import ErrorGrowth, SetDifference, error_of, growth_of
-from adr_opt.sources.uncertainty.table import TRIANGLE
+from adr_opt.sources.uncertainty.table import TRIANGLE, read_table
 
 pytest.importorskip("sgp4.api")
+pytest.importorskip("erfa")
 
 BODIES = ("station", "a", "b")
 EPOCH = datetime(2025, 3, 2, 12, tzinfo=UTC)
+TEME = Frame(name="TEME", axes_epoch=EPOCH - timedelta(days=200))
 REV_DAY = 14.4
 
 
@@ -43,7 +48,7 @@ def singular() -> np.ndarray:
 @pytest.mark.usefixtures("cli")
 def test_tables_say_the_same_in_csv_and_json() -> None:
     """Standard deviations and covariances are read alike from both spellings, and back as given."""
-    sigma = read_target_errors(
+    sigma = read_table(
         table(
             "target,sigma_radial_m,sigma_along_m,sigma_across_m_s,sigma_decay_m_per_day\n"
             "a,10,200,0.5,3\n\nb,,,,\n"
@@ -55,7 +60,7 @@ def test_tables_say_the_same_in_csv_and_json() -> None:
     matrix = singular()
     names = ",".join(name for name, _, _ in TRIANGLE)
     cells = ",".join(repr(float(matrix[row, column])) for _, row, column in TRIANGLE)
-    in_csv = read_target_errors(table(f"target,{names}\na,{cells}\n"), BODIES)["a"]
+    in_csv = read_table(table(f"target,{names}\na,{cells}\n"), BODIES)["a"]
     Path("errors.json").write_text(
         json.dumps({
             "format": "adr-opt-target-errors/1",
@@ -63,7 +68,7 @@ def test_tables_say_the_same_in_csv_and_json() -> None:
         }),
         encoding="utf-8",
     )  # fmt: skip
-    in_json = read_target_errors("errors.json", BODIES)["a"]
+    in_json = read_table("errors.json", BODIES)["a"]
     assert np.array_equal(in_csv.covariance, in_json.covariance)
     assert np.array_equal(in_json.covariance[:6, :6], matrix)
     assert (in_csv.coordinates, TRIANGLE[0][0], TRIANGLE[-1][0]) == (
@@ -123,7 +128,65 @@ def test_a_factor_gives_the_covariance() -> None:
 def test_bad_tables_are_one_sentence(text: str, said: str) -> None:
     """Whatever is wrong with a table is said in one sentence that names the file."""
     with pytest.raises(InputError) as error:
-        read_target_errors(table(text), BODIES)
+        read_table(table(text), BODIES)
+    assert said in str(error.value)
+    assert str(error.value).startswith("errors.csv: ")
+    assert "\n" not in str(error.value)
+
+
+def message(matrix: np.ndarray, *said: str, last: int = 6) -> str:
+    """A message about target a with a covariance [m², m²/s, m²/s²] at three times."""
+    rows = [" ".join(f"{1e-6 * matrix[at, to]:.17e}" for to in range(at + 1)) for at in range(last)]
+    text = oem("a", "2020-001A", EPOCH, lambda times: np.ones((times.size, 6)))
+    lines = ["COVARIANCE_START"]
+    for hours in (-1, 0, 1):
+        at = (EPOCH + timedelta(hours=hours)).replace(tzinfo=None).isoformat()
+        lines += [f"EPOCH = {at}", *said, *rows]
+    return text + "\n".join([*lines, "COVARIANCE_STOP"]) + "\n"
+
+
+def with_target() -> adr_opt.Instance:
+    instance = adr_opt.generate("tiny", 0).replace(epoch=EPOCH, frame=TEME)
+    first = instance.targets[0].replace(name="a")
+    return instance.replace(targets=(first, *instance.targets[1:]))
+
+
+@pytest.mark.usefixtures("cli")
+@pytest.mark.parametrize("said", ["RTN", "RSW", "EME2000", ""])
+def test_messages_state_covariances(said: str) -> None:
+    """The last covariance that is not of later is taken, turned into the frame of the instance."""
+    matrix, instance = singular(), with_target()
+    path = table(message(matrix, *([f"COV_REF_FRAME = {said}"] if said else [])))
+    (found,) = read_target_errors(instance, path).values()
+    turn = np.eye(3)
+    if said == "EME2000":
+        turn = from_gcrf(TEME) @ from_gcrf(Frame(name="EME2000")).T
+    elif not said:  # TEME of date, which is that of the epoch here
+        turn = from_gcrf(TEME) @ from_gcrf(Frame(name="TEME", axes_epoch=EPOCH)).T
+    both = np.kron(np.eye(2), turn)
+    wanted = both @ matrix @ both.T
+    sizes = np.sqrt(np.outer(wanted.diagonal(), wanted.diagonal()))
+    assert (np.abs(found.covariance[:6, :6] - wanted) <= 1e-9 * sizes).all()
+    assert found.coordinates == ("rtn" if said in ("RTN", "RSW") else "inertial")
+    assert found.since_s == 0.0
+
+
+@pytest.mark.usefixtures("cli")
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (message(np.eye(6), "COV_REF_FRAME = TNW"), "REF_FRAME = TNW: must be"),
+        (message(np.eye(6), last=5), "a covariance has 5 rows; it must have six"),
+        (message(-np.eye(6), "COV_REF_FRAME = RTN"), "has a negative variance"),
+        (message(np.eye(6), "SIGMA = 2"), "SIGMA is unknown of covariances"),
+        (message(np.eye(6)).replace("= a", "= other"), "no covariance of a body of"),
+        (message(np.full((6, 6), np.nan)), "is not a row of 1 numbers of a covariance"),
+    ],
+)
+def test_bad_covariances_are_one_sentence(text: str, said: str) -> None:
+    """What a message gets wrong about covariances is said in a sentence with its file."""
+    with pytest.raises(InputError) as error:
+        read_target_errors(with_target(), table(text))
     assert said in str(error.value)
     assert str(error.value).startswith("errors.csv: ")
     assert "\n" not in str(error.value)

@@ -1,6 +1,6 @@
-"""Bodies that are elsewhere than planned, by errors drawn at the epoch.
+"""Bodies that are elsewhere than planned, by errors drawn at the time at which these are known.
 
-An error keeps to a body through the mission: it is carried from the epoch by the state-transition
+An error keeps to a body through the mission: it is carried from that time by the state-transition
 matrix of its motion in the field of the plan, and the decay by its parabola. It is told in
 equinoctial elements in the frame of the planned state, where it stays nearly linear for hundreds of
 kilometres along the track.
@@ -20,6 +20,7 @@ from ...kernels.orbits.short_periods import Array, mean_elements, osculating
 from ...plan.refined_plan import RefinedPlan
 from ...problem.instance import Instance
 from ...sources.uncertainty import TargetError
+from ..refine.bodies import moved
 from ..refine.states import state_of
 
 STEPS = 10.0, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6
@@ -50,6 +51,7 @@ class DisplacedBodies:
         seed: int,
     ) -> None:
         self._flights = flights
+        self._errors, self._gravity = errors, refined.gravity
         self._zonals, self._states = FIELDS[refined.gravity], dict[str, Array]()
         self._drawn, self._known = dict[str, Array](), dict[tuple[str, float], Array]()
         for number, name in enumerate(instance.names):
@@ -58,9 +60,6 @@ class DisplacedBodies:
                 rng = np.random.default_rng([seed, number, len(instance.names)])
                 normal = rng.standard_normal((7, flights))
                 self._drawn[name] = errors[name].factor() @ normal
-        self._in_elements = {
-            name for name, error in errors.items() if error.coordinates == "elements"
-        }
         for body in refined.bodies:
             self._states[body.name] = state_of(body)
 
@@ -83,15 +82,16 @@ class DisplacedBodies:
         """
         if name not in self._drawn:
             return
-        drawn, state, matrix = self._drawn[name], self._states[name].copy(), np.eye(6)
+        drawn, since_s = self._drawn[name], self._errors[name].since_s
+        state, matrix = moved(self._states[name], since_s, self._gravity), np.eye(6)
         begin = self._begin(name, state) @ drawn[:6]
-        now_s = 0.0
+        now_s = since_s
         for time_s in sorted(set(times_s)):
             coast.coast(state, time_s - now_s, self._zonals, matrix)
             now_s = time_s
             frame = equinoctial.own_frame(state)
             found = equinoctial.jacobian(state, frame) @ (matrix @ begin)
-            found += np.outer(self._decayed(state, frame, time_s), drawn[6])
+            found += np.outer(self._decayed(state, frame, time_s - since_s), drawn[6])
             if not np.abs(found[5]).max() < MOST_RAD:  # NaN, too
                 far = np.abs(found[5]).max() * float(np.linalg.norm(state[:3])) / 1e3
                 raise InputError(
@@ -110,9 +110,12 @@ class DisplacedBodies:
         return self._known[name, time_s]
 
     def _begin(self, name: str, state: Array) -> Array:
-        """Derivative of the state at the epoch by the coordinates of the error, shape (6, 6)."""
+        """Derivative of the state by the coordinates of the error, shape (6, 6)."""
+        coordinates = self._errors[name].coordinates
+        if coordinates == "inertial":
+            return np.eye(6)
         frame = equinoctial.own_frame(state)
-        if name not in self._in_elements:
+        if coordinates == "rtn":
             return np.kron(np.eye(2), frame.T)
         elements = equinoctial.elements(state, frame)
         lengths = np.array([1.0, *([1.0 / elements[0]] * 5)])
@@ -121,10 +124,10 @@ class DisplacedBodies:
         found: Array = np.linalg.inv(equinoctial.jacobian(state, frame)) @ by_mean
         return found
 
-    def _decayed(self, state: Array, frame: Array, time_s: float) -> Array:
-        """Change of elements at a time by each metre a day of decay, shape (6,)."""
+    def _decayed(self, state: Array, frame: Array, span_s: float) -> Array:
+        """Change of elements after a time by each metre a day of decay, shape (6,)."""
         axis = equinoctial.elements(state, frame)[0]
-        motion, days = np.sqrt(MU_M3_S2 / axis**3) * DAY_S, time_s / DAY_S
+        motion, days = np.sqrt(MU_M3_S2 / axis**3) * DAY_S, span_s / DAY_S
         mean = np.array([-days, 0.0, 0.0, 0.0, 0.0, 0.75 * motion / axis * days**2])
         found: Array = self._by_mean(state, frame) @ mean
         return found

@@ -83,7 +83,7 @@ class ByTable:
                     f"in {before.segment.source}, line {before.segment.line}; give one of them"
                 )
         for span in self._spans:
-            _frame_of(span.segment, epoch)
+            frame_of(span.segment, epoch)
             _ = span.segment.method
 
     def check_covered(self, begin_s: float, end_s: float) -> None:
@@ -130,7 +130,7 @@ class ByTable:
         knots = seconds_since(self._epoch, labels, system, segment.where)
         if not (np.diff(knots) > 0.0).all():
             raise InputError(f"{segment.where}: its times do not rise")
-        own = _frame_of(segment, self._epoch)
+        own = frame_of(segment, self._epoch)
         matrix = None if own is None else rotation(own, self._frame)
         return ParsedSegment(knots, states, own is None, matrix)
 
@@ -154,8 +154,8 @@ def _span(segment: MessageSegment, epoch: datetime) -> Span:
     return Span(float(begin), float(end), segment)
 
 
-def _frame_of(segment: MessageSegment, epoch: datetime) -> Frame | None:
-    """Fixed frame of a segment; None for TEME of date.
+def frame_of(segment: MessageSegment, epoch: datetime) -> Frame | None:
+    """Fixed frame of a segment, at an epoch of the instance; None for TEME of date.
 
     Raises
     ------

@@ -37,6 +37,7 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
 def _segments(text: str, source: str) -> Iterator[MessageSegment]:
     fields: dict[str, str] = {}
     rows: list[str] = []
+    covariances: list[str] = []
     begin, in_metadata, in_covariance = 0, False, False
     for number, row in enumerate(text.splitlines(), 1):
         line = row.strip()
@@ -44,8 +45,9 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
             continue
         if line == "META_START":
             if begin:
-                yield checked(MessageSegment(source, begin, fields, tuple(rows)))
-            fields, rows, begin, in_metadata, in_covariance = {}, [], number, True, False
+                yield _segment(source, begin, fields, rows, covariances)
+            fields, rows, covariances, begin = {}, [], [], number
+            in_metadata, in_covariance = True, False
         elif line == "META_STOP":
             in_metadata = False
         elif line in ("COVARIANCE_START", "COVARIANCE_STOP"):
@@ -57,7 +59,13 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
                 fault = "is given twice" if is_given else "has no value"
                 raise InputError(f"{source}: line {number}: {shown(keyword)} {fault}")
             fields[keyword] = value.strip()
-        elif begin and not in_covariance:
-            rows.append(line)
+        elif begin:
+            (covariances if in_covariance else rows).append(line)
     if begin:
-        yield checked(MessageSegment(source, begin, fields, tuple(rows)))
+        yield _segment(source, begin, fields, rows, covariances)
+
+
+def _segment(
+    source: str, begin: int, fields: dict[str, str], rows: list[str], covariances: list[str]
+) -> MessageSegment:
+    return checked(MessageSegment(source, begin, fields, tuple(rows), tuple(covariances)))

@@ -33,12 +33,15 @@ class MessageSegment:
         Metadata by keyword.
     rows : tuple of str
         Lines of states.
+    covariance_rows : tuple of str
+        Lines of covariances, their keywords included; those of XML are not read.
     """
 
     source: str
     line: int
     fields: dict[str, str]
     rows: tuple[str, ...]
+    covariance_rows: tuple[str, ...] = ()
 
     @property
     def where(self) -> str:

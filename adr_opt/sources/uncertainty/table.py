@@ -85,9 +85,7 @@ TRIANGLE = tuple(_triangle())
 COLUMNS = ("target", *SIGMAS, DECAY, *(name for name, _, _ in TRIANGLE))
 
 
-def read_target_errors(
-    path: str | os.PathLike[str], bodies: Collection[str]
-) -> dict[str, TargetError]:
+def read_table(path: str | os.PathLike[str], bodies: Collection[str]) -> dict[str, TargetError]:
     """Errors of bodies by name.
 
     Parameters

@@ -1,4 +1,4 @@
-"""The error of where a body is said to be: a covariance at the epoch of an instance."""
+"""The error of where a body is said to be: a covariance at a time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...common.errors import InputError
 
 Array = npt.NDArray[np.float64]
 
-Coordinates = Literal["rtn", "elements"]
+Coordinates = Literal["rtn", "inertial", "elements"]
 
 LEAST_EIGENVALUE = -1e-6
 """Eigenvalues of correlations above this are taken for rounded zeros."""
@@ -20,18 +20,21 @@ LEAST_EIGENVALUE = -1e-6
 
 @dataclass(frozen=True, eq=False)
 class TargetError:
-    """Covariance of where a body is at the epoch, and of its decay.
+    """Covariance of where a body is at a time, and of its decay.
 
     Attributes
     ----------
     covariance : (7, 7) float64
         Of six coordinates and of ``decay_m_per_day``, the speed at which its semi-major axis falls
         beyond what is said.
-    coordinates : {"rtn", "elements"}
+    coordinates : {"rtn", "inertial", "elements"}
         ``rtn``: inertial position [m] and velocity [m/s] along the axes outward, along the track
-        and across it. ``elements``: mean equinoctial elements in the frame of those axes, as
-        lengths [m]: semi-major axis a, then a times each of the eccentricity vector (two), of the
-        turn of the plane (two) and of the mean longitude.
+        and across it; ``inertial``: along those of the instance. ``elements``: mean equinoctial
+        elements in the frame of the first axes, as lengths [m]: semi-major axis a, then a times
+        each of the eccentricity vector (two), of the turn of the plane (two) and of the mean
+        longitude.
+    since_s : float
+        Time after the epoch of the instance at which it holds [s].
 
     Raises
     ------
@@ -41,6 +44,7 @@ class TargetError:
 
     covariance: Array
     coordinates: Coordinates = "rtn"
+    since_s: float = 0.0
 
     def __post_init__(self) -> None:
         size = np.abs(self.covariance).max()

@@ -36,7 +36,7 @@ OPTIONS = (
         "--target-errors",
         str,
         "FILE",
-        "Errors of where targets are at the epoch: a table, as CSV or JSON.",
+        "Errors of where targets are: a table, as CSV or JSON, or an OEM.",
     ),
     (
         "--element-sets",
@@ -95,7 +95,7 @@ class Sampling(NamedTuple):
         from ...sources.uncertainty import compared, read_target_errors
 
         if self.target_errors is not None:
-            return read_target_errors(self.target_errors, instance.names), None
+            return read_target_errors(instance, self.target_errors), None
         if not self.element_sets:
             return None, None
         shown = compared(instance, self.element_sets)
