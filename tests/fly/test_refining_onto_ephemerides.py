@@ -30,7 +30,7 @@ from adr_opt.fly.flight.tanks import tanks_of
 from adr_opt.fly.refine.bodies import moved
 from adr_opt.fly.refine.ephemeris import tracks
 from adr_opt.fly.refine.holding import beginning
-from adr_opt.fly.refine.holding_estimate import following_m_s
+from adr_opt.fly.refine.holding_estimate import following_m_s, holding_m_s
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.one_leg import refine_leg
 from adr_opt.fly.refine.reported import ReportedBodies
@@ -394,6 +394,10 @@ def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:
         assert leg.tow_before is not None
         assert leg.states[0].position_m == pytest.approx(leg.tow_before.released.position_m)
         assert leg.ready_s == leg.states[0].time_s
+        # On the way of the tow the chaser is not held beside the ephemeris of the object.
+        planned, known = plan.legs[leg.leg - 1], ephemerides_of(instance)
+        assert leg.holding_delta_v_m_s == holding_m_s(known, "j4", planned, led=True)
+        assert leg.holding_delta_v_m_s < holding_m_s(known, "j4", planned) - 1e-3
     last = led[-1].leg
     cut = refined.replace(
         legs=tuple(leg for leg in refined.legs if leg.leg != last), status="incomplete",

@@ -113,6 +113,33 @@ def test_an_error_along_the_track_takes_what_linear_motion_says(along_m: float) 
     assert np.linalg.norm(there[:3] - made.goal[:3]) == pytest.approx(abs(along_m), rel=1e-4)
 
 
+def test_a_first_burn_knows_its_origin_and_not_the_errors_of_navigation() -> None:
+    """The first burn makes up for where the origin is, and for nothing else: the rest comes later.
+
+    Flown exactly it is as large, and without errors of the origin it is that of the plan.
+    """
+    _, refined = mission()
+    leg = refined.legs[0]
+    first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
+    made = part(
+        state_of(leg.states[0]), leg.states[0].time_s, leg.burns[:first], leg.standoff_s, "j2", 0,
+        UncertainEnds(origin=True), blind=True,
+    )  # fmt: skip
+    begun = np.array([30.0, -20.0, 10.0, 0.02, 0.01, -0.03])
+    nowhere, drawn = np.zeros(6), np.zeros((made.times.size, 3))
+    ahead = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3000.0 / 7e6])
+    alone = dataclasses.replace(made, gains=(made.gains[0], *[None] * (len(made.gains) - 1)))
+    for origin, changes in ((nowhere, False), (ahead, True)):
+        off = BodiesOff(origin[:, None], np.zeros((6, 1)))
+        spent = fly(alone, begun[:, None], drawn[:, :, None], NONE, off).delta_v_m_s[0]
+        without = fly(alone, np.zeros((6, 1)), drawn[:, :, None], NONE, off).delta_v_m_s[0]
+        planned = np.linalg.norm(made.impulses, axis=1).sum()
+        assert spent == pytest.approx(without, abs=1e-12)
+        assert (abs(spent - planned) > 1e-3) == changes
+        exact, _ = fly_exactly(alone, begun, drawn, NONE, BodiesOff(origin, nowhere))
+        assert exact == pytest.approx(spent, abs=1e-4)
+
+
 def displaced(error: TargetError, flights: int) -> tuple[DisplacedBodies, str, np.ndarray]:
     """A target with an error, its name and its state at the epoch."""
     instance, refined = mission()
