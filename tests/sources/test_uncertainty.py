@@ -77,12 +77,21 @@ def test_tables_say_the_same_in_csv_and_json() -> None:
 
 
 def test_a_factor_gives_the_covariance() -> None:
-    """F Fᵀ is the covariance, also where it is singular and of mixed units."""
+    """F Fᵀ is the covariance, also where it is singular and of mixed units.
+
+    A change in the last digits changes it as little, also where eigenvalues are equal.
+    """
     whole = np.zeros((7, 7))
     whole[:6, :6] = singular()
     factor = TargetError(whole).factor()
     sizes = np.sqrt(np.outer(whole.diagonal(), whole.diagonal()))
     assert (np.abs(factor @ factor.T - whole) <= 1e-9 * sizes).all()
+    plain = np.diag([4.0, 9.0, 9.0, 1.0, 1.0, 25.0, 0.0])
+    plain[0, 5] = plain[5, 0] = -3.0
+    near = plain * (1.0 + 1e-13 * np.random.default_rng(3).standard_normal())
+    near[1, 2] = near[2, 1] = 1e-12
+    off = TargetError(near).factor() - TargetError(plain).factor()
+    assert np.abs(off).max() < 1e-10
 
 
 @pytest.mark.usefixtures("cli")

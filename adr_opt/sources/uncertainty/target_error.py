@@ -64,10 +64,15 @@ class TargetError:
         return bool(self.covariance.any())
 
     def factor(self) -> Array:
-        """A matrix F with F Fᵀ the covariance, shape (7, 7)."""
+        """A matrix F with F Fᵀ the covariance, shape (7, 7).
+
+        By the symmetric root of the correlations: there is one, whatever basis equal eigenvalues
+        come with, so that equal seeds draw alike on every machine.
+        """
         correlations, sigmas = self._correlations()
         values, vectors = np.linalg.eigh(correlations)
-        found: Array = sigmas[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))
+        root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+        found: Array = sigmas[:, None] * root
         return found
 
     def _correlations(self) -> tuple[Array, Array]:
