@@ -477,6 +477,33 @@ def towing(instance: Instance, seed: int) -> Instance:
     )  # fmt: skip
 
 
+def falling(instance: Instance, seed: int) -> Instance:
+    """The same with prizes of some targets or all that fall with time, in up to three steps."""
+    rng = np.random.default_rng([12, seed])
+    share = float(rng.choice([0.5, 1.0]))
+    duration_s = instance.mission.duration_s
+
+    def levels(target: Target) -> tuple[tuple[float, float], ...] | None:
+        if rng.random() >= share:
+            return None
+        times = np.unique(rng.uniform(0.0, 0.9, int(rng.integers(1, 4)))) * duration_s
+        prizes = target.prize + np.cumsum(rng.choice([0.0, 0.2, 0.5, 1.0], times.size))[::-1]
+        return tuple(zip(times.tolist(), np.round(prizes, 6).tolist(), strict=True))
+
+    rounded = [target.replace(prize=round(target.prize, 2)) for target in instance.targets]
+    targets = tuple(target.replace(prize_until=levels(target)) for target in rounded)
+    return instance.replace(name=f"{instance.name}-falling", targets=targets)
+
+
+def falling_mission(seed: int) -> Instance:
+    """A mission of one chaser with falling prizes, by turns of each kind and with tows or kits."""
+    draws = random_mission, drifting_mission, given_mission, towing_mission
+    instance = draws[seed % 4](seed // 4)
+    if seed % 3 == 0 and seed % 4 != 3:
+        instance = carrying(instance, seed)
+    return falling(instance, seed)
+
+
 def towing_mission(seed: int) -> Instance:
     """A mission of one chaser that tows, by turns in two-body motion and under J2."""
     return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)
