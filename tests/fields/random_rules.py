@@ -504,6 +504,19 @@ def falling_mission(seed: int) -> Instance:
     return falling(instance, seed)
 
 
+def falling_campaign(seed: int) -> Instance:
+    """A campaign with falling prizes, by turns with cargo, limited stations and expenses."""
+    draw, part = (random_campaign, mixed_campaign)[seed % 2], (random_mission, drifting_mission)
+    instance = draw(seed // 2, part[seed % 3 > 0])
+    if seed % 4 == 1:
+        instance = carrying(instance, seed)
+    if seed % 5 == 1:
+        instance = limited(instance, seed)
+    if seed % 5 == 2:
+        instance = priced(instance, seed)
+    return falling(instance, seed)
+
+
 def towing_mission(seed: int) -> Instance:
     """A mission of one chaser that tows, by turns in two-body motion and under J2."""
     return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)
