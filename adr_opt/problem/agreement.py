@@ -30,7 +30,7 @@ def check_names(
             seen.add(one.name)
 
 
-MOST_STEPS_THAT_FALL = 2**20
+MOST_STEPS_THAT_FALL = 2**26
 """Largest sum of all prizes, in steps, where prizes fall: one number holds losses and costs."""
 
 

@@ -495,13 +495,17 @@ def falling(instance: Instance, seed: int) -> Instance:
     return instance.replace(name=f"{instance.name}-falling", targets=targets)
 
 
+def falling_field(seed: int) -> Instance:
+    """A mission of one chaser without cargo whose prizes fall, by turns of each kind."""
+    draws = random_mission, drifting_mission, given_mission
+    return falling(draws[seed % 3](seed // 3), seed)
+
+
 def falling_mission(seed: int) -> Instance:
-    """A mission of one chaser with falling prizes, by turns of each kind and with tows or kits."""
-    draws = random_mission, drifting_mission, given_mission, towing_mission
-    instance = draws[seed % 4](seed // 4)
-    if seed % 3 == 0 and seed % 4 != 3:
-        instance = carrying(instance, seed)
-    return falling(instance, seed)
+    """The same, by turns with tows or kits."""
+    if seed % 4 == 3:
+        return falling(towing_mission(seed // 4), seed)
+    return falling_field(seed) if seed % 4 else carrying(falling_field(seed), seed)
 
 
 def falling_campaign(seed: int) -> Instance:

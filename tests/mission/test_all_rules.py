@@ -17,6 +17,7 @@ import pytest
 from brute_force import brute_force
 from random_rules import (
     drifting_mission,
+    falling_field,
     falling_mission,
     given_mission,
     random_mission,
@@ -52,7 +53,7 @@ searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_missio
 
 KINDS = {
     random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
-    towing_mission: {"short", "drift"}, falling_mission: {"short", "drift", "given"},
+    towing_mission: {"short", "drift"}, falling_mission: {"short", "drift", "given", "launch"},
 }  # fmt: skip
 """Of the legs of their plans."""
 
@@ -131,6 +132,9 @@ SHARES = {
         "greedy-guarded": 0.3, "beam": 0.7, "mcts": 0.5, "local-search": 0.6, "auto": 0.99,
     },
     drifting_mission: {
+        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+    },
+    falling_field: {
         "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
     },
     given_mission: {
