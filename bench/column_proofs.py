@@ -2,10 +2,12 @@
 
     python bench/column_proofs.py campaign 0-19 --limit 120
     python bench/column_proofs.py removal 2 --limit 240
+    python bench/column_proofs.py removal 0-19 --limit 300 --falls 2,1
 
 Each proof begins with the plan of instances/best-known.csv, on one core and with a ready timetable;
 limits and times are seconds of processor time, so that other work on the machine hardly counts. A
-proof may find a better plan.
+proof may find a better plan. With ``--falls`` every target is worth one number after the other, in
+equal parts of the mission.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from machine import heading
@@ -20,6 +23,7 @@ from machine import heading
 import adr_opt
 from adr_opt.common.progress import silent
 from adr_opt.mission.problem import problem_of
+from adr_opt.problem.instance import Instance
 from solvers.columns.proof import ColumnProof
 from solvers.progress.gap import GapTracker
 from solvers.proof.proof import ProofOptions
@@ -50,9 +54,19 @@ def known_routes(name: str) -> list[tuple[int, ...]]:
     return [tuple(map(int, route.split("-"))) if route else () for route in row[-1].split("/")]
 
 
-def measure(family: str, seed: int, limit_s: float) -> str:
+def falling(instance: Instance, prizes: Sequence[float]) -> Instance:
+    """The same with prizes that fall, one after the other in equal parts of the mission."""
+    if not prizes:
+        return instance
+    part_s = instance.mission.duration_s / len(prizes)
+    levels = tuple((part_s * (n + 1), prize) for n, prize in enumerate(prizes[:-1])) or None
+    targets = (target.replace(prize=prizes[-1], prize_until=levels) for target in instance.targets)
+    return instance.replace(targets=tuple(targets))
+
+
+def measure(family: str, seed: int, limit_s: float, prizes: Sequence[float] = ()) -> str:
     """A line of the table."""
-    problem = problem_of(adr_opt.generate(family, seed))
+    problem = problem_of(falling(adr_opt.generate(family, seed), prizes))
     for mission in problem.missions:
         mission.rules  # noqa: B018  builds the timetable
     tracker, pool = GapTracker(problem, silent), RoutePool(problem)
@@ -82,14 +96,16 @@ def main() -> None:
     parser.add_argument("family")
     parser.add_argument("seeds", help="numbers and ranges: 3,8,11-13")
     parser.add_argument("--limit", type=float, default=120.0, help="seconds [120]")
+    parser.add_argument("--falls", default="", help="prizes one after the other: 2,1")
     arguments = parser.parse_args()
+    prizes = [float(each) for each in arguments.falls.split(",") if each]
     print(heading())
     print("| field | known | plan | bound | proven | cuts | columns | labels | processor time |")
     print("|---|---|---|---|---|---|---|---|---|")
     for part in arguments.seeds.split(","):
         first, _, last = part.partition("-")
         for seed in range(int(first), int(last or first) + 1):
-            print(measure(arguments.family, seed, arguments.limit), flush=True)
+            print(measure(arguments.family, seed, arguments.limit, prizes), flush=True)
 
 
 if __name__ == "__main__":

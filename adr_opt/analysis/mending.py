@@ -91,7 +91,8 @@ def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
         timing = mission.time(changed)
         if timing.made < len(changed) or not mission.may_stop(changed):
             continue
-        names, prize = tuple(mission.names[j] for j in changed), mission.prizes(changed)
+        names = tuple(mission.names[j] for j in changed)
+        prize = mission.prizes(changed, timing.ends.tolist())
         end_s = float(timing.ends[-1]) if changed else 0.0
         mending = Mending(kind, mission.names[body], names, prize, timing.delta_v, end_s)
         found.append((-prize, timing.cost, len(found), mending))

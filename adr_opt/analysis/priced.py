@@ -170,7 +170,7 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
         order = named.get(mission.chaser.name, ())
         route = _route(mission, order, mend)
         moves = mission.numbers(order[: len(route.legs)]).tolist()
-        prize += mission.prizes(moves)
+        prize += mission.prizes(moves, [leg.free_s for leg in route.legs])
         if route.holds and not mission.may_stop(tuple(moves)):
             unended.append(mission.chaser.name)
         routes.append(route)

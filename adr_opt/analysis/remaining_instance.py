@@ -93,7 +93,7 @@ def remaining_instance(
     put = {state.body: put_s(zoned, state) for state in states if state.is_put}
     targets = tuple(
         # A target still to be towed has no prize any more, and is there for its own chaser only.
-        target.replace(prize=0.0, required=True, window_s=put[target.name])
+        target.replace(prize=0.0, prize_until=None, required=True, window_s=put[target.name])
         if target.name in put
         else target
         for target in zoned.targets

@@ -144,7 +144,8 @@ def certify_routes(  # noqa: PLR0913
         Route(chaser=mission.chaser.name, legs=legs(mission, sequence, timing))
         for (mission, sequence), timing in zip(flown, schedules or [None] * len(flown), strict=True)
     )
-    objective = problem.prizes(moves)
+    legs_flown = [leg for route in priced for leg in route.legs]
+    objective = problem.prizes(moves, [leg.free_s for leg in legs_flown])
     status, bound, gap = proven_of(problem, objective, upper_bound)
     cost = cost_of_routes(problem.instance, priced)
     if cost_bound is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -144,7 +145,8 @@ def _proven(prizes: Prizes, evidence: Evidence) -> float:
     below = math.fsum([paid, *parts]) if evidence.floors is None else evidence.floors.most
     worth = prizes.rounded_down(below)
     shown = prizes.shown(worth)
-    least = min((each.prize for each in prizes.instance.targets if each.prize), default=0.0)
+    worths = chain.from_iterable(each.prizes for each in prizes.instance.targets)
+    least = min((worth for worth in worths if worth), default=0.0)
     if 0.0 <= shown < least:
         return 0.0
     return shown if shown >= 0.0 else -math.inf

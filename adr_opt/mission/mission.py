@@ -203,6 +203,7 @@ class Mission(Shown, Prizes):
             limits.duration,
             _shortest_sortie(table, limits.service, budget, stations, instance.first_target),
             loads,
+            self.falls,
         )
 
     @property

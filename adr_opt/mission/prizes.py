@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from ..common.constants import SLACK_S
 from ..common.tolerance import RELATIVE, ROUNDED, ROUNDING, common_step, rounded_down
+from ..kernels.rules.falls import Falls
 from ..plan.cargo import most_targets
 from ..problem.instance import Instance
 
@@ -53,15 +55,15 @@ class Prizes:
 
         More than all prizes together, and a multiple of what they are multiples of.
         """
-        prizes = [target.prize for target in self.instance.targets]
+        prizes = [target.greatest_prize for target in self.instance.targets]
         return math.fsum(prizes) + (self.prize_step or max(prizes, default=0.0) or 1.0)
 
     @cached_property
     def planning_prizes(self) -> npt.NDArray[np.float64]:
-        """Worth of each body's service to planners, shape (bodies,)."""
+        """Worth of each body's service to planners, the greatest, shape (bodies,)."""
         worths = np.zeros(len(self.names))
         worths[self.instance.first_target :] = [
-            target.prize + self.bonus * target.required for target in self.instance.targets
+            target.greatest_prize + self.bonus * target.required for target in self.instance.targets
         ]
         worths.setflags(write=False)
         return worths
@@ -82,9 +84,26 @@ class Prizes:
         return frozenset(np.flatnonzero(self.is_required).tolist())
 
     @cached_property
+    def falls(self) -> Falls | None:
+        """Losses of prizes with time, as kernels take them; None if no prize falls."""
+        targets = self.instance.targets
+        if all(target.prize_until is None for target in targets):
+            return None
+        first = np.zeros(len(self.names) + 1, dtype=np.int64)
+        levels = [target.prize_until or () for target in targets]
+        first[self.instance.first_target + 1 :] = np.cumsum([len(each) for each in levels])
+        until = [until_s + SLACK_S for each in levels for until_s, _ in each]
+        lost = [target.greatest_prize - prize for target in targets for prize in target.prizes[1:]]
+        made = Falls(first, np.array(until), np.array(lost))
+        for array in made:
+            array.setflags(write=False)
+        return made
+
+    @cached_property
     def prize_step(self) -> float:
         """Common divisor of all objectives, to which bounds may be rounded; 0 if none."""
-        return common_step((target.prize for target in self.instance.targets), len(self.required))
+        prizes = [prize for target in self.instance.targets for prize in target.prizes]
+        return common_step(prizes, len(self.required))
 
     @cached_property
     def step_slack(self) -> float:
@@ -143,7 +162,7 @@ class Prizes:
     @property
     def total_prize(self) -> float:
         """Sum of the largest prizes within the maximum number of targets: the trivial bound."""
-        return self._largest([target.prize for target in self.instance.targets])
+        return self._largest([target.greatest_prize for target in self.instance.targets])
 
     @property
     def total_worth(self) -> float:
@@ -152,8 +171,8 @@ class Prizes:
 
     @property
     def all_prize(self) -> float:
-        """Sum of all prizes."""
-        return math.fsum(target.prize for target in self.instance.targets)
+        """Sum of all prizes, each the greatest."""
+        return math.fsum(target.greatest_prize for target in self.instance.targets)
 
     @property
     def all_worth(self) -> float:
@@ -183,13 +202,20 @@ class Prizes:
         return prizes if prizes >= 0.0 else -math.inf
 
     def collected(self, bodies: Iterable[int]) -> float:
-        """Worth of bodies to planners, in any order."""
+        """Worth of bodies to planners, in any order; the most, where prizes fall."""
         return math.fsum(self.planning_prizes[j] for j in bodies)
 
-    def prizes(self, bodies: Iterable[int]) -> float:
-        """Sum of the prizes of bodies."""
-        first = self.instance.first_target
-        return math.fsum(self.instance.targets[j - first].prize for j in bodies if j >= first)
+    def prizes(self, bodies: Sequence[int], ends_s: Sequence[float]) -> float:
+        """Sum of the prizes of bodies, by the ends of their services [s].
+
+        Of a tow the end that it has if it follows the service at once.
+        """
+        first, targets = self.instance.first_target, self.instance.targets
+        return math.fsum(
+            targets[j - first].prize_at(end_s - SLACK_S)
+            for j, end_s in zip(bodies, ends_s, strict=True)
+            if j >= first
+        )
 
     def lacking(self, bodies: Iterable[int]) -> tuple[int, ...]:
         """Required targets not among the bodies."""

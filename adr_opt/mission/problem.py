@@ -121,7 +121,8 @@ class Problem(Shown, Prizes):
                 "pass the instance in place of a Mission"
             )
         made = cls(mission.instance, missions=(mission,))
-        for name in ("planning_prizes", "is_required", "prize_step"):  # a mission may offer others
+        # A mission may offer others.
+        for name in ("planning_prizes", "is_required", "prize_step", "falls"):
             made.__dict__[name] = getattr(mission, name)
         return made
 

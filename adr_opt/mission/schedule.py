@@ -6,13 +6,16 @@ import math
 from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from ..common.tolerance import common_step
 from ..kernels.rules import schedule as kernels
+from ..kernels.rules.falls import Falls, lost_at
 from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
@@ -36,7 +39,7 @@ class Schedule:
     made : int
         Number of moves that can be made; less than the length of the order if it cannot be flown.
     objective : float
-        Sum of the prizes of the moves made.
+        Sum of the prizes of the moves made, by the ends of their services.
     delta_v : float
         Total ΔV of the moves made, tows included [m/s].
     cost : float
@@ -76,6 +79,41 @@ class Schedule:
 def left_at_start(rules: Rules, kits: int) -> float:
     """ΔV in the tank at the start with a number of kits aboard [m/s]."""
     return rules.budget if rules.loads is None else float(rules.loads.first[kits])
+
+
+class Losses(NamedTuple):
+    """Losses of prizes as costs of labels: so that less lost comes before less cost.
+
+    Attributes
+    ----------
+    falls : Falls or None
+        Of whole multiples of the unit; None if no prize falls.
+    unit : float
+        More than any cost, a power of two.
+    step : float
+        The prize that it stands for.
+    """
+
+    falls: Falls | None
+    unit: float
+    step: float
+
+    @classmethod
+    def of(cls, rules: Rules, most_cost: float) -> Losses:
+        """Losses under some rules, with an upper limit on costs."""
+        if rules.falls is None:
+            return cls(None, math.inf, 0.0)
+        lost = rules.falls.lost
+        unit = 2.0 ** math.ceil(math.log2(max(most_cost, 1.0)) + 1.0)
+        step = common_step(lost.tolist()) or 1.0
+        return cls(rules.falls._replace(lost=np.rint(lost / step) * unit), unit, step)
+
+    def apart(self, costs: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Losses of prizes, and costs, from the sums in labels."""
+        if self.falls is None:
+            return np.zeros(costs.size), costs
+        lost = np.floor(costs / self.unit)
+        return lost * self.step, costs - lost * self.unit
 
 
 class Scheduler:
@@ -131,6 +169,7 @@ class Scheduler:
         made = copy(self)
         made._rules = lambda: rules
         made._chaser = chaser or self._chaser
+        made.__dict__.pop("_losses", None)
         made._last = ((), 0, ())
         return made
 
@@ -241,7 +280,7 @@ class Scheduler:
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
         visit = kernels.Visit(
             j, aboard, rules.service[j], rules.opens[j], rules.closes[j], rules.is_station[j],
-            rules.budget,
+            rules.budget, self._losses.falls,
         )  # fmt: skip
         front = Front(
             *kernels.follow(
@@ -290,8 +329,14 @@ class Scheduler:
             return 0.0
         rules = self._rules()
         way = (rules.start, *order)
-        flown = 0.0 if rules.loads is None else math.fsum(rules.loads.flown[list(order)])
+        flown = math.fsum(self._flown(order))
         return math.fsum(self._least(i, j) for i, j in pairwise(way)) + flown - self._before(order)
+
+    def _flown(self, order: tuple[int, ...]) -> list[float]:
+        """ΔV flown within each service of an order [m/s]."""
+        loads = self._rules().loads
+        found: list[float] = [] if loads is None else loads.flown[list(order)].tolist()
+        return found
 
     def _before(self, order: tuple[int, ...]) -> float:
         """ΔV charged to the first leg for expenditure before the start [m/s]."""
@@ -304,6 +349,28 @@ class Scheduler:
         less left and has cost no more makes another one superfluous whatever time costs.
         """
         return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
+
+    @cached_property
+    def _losses(self) -> Losses:
+        """Losses of prizes as costs of labels."""
+        rules = self._rules()
+        return Losses.of(rules, self._most_cost(rules))
+
+    def _most_cost(self, rules: Rules) -> float:
+        """Upper limit on the cost of a label."""
+        tank, kits = self._chaser.tank, 0
+        if rules.loads is not None:
+            kits = rules.loads.full.size - 1
+        if self._by_expense and isinstance(tank, TankByMass):
+            return tank.dry_mass_kg + tank.propellant_kg + kits * self._chaser.kit_mass_kg
+        flown = 0.0 if rules.loads is None else float(rules.loads.flown.max(initial=0.0))
+        legs = 2 * (rules.service.size - rules.first_target) + 2
+        time_m_s = self._time_m_s_per_s * max(rules.duration - rules.ready, 0.0)
+        return legs * (rules.budget + flown + self._spent_m_s(rules.start)) + time_m_s
+
+    def lost_and_cost(self, front: Front) -> tuple[FloatArray, FloatArray]:
+        """Losses of prizes, and costs of labels."""
+        return self._losses.apart(front.cost)
 
     def endings(self, order: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
         """Possible ends of an order with their least ΔV, which falls with later ends.
@@ -331,15 +398,16 @@ class Scheduler:
         made = len(fronts) - 1
         last = fronts[-1]
         paid = self.paid(last)
-        keys = (last.cost, last.ready) if self._by_time else (last.ready, paid)
+        lost, spent = self.lost_and_cost(last)
+        keys = (spent, last.ready, lost) if self._by_time else (last.ready, paid)
         label = int(np.lexsort(keys)[0])
         before = self._before(order[:made])
-        total = float(last.cost[label]) - before
-        cost = float(paid[label]) - before
+        total = float(spent[label]) - before
+        cost = float((paid - (last.cost - spent))[label]) - before
         if self._by_time:
             cost = float(last.ready[label]) if made else 0.0
         elif self._by_expense:
-            cost = self._chaser.priced.of(float(last.cost[label])) if made else 0.0
+            cost = self._chaser.priced.of(float(spent[label])) if made else 0.0
         departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
         revolutions, families = np.empty((2, made), dtype=np.int8)
         for at in range(made - 1, -1, -1):
@@ -352,6 +420,15 @@ class Scheduler:
             ends[at], lefts[at] = front.ready[label], front.left[label]
             label = front.parent[label]
         objective = math.fsum(rules.prize[j] for j in order[:made])
+        if rules.falls is not None:
+            objective -= math.fsum(
+                float(lost_at(rules.falls, j, end))
+                for j, end in zip(order[:made], ends, strict=True)
+            )
+            if not self._by_expense:
+                # Labels know it only as finely as losses leave room for.
+                exact = math.fsum((*delta_vs, *self._flown(order[:made]))) - before
+                cost, total = cost if self._by_time else cost + exact - total, exact
         return Schedule(
             made,
             objective,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
-    AfterValidator,
     Field,
     SerializerFunctionWrapHandler,
     model_serializer,
@@ -13,30 +12,10 @@ from pydantic import (
 )
 
 from ..common.records import LARGEST_MASS_KG, Name, Record, Window, check_window, without
+from .falling_prizes import Prize, PrizesUntil, prize_at
 from .fit import Decay, Fit
 from .orbit import Orbit
 from .services import SERVICES, ServiceKind
-
-LARGEST_PRIZE = 1e12
-LEAST_PRIZE = 1e-12
-"""Least prize, which keeps sums and quotients of prizes within floating-point range."""
-
-
-def _is_nothing_or_enough(prize: float) -> float:
-    if 0.0 < prize < LEAST_PRIZE:
-        raise ValueError(f"must be 0 or at least {LEAST_PRIZE:g}")
-    return prize
-
-
-Prize = Annotated[
-    float,
-    Field(
-        ge=0.0,
-        le=LARGEST_PRIZE,
-        json_schema_extra={"anyOf": [{"const": 0.0}, {"minimum": LEAST_PRIZE}]},
-    ),
-    AfterValidator(_is_nothing_or_enough),
-]
 
 ObjectId = Annotated[str, Field(pattern=r"^[!-~]([ -~]*[!-~])?$", max_length=80)]
 """Object identifier as in messages: printable ASCII, mostly like ``1997-051C``."""
@@ -78,7 +57,9 @@ class Target(Record):
     mission and goes on from there. It may have no orbit where connections are given. ``object_id``
     is its international designator, for exports. ``decay_m_per_day``: by what its semi-major axis
     shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a fit of its orbit
-    to an ephemeris. None of the three is in files that do not state it.
+    to an ephemeris. ``prize_until``: times and falling prizes, each of a service that ends by its
+    time, with the tow if there is one; ``prize`` is what is left after the last. None of the four
+    is in files that do not state it.
     """
 
     name: Name
@@ -91,6 +72,21 @@ class Target(Record):
     object_id: ObjectId | None = None
     decay_m_per_day: Decay | None = None
     fit: Fit | None = None
+    prize_until: PrizesUntil | None = None
+
+    def prize_at(self, end_s: float) -> float:
+        """The prize of a service by its end, with the tow if there is one [s]."""
+        return prize_at(self.prize, self.prize_until or (), end_s)
+
+    @property
+    def prizes(self) -> tuple[float, ...]:
+        """All prizes that it may be worth, falling."""
+        return (*(level for _, level in self.prize_until or ()), self.prize)
+
+    @property
+    def greatest_prize(self) -> float:
+        """The prize of the earliest service."""
+        return self.prizes[0]
 
     @property
     def service(self) -> ServiceKind:
@@ -99,13 +95,22 @@ class Target(Record):
 
     @model_serializer(mode="wrap")
     def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "object_id", "decay_m_per_day", "fit")
+        return without(write(self), "object_id", "decay_m_per_day", "fit", "prize_until")
 
     @model_validator(mode="after")
     def _has_what_decays(self) -> Self:
         for field in ("decay_m_per_day", "fit"):
             if self.orbit is None and getattr(self, field) is not None:
                 raise ValueError(f"field {field}: there is no orbit to which it belongs")
+        return self
+
+    @model_validator(mode="after")
+    def _falls(self) -> Self:
+        if self.prize_until is not None and self.prize > self.prize_until[-1][1]:
+            raise ValueError(
+                f"field prize = {self.prize!r}: what is left after prize_until may not exceed its "
+                f"last prize, {self.prize_until[-1][1]!r}"
+            )
         return self
 
     @model_validator(mode="after")

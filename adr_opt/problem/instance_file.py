@@ -7,6 +7,7 @@ The pydantic models of ``adr-opt-instance/2`` stand here and in :mod:`.epoch`, :
 from __future__ import annotations
 
 import hashlib
+from itertools import chain
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -25,6 +26,7 @@ from .agreement import (
     check_decay,
     check_exceptions,
     check_expense,
+    check_falling_prizes,
     check_names,
     check_orbits,
     check_removals,
@@ -96,9 +98,10 @@ class InstanceFile(Record):
             raise ValueError("field ephemerides: in no frame; give the field frame")
         check_stations(self.stations, self.chasers)
         check_prizes(
-            (target.prize for target in self.targets),
+            chain.from_iterable(target.prizes for target in self.targets),
             sum(target.required for target in self.targets),
         )
+        check_falling_prizes(self.targets, self.mission, self.transfer)
         check_expense(self.chasers, self.objective)
         check_exceptions(self.chasers, self.transfer)
         check_thrust(

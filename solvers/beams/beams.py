@@ -110,7 +110,8 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         Targets that are done.
     first : tuple
         Body, targets since the last refuelling, kits aboard, (states,) int64, and (states,) float64
-        each: time ready [s], ΔV left [m/s], ΔV spent [m/s]. At most ``width`` are taken.
+        each: time ready [s], ΔV left [m/s], ΔV spent [m/s], and what prizes have fallen by. At most
+        ``width`` are taken.
     guide : Latest
         Not looked at unless ``guided``.
     guided : bool
@@ -233,20 +234,22 @@ def beam_search(
 
 def _ways_to_fly(
     mission: Mission, prefix: tuple[int, ...]
-) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray, FloatArray]:
+) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray, FloatArray, FloatArray]:
     """Undominated ways to fly a prefix, with all possible numbers of remaining kits.
 
     Returns
     -------
     kits : (ways,) int64
-    ready, left, spent : (ways,) float64
-        [s], [m/s], [m/s].
+    ready, left, spent, lost : (ways,) float64
+        [s], [m/s], [m/s], and what prizes have fallen by.
     """
     ways = list(mission.schedules.ways(prefix))
     fronts = [front for _, front in ways]
+    paid = [mission.schedules.lost_and_cost(front) for front in fronts]
     return (
         np.concatenate([np.full(front.ready.size, kits, dtype=np.int64) for kits, front in ways]),
         np.concatenate([front.ready for front in fronts]),
         np.concatenate([front.left for front in fronts]),
-        np.concatenate([front.cost for front in fronts]),
+        np.concatenate([cost for _, cost in paid]),
+        np.concatenate([lost for lost, _ in paid]),
     )

@@ -67,7 +67,7 @@ def greedy_sequence(
         _greedy(rules, mission.is_required, moves, MoveCost(alpha, beta), guarded, kits)
         for kits in range(0 if heavy else most, most + 1)
     ]
-    return max(found, key=lambda sequence: float(rule_kernels.collected(rules, sequence)))
+    return max(found, key=lambda sequence: float(rules.prize[sequence].sum()))
 
 
 def guarded_sequence(mission: Mission) -> npt.NDArray[np.int64]:

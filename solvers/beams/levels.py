@@ -299,8 +299,8 @@ def succeed(search, level, size, wanted, cand):
                 if not legal:
                     continue
                 priced += 1
-                collected = level.prize[s] + rules.prize[j]
                 then = after.resources
+                collected = level.prize[s] + rule_kernels.worth_at(rules, j, then.time)
                 score = weights.time_weight * then.time - weights.delta_v_weight * then.left
                 score -= collected
                 if guided:
@@ -377,6 +377,7 @@ def keep(search, level, cand, count, room, scratch, after):
                 continue
         set_key = level.key[s] + keys[j]
         slot = np.int64(_mix(set_key ^ keys[j]) & np.uint64(head.size - 1))
+        prize = level.prize[s] + rule_kernels.worth_at(rules, j, cand.end[c])
         other = head[slot]
         while other >= 0 and not (
             after.key[other] == set_key
@@ -384,6 +385,7 @@ def keep(search, level, cand, count, room, scratch, after):
             and resource_kernels.dominates(
                 resource_kernels.at(after.resources, other), has, rules.loads
             )
+            and (rules.falls is None or after.prize[other] >= prize)
         ):
             other = chain[other]
         if other >= 0:
@@ -391,7 +393,7 @@ def keep(search, level, cand, count, room, scratch, after):
         held[j] += 1
         after.body[size], after.spent[size], after.key[size] = j, cand.spent[c], set_key
         resource_kernels.put(after.resources, size, has)
-        after.prize[size] = level.prize[s] + rules.prize[j]
+        after.prize[size] = prize
         if search.guided:
             after.ahead[size] = level.ahead[s] - guide.multipliers[j]
         write(after.visited[size], level.visited[s])
@@ -418,13 +420,13 @@ def begin(search, done, first, serviced, level):
         Written.
     """
     rules, keys = search.rules, search.keys
-    body, since, kits, ready, left, spent = first
+    body, since, kits, ready, left, spent, lost = first
     size = min(ready.size, level.body.size)
     for s in range(size):
         has = Resources(ready[s], left[s], since, serviced, kits[s])
         resource_kernels.put(level.resources, s, has)
         level.body[s], level.spent[s] = body, spent[s]
-        level.prize[s], level.ahead[s], level.key[s] = 0.0, 0.0, np.uint64(0)
+        level.prize[s], level.ahead[s], level.key[s] = -lost[s], 0.0, np.uint64(0)
         for word in range(level.visited.shape[1]):
             level.visited[s, word] = np.uint64(0)
         for j in range(rules.first_target, rules.service.size):

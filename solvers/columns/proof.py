@@ -135,7 +135,7 @@ class ColumnProof:
         self._pricing: tuple[LabelPricing, ...] = ()
         self._fine: CampaignBound[WalkBound] | None = None
         self._master = Master(problem)
-        self._mixed: set[Key] = set()
+        self._mixed: set[tuple[Key, float]] = set()  # and worths, which may be improved
         self._guard = problem.bound_guard / len(problem.missions)
         self._counts = [len(kind.chasers) for kind in problem.kinds]
         self._cuts = SubsetRows()
@@ -297,9 +297,9 @@ class ColumnProof:
         """Add new routes of the pool to the master."""
         new = [
             column for column in self._pool.columns()
-            if column.key not in self._mixed
+            if (column.key, column.worth) not in self._mixed
         ]  # fmt: skip
-        self._mixed.update(column.key for column in new)
+        self._mixed.update((column.key, column.worth) for column in new)
         self._master.add(new)
 
     def _attracts(self, duals: Duals, column: Column) -> bool:
@@ -311,7 +311,7 @@ class ColumnProof:
     def _keep(self, duals: Duals, kind: int, route: tuple[int, ...]) -> bool:
         """Add a route to the pool; returns whether it has positive reduced worth."""
         column = self._pool.add(kind, route)
-        if column is None or column.key in self._mixed:
+        if column is None or (column.key, column.worth) in self._mixed:
             return False
         return self._attracts(duals, column)
 

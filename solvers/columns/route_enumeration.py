@@ -174,13 +174,21 @@ class Finish:
         problem, first = self._problem, self._problem.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]
         uses = [self._use(*each) for each in routes] if limited else None
-        worths = [problem.collected(targets) for _, targets in sets]
+        worths = [self._worth(*each) for each in routes]
         packed = packing(problem, sets, uses, all_flown=True)
         found = worth_a_goal(problem, worths, goal, [packed], time_limit_s)
         if found.taken is None:
             return EnumerationAnswer.NONE if found.solved else EnumerationAnswer.UNKNOWN, None
         taken = [routes[at] for at in found.taken]
         return EnumerationAnswer.FOUND, dealt(problem, taken)
+
+    def _worth(self, kind: int, route: tuple[int, ...]) -> float:
+        """Worth of a route, by the ends of its services where prizes fall."""
+        first = self._problem.instance.first_target
+        if self._problem.falls is None:
+            return self._problem.collected(j for j in route if j >= first)
+        mission = self._problem.kinds[kind].mission
+        return mission.time(mission.closed(route)).objective
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:
         """Use of station supplies by a route."""

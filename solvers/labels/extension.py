@@ -19,6 +19,7 @@ says that it is too late. It has no use for legs that are no better than one it 
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import resources as resource_kernels
+from adr_opt.kernels.rules.falls import Falls, lost_at
 from adr_opt.kernels.rules.loads import Loads, is_possible, with_kits
 from adr_opt.mission.evidence import WORD
 
@@ -111,6 +113,10 @@ class LabelQuery(NamedTuple):
         Worth of a unit of these values.
     cuts : CutTolls or None
         What walks pay at a second row; completion values know nothing of it.
+    falls : Falls or None
+        Losses of prizes with the end of the service, which take off values.
+    unit : float
+        Prize that a fine unit is worth.
     """
 
     values: CompletionValues
@@ -132,6 +138,8 @@ class LabelQuery(NamedTuple):
     reach: CompletionValues
     reach_unit: float
     cuts: CutTolls | None
+    falls: Falls | None
+    unit: float
 
 
 class RowOrder(NamedTuple):
@@ -333,6 +341,9 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 then = _after(network, search, row, has, network.delta_v[leg])
                 paid = np.int64(search.price[has.kits] * network.delta_v[leg])
                 most = value + search.gain[j] - paid
+                if search.falls is not None:
+                    lost = lost_at(search.falls, j, network.end[leg])
+                    most -= np.int64(math.floor(lost / search.unit))
                 if not _promises(search, landing, then, most, collected, behind):
                     continue
                 cursor[2] += 1

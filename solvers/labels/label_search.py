@@ -210,7 +210,7 @@ class LabelSearch:
             self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
             bound.budget, bound.loads, bound.most_targets, price, bool(price.any()),
             bound.time_price / self._unit, float(bound.since[self._start]), need, self._worths,
-            self.least_worth, self._reach, self._reach_unit, self._cuts,
+            self.least_worth, self._reach, self._reach_unit, self._cuts, bound.falls, self._unit,
         )  # fmt: skip
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)

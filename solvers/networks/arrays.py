@@ -38,7 +38,8 @@ class Network(NamedTuple):
     shortest : float
         Least time from departure to the end of service of any leg but launches [s].
     end : (legs,) float64
-        End of service [s], or empty: only walks that pay for time ask for it.
+        End of service [s], or empty: only walks that pay for time, or whose prizes fall, ask for
+        it.
     """
 
     start: np.ndarray

@@ -240,9 +240,10 @@ def build(
     jobs : int
         Threads. The network does not depend on it.
     with_ends : bool
-        Whether ends of services are kept, for walks that pay for time.
+        Whether ends of services are kept, for walks that pay for time. They are where prizes fall.
     """
     inputs, rules = mission.transfer_inputs, mission.rules
+    with_ends = with_ends or rules.falls is not None
     bodies = rules.service.size
     starting = [each.rules for each in (mission, *others)]
     launched = {each.start for each in starting}.intersection(mission.instance.launches)

@@ -14,6 +14,7 @@ from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules.rules import worth_at
 
 from ..beams.levels import STRAIGHT
 from . import fronts, fronts_backward, single_points
@@ -238,10 +239,11 @@ def new_course(order, bodies):
 
 @kernel
 def prize_of(rules, course, length):
-    """Sum of prizes of an order."""
+    """Sum of prizes of an order, at its earliest ends where they fall."""
     prize = 0.0
     for p in range(length):
-        prize += rules.prize[course.order[p]]
+        j = course.order[p]
+        prize += worth_at(rules, j, course.came.time[j, 0])
     return prize
 
 

@@ -356,7 +356,7 @@ class Strings:
         """Anneal the order; returns the best plan found, refuelling stops included."""
         mission = self._mission
         rules, prize = mission.rules, worth_of(mission).prize
-        worth = max(mission.prizes(self._order[: self._length]), prize) / rules.duration
+        worth = max(mission.collected(self._order[: self._length]), prize) / rules.duration
         worth *= TIME_COUNTS
         schedule = AnnealingSchedule(worth, HOT * prize, COLD * prize, iterations)
         with halted_by(self._stop) as halt:

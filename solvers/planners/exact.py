@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from adr_opt.common.errors import InputError
 from adr_opt.common.options import option
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
@@ -77,6 +78,11 @@ def exact(
         A plan to begin with, a route for each chaser, compared with one found by beam search.
     """
     problem = problem_of(problem)
+    if options.cost and problem.falls is not None and problem.instance.objective.cost != "duration":
+        raise InputError(
+            "option cost: the least ΔV or expense is not proven yet where prizes fall with time; "
+            "leave it out"
+        )
     if tour_obstacle(problem) is None:
         return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:

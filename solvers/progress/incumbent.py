@@ -10,6 +10,7 @@ import numpy as np
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, Routes, problem_of
+from adr_opt.plan.station_limits import Use
 
 
 class Incumbent:
@@ -55,57 +56,61 @@ class Incumbent:
         objective = self._problem.collected(j for route in moves for j in route)
         if objective < self.objective or moves == self.routes:
             return False
+        falls = self._problem.falls is not None
         tie = objective == self.objective
-        if tie and len(moves) == 1 and not self._by_choice:
+        if tie and len(moves) == 1 and not self._by_choice and not falls:
             alone = self._problem.alone
             if alone is not None and alone.schedules.least_cost(moves[0]) >= self.cost:
                 return False
         moves = self._problem.closed(moves)
-        cost = self._cost_of(moves)
-        if cost == math.inf or (tie and cost >= self.cost):
+        cost, lost = self._cost_of(moves)
+        objective -= lost
+        tie = objective == self.objective
+        if cost == math.inf or objective < self.objective or (tie and cost >= self.cost):
             return False
         self.routes, self.objective, self.cost = moves, objective, cost
         return True
 
-    def _cost_of(self, routes: Routes) -> float:
-        """Total cost of routes; +inf if they are no plan."""
-        problem, costs, uses = self._problem, [], []
+    def _cost_of(self, routes: Routes) -> tuple[float, float]:
+        """Total cost of routes, +inf if they are no plan, and what prizes have fallen by."""
+        problem, costs, uses, lost = self._problem, list[float](), list[Use](), 0.0
         first = problem.instance.first_target
         targets = [j for route in routes for j in route if j >= first]
         if len(routes) > 1 and len(set(targets)) < len(targets):
-            return math.inf
+            return math.inf, lost
         for mission, route in zip(problem.missions, routes, strict=True):
             if not mission.may_stop(route):
-                return math.inf
+                return math.inf, lost
             if self._by_choice:
-                cost = _cost_by_choice(mission, route)
+                cost, worth = _by_choice(mission, route)
             else:
                 schedule = mission.time(route)
                 if schedule.made < len(route):
-                    return math.inf
-                cost = schedule.cost
+                    return math.inf, lost
+                cost, worth = schedule.cost, schedule.objective
                 uses.append(problem.use(mission, route, schedule.delta_vs))
             if cost == math.inf:
-                return math.inf
+                return math.inf, lost
             costs.append(cost)
+            if problem.falls is not None:
+                lost += problem.collected(route) - worth
         if not problem.limits.allow(uses):
-            return math.inf
-        return problem.instance.objective.together(costs)
+            return math.inf, lost
+        return problem.instance.objective.together(costs), lost
 
 
-def _cost_by_choice(mission: Mission, moves: tuple[int, ...]) -> float:
-    """Cost of a route over the timetable's connections; +inf if it cannot be flown."""
-    rules = mission.rules
+def _by_choice(mission: Mission, moves: tuple[int, ...]) -> tuple[float, float]:
+    """Cost and worth of a route over the timetable's connections; +inf if it cannot be flown."""
+    rules, sequence = mission.rules, np.array(moves, dtype=np.int64)
+    ends, lefts = np.empty((2, len(moves)))
     made, delta_v, state = rule_kernels.replay(
-        rules,
-        np.array(moves, dtype=np.int64),
-        rule_kernels.beginning(rules),
-        np.zeros(rules.service.size, dtype=np.bool_),
-        *np.empty((2, len(moves))),
-    )
+        rules, sequence, rule_kernels.beginning(rules),
+        np.zeros(rules.service.size, dtype=np.bool_), ends, lefts,
+    )  # fmt: skip
     if made < len(moves):
-        return math.inf
+        return math.inf, 0.0
+    worth = float(rule_kernels.collected(rules, sequence, ends))
     if mission.instance.objective.cost == "duration":
-        return float(state.resources.time)
+        return float(state.resources.time), worth
     paid = mission.instance.time_m_s_per_s * (state.resources.time - rules.ready)
-    return float(delta_v + paid) if made else 0.0
+    return (float(delta_v + paid) if made else 0.0), worth

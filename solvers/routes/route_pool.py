@@ -33,6 +33,7 @@ class Column:
     kind : int
     targets : frozenset of int
     worth, cost : float
+        The worth by the ends of its services, where prizes fall.
     route : tuple of int
     use : tuple of float
         What it takes of stations, see :class:`adr_opt.plan.station_limits.StationLimits`.
@@ -52,6 +53,10 @@ class Column:
     def key(self) -> Key:
         """Identity of the column."""
         return self.kind, self.targets, self.stops
+
+    def beats(self, worth: float, cost: float) -> bool:
+        """Whether it is worth more than another route of the same key, or as much for less."""
+        return (-self.worth, self.cost) < (-worth, cost)
 
     @property
     def taken(self) -> dict[int, float]:
@@ -73,7 +78,7 @@ def dealt(problem: Problem, flown: Iterable[tuple[int, tuple[int, ...]]]) -> Rou
 
 
 class RoutePool:
-    """The cheapest known route for each set of targets and chaser type.
+    """The best known route for each set of targets and chaser type: by worth, then by cost.
 
     And for each number of refuellings where stations have limits.
 
@@ -95,7 +100,7 @@ class RoutePool:
         """Add the routes of another pool that are new or cheaper."""
         for column in other.columns():
             known = self._columns.get(column.key)
-            if known is None or column.cost < known.cost:
+            if known is None or column.beats(known.worth, known.cost):
                 self._columns[column.key] = column
 
     def add(self, kind: int, route: Iterable[int]) -> Column | None:
@@ -114,12 +119,14 @@ class RoutePool:
         schedule = mission.time(moves)
         if schedule.made < len(moves) or not mission.may_stop(moves):
             return None
-        if known is not None and known.cost <= schedule.cost:
+        worth = self._problem.collected(targets)
+        if self._problem.falls is not None:
+            worth = schedule.objective
+        if known is not None and not (-worth, schedule.cost) < (-known.worth, known.cost):
             return known
         use = self._problem.use(mission, moves, schedule.delta_vs)
         if not self._problem.limits.allow([use]):
             return None
-        worth = self._problem.collected(targets)
         column = Column(kind, targets, worth, schedule.cost, moves, use, stops)
         self._columns[column.key] = column
         return column

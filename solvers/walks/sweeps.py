@@ -56,6 +56,9 @@ class WalkTerms(NamedTuple):
         What each leg takes off a value [units]; empty for nothing.
     stop : (buckets,) int32
         What a walk that ends in a bucket pays for time, packed; empty for nothing.
+    fall : (buckets,) int32
+        What a service that ends in a bucket has lost of its prize at least, packed; empty for
+        nothing.
     bits : int
         Of the next body in a packed value.
     width, top : int
@@ -65,6 +68,7 @@ class WalkTerms(NamedTuple):
     code: np.ndarray
     toll: np.ndarray
     stop: np.ndarray
+    fall: np.ndarray
     bits: int
     width: int
     top: int
@@ -94,6 +98,7 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
     """
     best, second, landed_best, landed_second = layer
     code, stop, bits, width = terms.code, terms.stop, terms.bits, terms.width
+    fall = terms.fall
     mask = (1 << bits) - 1
     keep_value = simd.spread(~mask)
     keep_next = simd.spread(mask)
@@ -101,7 +106,7 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
     # From a station nothing is forbidden; no code has all bits set.
     came_from = simd.spread(mask if buckets.is_station[i] else i)
     base = buckets.start[i]
-    priced, timed = toll.size > 0, stop.size > 0
+    priced, timed, falls = toll.size > 0, stop.size > 0, fall.size > 0
     for bucket in range(base + high - 1, base + low - 1, -1):
         begin, end = buckets.first[bucket], buckets.first[bucket + 1]
         for c in range(0, width, simd.LANES):
@@ -134,6 +139,8 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
                 gain = code[j]
                 if priced:
                     gain -= toll[leg] << bits
+                if falls:
+                    gain -= fall[buckets.landing[leg]]
                 value = simd.plus(value, simd.spread(gain))
                 value = simd.where_less(left, simd.spread(cost), never, value)
                 loser = simd.smaller(found, value)
@@ -204,6 +211,7 @@ def sweep_until(buckets, values, layers, terms, begun, begin, step, time):
 def trace(buckets, values, layers, terms, state, walk):
     """Follow the best walk from a state; returns its length."""
     code, toll, bits, width = terms.code, terms.toll, terms.bits, terms.width
+    fall = terms.fall
     bucket, body, kits, left = state
     best, second, landed_best, landed_second = values
     mask = (1 << bits) - 1
@@ -228,6 +236,8 @@ def trace(buckets, values, layers, terms, state, walk):
                 if not buckets.is_station[body] and ahead & mask == body:
                     ahead = landed_second[kits, (landing + 1) * width + rest]
                 paid = toll[min(kits, toll.shape[0] - 1), leg] if toll.size > 0 else 0
+                if fall.size > 0:
+                    paid += fall[landing] >> bits
                 if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
                     onward = landing
             leg += 1

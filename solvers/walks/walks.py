@@ -17,6 +17,7 @@ What is exact and what is relaxed:
   With buckets of no length time is exact.
 - ΔV is counted in slots. The slots of a leg are rounded down and so is the budget: if the legs fit
   into the budget, then Σ ⌊ΔV/u⌋ ≤ ⌊Σ ΔV/u⌋ ≤ ⌊budget/u⌋. A relaxation, the better the finer.
+- A prize that falls has fallen by no more than at the earliest end of a service in a bucket.
 - Values are whole numbers of units, so sums are exact and there is no rounding error to guard
   against: the multipliers are those for which prize_j − π_j is a whole number of units.
 """
@@ -40,6 +41,7 @@ from ..networks.buckets import Buckets, assign
 from ..networks.buckets import build as fill
 from ..networks.layers import SLACK, layers_of
 from ..networks.network import build
+from .fallen import fallen
 from .sweeps import Values, WalkState, WalkTerms, begin, sweep_until, trace
 
 LARGEST = 2**29
@@ -170,6 +172,11 @@ class WalkBound:
     stop : (buckets,) int32
         What a walk has to pay for time that is over in a bucket, packed as :class:`Values` are; no
         less than the truth, and counted from when the first mission begins. Empty for nothing.
+    fall : (buckets,) int32
+        What services that end in a bucket have lost of their prize, packed; no more than the truth.
+        Empty for nothing.
+    falls : Falls or None
+        As of the rules of the mission.
     time_price : float
         What a second takes off a walk's value.
     since : (missions,) float64
@@ -230,10 +237,14 @@ class WalkBound:
         self.most_legs = len(self._stages) + 1
         self.budget = rules.budget
         self.greatest_prize = float(self.prize.max(initial=0.0)) or 1.0
-        room = LARGEST / (1 << self.bits) / self.most_legs / self.greatest_prize
+        # A service may be worth less than nothing by its multiplier, and by what it has lost.
+        parts = self.most_legs if rules.falls is None else 2 * self.most_legs
+        room = LARGEST / (1 << self.bits) / parts / self.greatest_prize
         # A power of two, so that units are exact numbers.
         self.unit = 2.0 ** -math.floor(math.log2(room))
         self.toll, self.stop = np.empty((1, 0), dtype=np.int32), np.empty(0, dtype=np.int32)
+        self.falls = rules.falls
+        self.fall = fallen(self.network, self.buckets, rules.falls, self.unit, self.bits)
         self.time_price = 0.0
         self.price, self.worths, self.flown = np.zeros(1), self.prize, np.zeros(bodies)
         self.tank = np.array([rules.budget]) if self.loads is None else np.array(self.loads.first)
@@ -341,7 +352,7 @@ class WalkBound:
 
     def _sweep_all(self, code: np.ndarray) -> None:
         """Values of all states; ``code`` holds the packed worth of each service."""
-        terms = WalkTerms(code, self.toll, self.stop, self.bits, self.width, self.top)
+        terms = WalkTerms(code, self.toll, self.stop, self.fall, self.bits, self.width, self.top)
         self._common = self.buckets, self.values, self.layers, terms
         begin(*self._common, self._begun)
         self._sweep(sweep_until, *self._common, self._begun)

@@ -477,6 +477,50 @@ def towing(instance: Instance, seed: int) -> Instance:
     )  # fmt: skip
 
 
+def falling(instance: Instance, seed: int) -> Instance:
+    """The same with prizes of some targets or all that fall with time, in up to three steps."""
+    rng = np.random.default_rng([12, seed])
+    share = float(rng.choice([0.5, 1.0]))
+    duration_s = instance.mission.duration_s
+
+    def levels(target: Target) -> tuple[tuple[float, float], ...] | None:
+        if rng.random() >= share:
+            return None
+        times = np.unique(rng.uniform(0.0, 0.9, int(rng.integers(1, 4)))) * duration_s
+        prizes = target.prize + np.cumsum(rng.choice([0.0, 0.2, 0.5, 1.0], times.size))[::-1]
+        return tuple(zip(times.tolist(), np.round(prizes, 6).tolist(), strict=True))
+
+    rounded = [target.replace(prize=round(target.prize, 2)) for target in instance.targets]
+    targets = tuple(target.replace(prize_until=levels(target)) for target in rounded)
+    return instance.replace(name=f"{instance.name}-falling", targets=targets)
+
+
+def falling_field(seed: int) -> Instance:
+    """A mission of one chaser without cargo whose prizes fall, by turns of each kind."""
+    draws = random_mission, drifting_mission, given_mission
+    return falling(draws[seed % 3](seed // 3), seed)
+
+
+def falling_mission(seed: int) -> Instance:
+    """The same, by turns with tows or kits."""
+    if seed % 4 == 3:
+        return falling(towing_mission(seed // 4), seed)
+    return falling_field(seed) if seed % 4 else carrying(falling_field(seed), seed)
+
+
+def falling_campaign(seed: int) -> Instance:
+    """A campaign with falling prizes, by turns with cargo, limited stations and expenses."""
+    draw, part = (random_campaign, mixed_campaign)[seed % 2], (random_mission, drifting_mission)
+    instance = draw(seed // 2, part[seed % 3 > 0])
+    if seed % 4 == 1:
+        instance = carrying(instance, seed)
+    if seed % 5 == 1:
+        instance = limited(instance, seed)
+    if seed % 5 == 2:
+        instance = priced(instance, seed)
+    return falling(instance, seed)
+
+
 def towing_mission(seed: int) -> Instance:
     """A mission of one chaser that tows, by turns in two-body motion and under J2."""
     return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)

@@ -94,7 +94,7 @@ def legs_for(instance: Instance) -> Legs:
 
 def worths_of(instance: Instance, bonus: Fraction) -> list[Fraction]:
     """Worths of bodies, with a bonus for required ones."""
-    worths = [Fraction(each.prize) + bonus * each.required for each in instance.targets]
+    worths = [Fraction(each.greatest_prize) + bonus * each.required for each in instance.targets]
     return [Fraction(0)] * instance.first_target + worths
 
 

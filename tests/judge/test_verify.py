@@ -10,6 +10,8 @@ import pytest
 from exact_variants import variant
 from random_rules import (
     drifting_mission,
+    falling_campaign,
+    falling_mission,
     given_mission,
     mixed_campaign,
     random_campaign,
@@ -49,7 +51,7 @@ every_rule = over_kinds(
     two_body=(random_mission, 0.5, range(60), 10), j2=(drifting_mission, 0.4, range(40), 6),
     given=(given_mission, 0.15, range(40), 10), prizes=(variant, 0.5, range(30), 6),
     **{draw.__name__: (draw, 0.3, range(16), 6)
-       for draw in (laden, towing_mission, towing_and_laden, refuelling)},
+       for draw in (laden, towing_mission, towing_and_laden, refuelling, falling_mission)},
 )  # fmt: skip
 """Fields with every rule on and off, and the share of proofs that rest on walks, at least."""
 
@@ -70,7 +72,8 @@ def test_every_proof_is_verified(draw, share, seeds):
             continue
         verdict = verdict_of(instance, result, certificate)
         assert verdict.reasons == (), seed
-        stated = min(result.upper_bound, math.fsum(each.prize for each in instance.targets))
+        everything = math.fsum(each.greatest_prize for each in instance.targets)
+        stated = min(result.upper_bound, everything)
         assert verdict.upper_bound == pytest.approx(stated, abs=1e-5), seed
         by_walks += bool(certificate.walks)
     assert by_walks >= share * len(seeds)
@@ -89,7 +92,7 @@ def test_windows_of_launches_are_those_of_the_instance():
     alike=(random_campaign, 1.0, range(12), 4), apart=(apart, 0.5, range(12), 4),
     weighed=(weighed, 0.5, range(12), 4), mixed=(mixed_campaign, 0.5, range(12), 4),
     j2=(lambda seed: random_campaign(seed, drifting_mission), 0.9, range(12), 3),
-    cargo=(campaign_with_cargo, 0.8, range(12), 4),
+    cargo=(campaign_with_cargo, 0.8, range(12), 4), falls=(falling_campaign, 0.5, range(12), 4),
 )  # fmt: skip
 def test_bounds_of_campaigns_are_verified(draw, least, seeds):
     """The bound before the last packing is verified and holds; where it is the last, all is."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from exact_variants import variant
+from random_rules import falling
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -38,7 +39,8 @@ class Case:
         self.best = brute_force(Mission(instance))[0]
         self.certificate = certificate_of(instance, result)
         step = self.certificate.prize_step
-        positive = [target.prize for target in instance.targets if target.prize > 0.0]
+        prizes = [prize for target in instance.targets for prize in target.prizes]
+        positive = [prize for prize in prizes if prize > 0.0]
         self.step = step if step is not None else 0.01 * min(positive)
 
     @property
@@ -51,7 +53,9 @@ class Case:
 def cases() -> list[Case]:
     """Missions whose proofs rest on walks."""
     found = [Case(variant(seed)) for seed in range(40)]
-    return [case for case in found if case.certificate.walks][:20]
+    fallen = [Case(falling(variant(seed), seed)) for seed in range(40, 52)]
+    kinds = ([case for case in each if case.certificate.walks] for each in (found, fallen))
+    return [case for kind, most in zip(kinds, (16, 4), strict=True) for case in kind[:most]]
 
 
 def lower_bound(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator) -> None:

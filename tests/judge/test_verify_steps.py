@@ -10,7 +10,13 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from exact_variants import variant
-from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from random_rules import (
+    drifting_mission,
+    falling_mission,
+    given_mission,
+    random_mission,
+    towing_mission,
+)
 from seeds import over_kinds
 from verify_fields import (
     laden,
@@ -55,7 +61,7 @@ def changes_tanks(instance: Instance) -> bool:
         draw.__name__: (draw, range(40), 2)
         for draw in (
             random_mission, drifting_mission, given_mission, variant, laden, towing_mission,
-            towing_and_laden, refuelling,
+            towing_and_laden, refuelling, falling_mission,
         )
     },
 )  # fmt: skip

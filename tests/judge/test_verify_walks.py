@@ -9,10 +9,17 @@ import numpy as np
 import pytest
 from brute_force import brute_force
 from exact_variants import variant
-from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from random_rules import (
+    drifting_mission,
+    falling_mission,
+    given_mission,
+    random_mission,
+    towing_mission,
+)
 from seeds import over_kinds
 from verify_fields import laden, legs_for, refuelling, towing_and_laden, worths_of
 
+from adr_opt.judge.verify.losses import losses_of
 from adr_opt.judge.verify.walks import walks_reach
 from adr_opt.mission.mission import Mission
 
@@ -22,7 +29,7 @@ every_mission = over_kinds(
         draw.__name__: (draw, range(40), 12)
         for draw in (
             random_mission, drifting_mission, given_mission, laden, towing_mission,
-            towing_and_laden, refuelling,
+            towing_and_laden, refuelling, falling_mission,
         )
     },
 )  # fmt: skip
@@ -49,7 +56,9 @@ def test_whatever_walks_remember_the_best_plan_is_one_of_them(draw, seeds):
         slot = float(rng.choice([3.0, 20.0, 400.0]))
         # A hair less: brute force has summed prizes as floating-point numbers.
         most = best - sum(multipliers) - Fraction(1, 10**9)
-        assert walks_reach(legs_for(instance), gains, remembered, most, slot).reached, seed
+        losses = losses_of(instance)
+        legs = legs_for(instance)
+        assert walks_reach(legs, gains, remembered, most, slot, losses=losses).reached, seed
         asked += 1
     assert asked > 0.6 * len(seeds)
 
@@ -86,7 +95,9 @@ def test_walks_that_remember_all_are_the_plans(draw, seeds):
         worths = worths_of(instance, Fraction(0))
         remembered = np.ones((len(worths), len(worths)), dtype=np.bool_)
         more = Fraction(prizes) + Fraction(1, 10**4)
-        assert not walks_reach(legs_for(instance), worths, remembered, more, 20.0).reached, seed
+        losses = losses_of(instance)
+        legs = legs_for(instance)
+        assert not walks_reach(legs, worths, remembered, more, 20.0, losses=losses).reached, seed
         decided += prizes < sum(worths)
     assert decided > len(seeds) / 5
 

@@ -15,7 +15,14 @@ from functools import cache
 import numpy as np
 import pytest
 from brute_force import brute_force
-from random_rules import drifting_mission, given_mission, random_mission, towing_mission
+from random_rules import (
+    drifting_mission,
+    falling_field,
+    falling_mission,
+    given_mission,
+    random_mission,
+    towing_mission,
+)
 from seeds import over_kinds
 
 import adr_opt
@@ -32,17 +39,21 @@ KINDS_OF_FIELDS = {
 }  # fmt: skip
 every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
 every_kind_and_tows = over_kinds(
-    "draw, seeds", **KINDS_OF_FIELDS, tow=(towing_mission, range(80), 10)
-)
-searched = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(40), 16), j2=(drifting_mission, range(40), 8),
-    given=(given_mission, range(40), 8),
-)  # fmt: skip
+    **KINDS_OF_FIELDS,
+    tow=(towing_mission, range(80), 10),
+    falls=(falling_mission, range(160), 12),
+)
+SEARCHED = {
+    "two_body": (random_mission, range(40), 16), "j2": (drifting_mission, range(40), 8),
+    "given": (given_mission, range(40), 8),
+}  # fmt: skip
+searched = over_kinds("draw, seeds", **SEARCHED)
+searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 8))
 
 KINDS = {
     random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
-    towing_mission: {"short", "drift"},
+    towing_mission: {"short", "drift"}, falling_mission: {"short", "drift", "given", "launch"},
 }  # fmt: skip
 """Of the legs of their plans."""
 
@@ -96,7 +107,7 @@ def test_bounds_hold_and_proofs_end_at_the_optimum(draw, seeds):
             assert result.plan is None
 
 
-@searched
+@searched_and_falls
 def test_searches_end_at_the_optimum_with_any_multipliers(draw, seeds):
     """A search for plans worth the optimum finds one; for more it finds none."""
     for seed in seeds:
@@ -121,6 +132,9 @@ SHARES = {
         "greedy-guarded": 0.3, "beam": 0.7, "mcts": 0.5, "local-search": 0.6, "auto": 0.99,
     },
     drifting_mission: {
+        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+    },
+    falling_field: {
         "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
     },
     given_mission: {

@@ -25,7 +25,7 @@ from adr_opt.problem.orbit import Orbit
 @kernel
 def _enumerate(  # noqa: PLR0913
     first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
-    begin, full, at_start, most, takes, kits, kit, dry, exhaust, weighs, limited, tows, last,
+    begin, full, at_start, most, takes, kits, kit, dry, exhaust, weighs, limited, tows, last, steps,
 ):  # fmt: skip
     """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained.
 
@@ -35,7 +35,9 @@ def _enumerate(  # noqa: PLR0913
     label has the ΔV of its first tank, and the mass at the start that kits and towed objects have
     taken which are left behind, or all of it once that tank is done. Of stations that are
     ``limited`` each label has how often it refuelled there, and by how many kilograms. ``tows`` are
-    time, ΔV and mass of what is towed, body by body, and no tow ends after ``last``.
+    time, ΔV and mass of what is towed, body by body, and no tow ends after ``last``. ``steps`` are
+    body, time and loss of prizes that fall: the loss of a service that ends later. A label has the
+    sum of them last.
     """
     bodies = service.size
     sets = 1 << (bodies - first_target)
@@ -43,8 +45,8 @@ def _enumerate(  # noqa: PLR0913
     where = np.empty((room, 3), np.int64)  # set, body, parent
     what = np.empty((room, 3))  # time, left, ΔV
     more = np.zeros(
-        (room, 3 + 2 * stations)
-    )  # ΔV of the first tank, mass, whether it is done, uses
+        (room, 4 + 2 * stations)
+    )  # ΔV of the first tank, mass, whether it is done, uses, loss
     chain = np.empty(room, np.int64)
     head = np.full((sets, bodies), -1)
     where[0, 0], where[0, 1], where[0, 2] = 0, start, -1
@@ -118,6 +120,11 @@ def _enumerate(  # noqa: PLR0913
                                 if exhaust > 0.0:
                                     before = what[label, 1] * math.exp(-delta_v[c] / exhaust)
                                     now[4 + 2 * j] += full[aboard] - before
+                            lost = 0.0
+                            for step in range(steps.shape[0]):
+                                if steps[step, 0] == j and end > steps[step, 1] + SLACK_S:
+                                    lost = max(lost, steps[step, 2])
+                            now[now.size - 1] += lost
                             other = head[after, j]
                             while other >= 0:
                                 if (
@@ -272,6 +279,18 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
             full.append(empty * math.exp(delta_v * (1.0 - mission.margin) / exhaust))
     else:
         full = [tank.delta_v_m_s * (1.0 - mission.margin) + SLACK_M_S] * (most_kits + 1)
+    steps = np.array(
+        [
+            (first + n, until_s, target.prize_until[0][1] - after)
+            for n, target in enumerate(instance.targets)
+            if target.prize_until
+            for (until_s, _), after in zip(
+                target.prize_until,
+                [*(prize for _, prize in target.prize_until[1:]), target.prize],
+                strict=True,
+            )
+        ]
+    ).reshape(-1, 3)
     wheres, whats, uses, before = [], [], [], 0
     targets = len(instance.targets)
     weighs = instance.objective.cost == "expense" and dry > 0.0
@@ -286,7 +305,7 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
             np.array(_at_start(chaser, full)),
             bodies if chaser.max_targets is None else chaser.max_targets, takes, kits, kit, dry,
             exhaust, weighs, np.array([each.is_limited for each in instance.stations], np.bool_),
-            tows, min(last) + SLACK_S,
+            tows, min(last) + SLACK_S, steps,
         )  # fmt: skip
         if instance.objective.cost == "expense":
             price = chaser.expense or Expense()
@@ -350,23 +369,31 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     Prizes are −inf where no plan keeps to all rules.
     """
     instance, chaser = mission.instance, mission.chaser
-    where, what = labels_of(mission)
+    where, what, uses = labels_and_uses(mission)
     best: tuple[float, float, int] = (-math.inf, -math.inf, -1)
     needed = sum(1 << n for n, target in enumerate(instance.targets) if target.required)
-    for label, ((done, body, _), (time, _, spent)) in enumerate(zip(where, what, strict=True)):
+    for label, ((done, body, _), (time, _, spent), use) in enumerate(
+        zip(where, what, uses, strict=True)
+    ):
         end = chaser.end if isinstance(chaser.end, str) else chaser.end.station
         if (done & needed) != needed or end not in ("anywhere", instance.names[body]):
             continue
-        prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
+        prizes = _most(instance, int(done)) - float(use[-1])
         by_time = instance.objective.cost == "duration"
         cost = (time if done else 0.0) if by_time else spent
-        best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
+        best = max(best, (round(prizes, 9), -cost, label), key=lambda one: one[:2])
     sequence = []
     label = best[2]
     while label >= 0 and where[label, 2] >= 0:
         sequence.append(int(where[label, 1]))
         label = int(where[label, 2])
     return best[0], -best[1], tuple(reversed(sequence))
+
+
+def _most(instance: Instance, done: int) -> float:
+    """Sum of the prizes of a set of targets, each the greatest."""
+    chosen = [target for n, target in enumerate(instance.targets) if done >> n & 1]
+    return math.fsum(t.prize_until[0][1] if t.prize_until else t.prize for t in chosen)
 
 
 Ways = dict[int, list[tuple[float, tuple[float, ...]]]]
@@ -398,6 +425,7 @@ def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
             limits[2 * number] = station.max_refuellings
         if station.max_propellant_kg is not None:
             limits[2 * number + 1] = station.max_propellant_kg
+    limits.append(math.inf)  # of what prizes have fallen by
     none = (0.0,) * len(limits)
     # For each set the ways to do it worth having: what they cost, and take of stations.
     together: Ways = {0: [(0.0, none)]}
@@ -426,7 +454,6 @@ def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
     best = (-math.inf, -math.inf)
     for done, known in together.items():
         if known and done & needed == needed:
-            cost = min(cost for cost, _ in known)
-            prizes = math.fsum(t.prize for n, t in enumerate(instance.targets) if done >> n & 1)
-            best = max(best, (prizes, -cost))
+            for cost, use in known:
+                best = max(best, (round(_most(instance, done) - use[-1], 9), -cost))
     return best[0], -best[1]

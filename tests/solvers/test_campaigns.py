@@ -12,6 +12,7 @@ from brute_force import brute_force_campaign, labels_of
 from random_rules import (
     carrying,
     drifting_mission,
+    falling_campaign,
     given_field,
     given_mission,
     mixed_campaign,
@@ -49,6 +50,26 @@ def test_plans_pass_and_bounds_hold(method, draw, seeds):
             planned += 1
             proven += result.status == "optimal"
     assert planned > 0.6 * len(seeds)
+    if method in PROVING:
+        assert proven == planned
+
+
+@over_kinds("seeds", falls=(range(60), 12))
+@pytest.mark.parametrize("method", [*PROVING, "greedy-guarded"])
+def test_prizes_fall_for_all_chasers(method, seeds):
+    """A prize is what it is as the service ends, whoever makes it, and proofs know all of it."""
+    planned = proven = fallen = 0
+    for seed in seeds:
+        campaign = Problem(falling_campaign(seed))
+        result = adr_opt.solve(campaign, method, time_limit=30.0, iterations=8)
+        if compared(campaign, result, seed):
+            planned += 1
+            proven += result.status == "optimal"
+            targets = {each.name: each.greatest_prize for each in campaign.instance.targets}
+            most = math.fsum(targets.get(name, 0.0) for name in result.plan.destinations)
+            fallen += result.objective < most - 1e-9
+    assert planned > 0.6 * len(seeds)
+    assert fallen > 0.15 * planned
     if method in PROVING:
         assert proven == planned
 

@@ -28,6 +28,22 @@ def imported(cli: Cli):
     return lambda *more: cli("import", "a.csv", "--out", "out.json", *more)
 
 
+def test_falling_prizes_reach_the_targets(imported) -> None:
+    """Days and prizes become times and prizes; what is no pair, or rises, is one sentence."""
+    number = RECORDS[3].number
+    Path("p.csv").write_text(f"object,prize,prize_until\n{number},1,2:5 3.5:4\n", encoding="utf-8")
+    assert imported("--prizes", "p.csv").status == 0
+    targets = adr_opt.load("out.json").targets
+    levels = [each.prize_until for each in targets if each.prize_until]
+    assert levels == [((2.0 * DAY_S, 5.0), (3.5 * DAY_S, 4.0))]
+    for cell, said in (("2:5 3", "must be days and a prize"), ("2:4 3:5", "may only fall")):
+        Path("p.csv").write_text(f"object,prize,prize_until\n{number},1,{cell}\n")
+        refused = imported("--prizes", "p.csv")
+        assert refused.status == 2
+        assert said in refused.err
+        assert refused.err.count("\n") == 1
+
+
 def test_a_table_of_prizes_reaches_the_targets(imported) -> None:
     """Each row changes its object, named as one likes; empty cells and other objects stay."""
     first, second, third = RECORDS[3], RECORDS[7], RECORDS[5]

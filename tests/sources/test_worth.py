@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -140,6 +141,23 @@ def test_the_best_set_begins_with_the_best_object(made: worth.RemovalWorth) -> N
             if int(other) not in chosen[:size]:
                 assert made.of_set([*chosen[:size], int(other)]) <= own * (1.0 + 1e-12)
     assert with_one(made._objects, made._tables, 0, np.array([0]))[0] == 0.0
+
+
+def test_prizes_fall_with_the_year_of_removal() -> None:
+    """A removal avoids what collides after it: from the start all, at the horizon nothing."""
+    bodies = measured(40, 5)
+    years = (0.0, 1.0, 7.5, 20.0, 49.0, 50.0)
+    made = [worth.worth_of(bodies, 50.0, since_years=year) for year in years]
+    assert np.array_equal(made[0].alone, worth.worth_of(bodies, 50.0).alone)
+    for sooner, later in pairwise(made):
+        assert np.all(later.alone <= sooner.alone * (1.0 + 1e-12))
+        assert later.total < sooner.total
+    assert np.all(made[-1].alone <= 1e-12 * made[0].alone.max())
+    prizes = worth.prizes_of(made[0], 20, later=made[1:4])
+    assert np.all(np.diff(np.stack([prizes.prizes, *prizes.falling]), axis=0) <= 0.0)
+    rows = [row.split(",") for row in prizes.prizes_csv().splitlines()]
+    assert rows[0] == ["object", "prize", "mass", "prize_until"]
+    assert all(row[1] == "0" and len(row[3].split()) == 3 for row in rows[1:])
 
 
 def test_worth_grows_with_the_horizon_and_falls_with_activity() -> None:

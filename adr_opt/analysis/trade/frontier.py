@@ -90,6 +90,11 @@ def check_frontier(instance: Instance, axes: Sequence[Axis] = ()) -> None:
             f'objective.cost = "{instance.objective.cost}": a frontier is one of ΔV against the '
             'last day; write "delta-v", or leave the frontier out'
         )
+    if any(target.prize_until is not None for target in instance.targets):
+        raise InputError(
+            "prizes fall with time (prize_until), so that a chaser that is done later collects "
+            "less; leave them or the frontier out"
+        )
     for station in instance.stations:
         if station.max_propellant_kg is not None:
             raise InputError(

@@ -117,6 +117,7 @@ def _plan(point: Point, problem: Problem) -> Plan:
         priced.append(Route(chaser=mission.chaser.name, legs=legs(mission, moves)))
     names = list(chain.from_iterable(point.routes))
     number = {name: at for at, name in enumerate(problem.names)}
+    ends_s = [leg.free_s for route in priced for leg in route.legs]
     left = [target.name for target in instance.targets if target.name not in set(names)]
     plan = Plan(
         model=MODEL,
@@ -124,7 +125,7 @@ def _plan(point: Point, problem: Problem) -> Plan:
         method=METHOD,
         seed=0,
         status="feasible",
-        objective=problem.prizes(number[name] for name in names),
+        objective=problem.prizes([number[name] for name in names], ends_s),
         cost=cost_of_routes(instance, priced),
         runtime_s=0.0,
         routes=tuple(priced),

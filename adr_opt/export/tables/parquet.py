@@ -52,7 +52,7 @@ def schema(mission: Mission) -> pyarrow.Schema:
     for (name, (meaning, unit)), kind in zip(COLUMNS.items(), types, strict=True):
         stated = {"long_name": meaning} | ({} if unit is None else {"units": unit})
         fields.append(pa.field(name, kind, nullable=False, metadata=stated))
-    prizes = [0.0] * instance.first_target + [target.prize for target in instance.targets]
+    prizes = [0.0] * instance.first_target + [target.greatest_prize for target in instance.targets]
     bodies = [
         {"name": name, "prize": float(prize), "service_s": float(service)}
         for name, prize, service in zip(

@@ -22,7 +22,7 @@ from pathlib import Path
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
 from ...mission.mission import Mission
-from .weights import comment, edges, slug, whole_weights
+from .weights import comment, edges, refuse_falling, slug, whole_weights
 
 LARGEST_PRIZES = 2**44
 """Largest sum of prizes, as of distances in PyVRP: beyond it sums may overflow."""
@@ -48,6 +48,7 @@ def write(
     budget = math.floor(weights.scale * limit)
     vehicles = 1 if is_duration else targets
 
+    refuse_falling(instance)
     given = [target.prize for target in instance.targets]
     least = min([1.0, *(prize for prize in given if prize > 0.0)])
     prize_unit = (vehicles * budget + 1) / least

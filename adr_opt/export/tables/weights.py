@@ -54,6 +54,15 @@ class WeightMatrix:
     has_service: bool = False
 
 
+def refuse_falling(instance: Instance) -> None:
+    """Raise :class:`InputError` where prizes fall with time, for which formats have no field."""
+    if any(target.prize_until is not None for target in instance.targets):
+        raise InputError(
+            f"{instance.name!r} has prizes that fall with time, which this format cannot hold; "
+            "leave prize_until out, or write the connections"
+        )
+
+
 def check_quantity(quantity: str) -> None:
     """Raise :class:`InputError` for an unknown quantity."""
     if quantity not in UNITS:

@@ -74,7 +74,8 @@ def beginning(
     if not legs or any(target.required and target.name not in done for target in instance.targets):
         return None
     kept = [number for flown, held in routes for number, _ in flown.legs[:held]]
-    objective = problem.prizes(problem.missions[0].numbers(leg.destination for leg in legs))
+    bodies = problem.missions[0].numbers(leg.destination for leg in legs).tolist()
+    objective = problem.prizes(bodies, [leg.free_s for leg in legs])
     dropped = tuple(
         Unvisited(target=leg.destination, reason="delta-v")
         for flown, held in routes

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...common.constants import DAY_S
 from ...plan.plan import FORMER_MODEL, Plan
 from ...problem.instance import Instance
-from .prizes import difference_of, is_met
+from .prizes import collected, difference_of, is_met
 from .shared import expense, launch_times, over_s
 from .violation import (
     DELTA_V_TOLERANCE_M_S,
@@ -21,10 +21,10 @@ from .violation import (
 
 def check_totals(instance: Instance, plan: Plan) -> Iterator[Violation]:
     """Check the objective, the certificate and the list of unvisited targets."""
-    prize = {target.name: target.prize for target in instance.targets}
+    prize = {target.name: target.greatest_prize for target in instance.targets}
     visited = {leg.destination for leg in plan.legs} & set(prize)
     difference = difference_of(instance)
-    objective = math.fsum(prize[name] for name in visited)
+    objective = collected(instance, plan)
     if abs(plan.objective - objective) > _off(objective, difference):
         yield Violation(
             None,

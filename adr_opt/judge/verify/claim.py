@@ -29,11 +29,11 @@ def how_often(instance: Instance) -> dict[str, int]:
 
 
 def worths_of(instance: Instance, certificate: Certificate) -> list[Fraction]:
-    """Worth of the service of each body."""
+    """Worth of the service of each body, before its prize falls."""
     worths = [Fraction(0)] * instance.first_target
     for target in instance.targets:
         extra = certificate.required_worth if target.required else 0.0
-        worths.append(Fraction(target.prize) + Fraction(extra))
+        worths.append(Fraction(target.greatest_prize) + Fraction(extra))
     return worths
 
 
@@ -55,7 +55,9 @@ def remembered(instance: Instance, neighbourhoods: Mapping[str, Sequence[str]]) 
 
 def trivial_bound(instance: Instance) -> float:
     """Sum of prizes within the maximum number of targets, required ones first; or −inf."""
-    targets = sorted(instance.targets, key=lambda each: (each.required, each.prize), reverse=True)
+    targets = sorted(
+        instance.targets, key=lambda each: (each.required, each.greatest_prize), reverse=True
+    )
     only_kits = all(target.removal == "kit" for target in instance.targets)
     together = 0
     for chaser in instance.chasers:
@@ -63,7 +65,7 @@ def trivial_bound(instance: Instance) -> float:
         together += min(limit for limit in limits if limit is not None)
     if any(target.required for target in targets[together:]):
         return -math.inf
-    return math.fsum(target.prize for target in targets[:together])
+    return math.fsum(target.greatest_prize for target in targets[:together])
 
 
 def bound_of(instance: Instance, certificate: Certificate) -> float:
@@ -94,7 +96,7 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
     below -= required * Fraction(certificate.required_worth)
     if below <= 0:
         return -math.inf
-    least = min((target.prize for target in instance.targets if target.prize), default=0.0)
+    least = min((prize for prize in _all_prizes(instance) if prize), default=0.0)
     if below <= Fraction(least):
         return min(trivial, 0.0)  # parts of a prize cannot be collected
     if certificate.prize_step is None:
@@ -107,8 +109,16 @@ def _shown(instance: Instance, certificate: Certificate, below: Fraction, trivia
 
 def missed_by(instance: Instance, step: Fraction) -> Fraction:
     """Largest deviation of sums of prizes from multiples of a step."""
-    prizes = [Fraction(target.prize) for target in instance.targets]
-    return sum((abs(prize - step * round(prize / step)) for prize in prizes), Fraction(0))
+    prizes = [
+        max(abs(prize - step * round(prize / step)) for prize in map(Fraction, target.prizes))
+        for target in instance.targets
+    ]
+    return sum(prizes, Fraction(0))
+
+
+def _all_prizes(instance: Instance) -> list[float]:
+    """All prizes that services may be worth."""
+    return [prize for target in instance.targets for prize in target.prizes]
 
 
 def difference_of(instance: Instance, certificate: Certificate) -> float:
@@ -117,7 +127,7 @@ def difference_of(instance: Instance, certificate: Certificate) -> float:
     Half a step of what the certificate shows that all prizes are multiples of; without one, a share
     of the sum of all prizes.
     """
-    total = math.fsum(target.prize for target in instance.targets)
+    total = math.fsum(target.greatest_prize for target in instance.targets)
     if certificate.prize_step is None:
         return SHARE * total
     return 0.5 * certificate.prize_step

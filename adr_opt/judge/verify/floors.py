@@ -74,7 +74,7 @@ def worth_of_floors(instance: Instance, certificate: Certificate) -> Fraction:
         if opens + service_s[body] > closes + SLACK_S or least_m_s[body] > float(tank):
             continue
         extra = certificate.required_worth if target.required else 0.0
-        own = Fraction(target.prize) + Fraction(extra)
+        own = Fraction(target.greatest_prize) + Fraction(extra)
         own -= per_s * Fraction(float(stay_s[body])) + per_m_s * Fraction(float(least_m_s[body]))
         worth += max(own, Fraction(0))
     return worth * (1 + BEYOND) + BEYOND * BEYOND  # which no plan is worth, be it worth nothing

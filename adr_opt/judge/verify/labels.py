@@ -145,6 +145,9 @@ class Question(NamedTuple):
     tolls : Tolls
         Of cuts [fine units].
     price : Price
+    lost : (legs,) int64
+        What the prize of the service at the end of each leg has fallen by, rounded down [fine
+        units]; empty where no prize falls.
     """
 
     gain: npt.NDArray[np.int64]
@@ -153,6 +156,7 @@ class Question(NamedTuple):
     counts: bool
     tolls: Tolls
     price: Price
+    lost: npt.NDArray[np.int64]
 
 
 @inlined
@@ -397,6 +401,8 @@ def _extend(legs, ahead, question, labels, kept, count, label):
             if not _is_worth(price, step, j, aboard, most_left, came_from, worth):
                 break
             best, value = cost, gained
+            if question.lost.size > 0:
+                value -= question.lost[leg]
             if price.pays:
                 value -= _less(cost * price.per_m_s)
             rest = _rest(cargo, to_station, j, kits, left - cost)

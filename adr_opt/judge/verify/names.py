@@ -59,11 +59,12 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
             "quarter of it"
         )
     for target in instance.targets:
-        if step is not None and not _is_multiple(Fraction(target.prize), Fraction(step)):
-            raise InputError(
-                f"field prize_step = {step!r}: the prize of {target.name!r}, {target.prize!r}, is "
-                "no multiple of it"
-            )
+        for prize in target.prizes:
+            if step is not None and not _is_multiple(Fraction(prize), Fraction(step)):
+                raise InputError(
+                    f"field prize_step = {step!r}: the prize of {target.name!r}, {prize!r}, is no "
+                    "multiple of it"
+                )
 
 
 def _check_cost(instance: Instance, cost: ProvenCost) -> None:

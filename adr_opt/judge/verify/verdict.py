@@ -20,6 +20,7 @@ from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
 from .cuts import cuts_of
 from .legs import legs_of
+from .losses import losses_of
 from .names import check_names
 from .rules import finders_of, refuse_unknown
 from .sampling import Sampled, sample_connections
@@ -184,7 +185,9 @@ def _asked(
         else:
             legs = legs_of(instance, chaser, own)
             cuts = cuts_of(instance, certificate.cuts)
-            reached, count = walks_reach(legs, worths, neighbourhoods, most, slot_m_s, cuts)
+            reached, count = walks_reach(
+                legs, worths, neighbourhoods, most, slot_m_s, cuts, losses=losses_of(instance)
+            )
             made += count
         if reached:
             said = f"a walk of {chaser.name!r} collects {walks.most:g} less multipliers"

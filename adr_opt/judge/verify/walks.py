@@ -22,6 +22,7 @@ from .cargo import after_service
 from .cuts import NumberedCut, tolls_of
 from .labels import FINE, FOUND, FULL, WORD, KeptLabels, Price, Question, WalkLabels, search
 from .legs import Legs
+from .losses import Loss, lost_by, lost_on
 
 Array = npt.NDArray[Any]
 
@@ -70,6 +71,7 @@ def walks_reach(
     slot_m_s: float,
     cuts: tuple[NumberedCut, ...] = (),
     paying: Paying | None = None,
+    losses: Sequence[Loss] = (),
 ) -> WalkAnswer:
     """Check whether a walk collects ``most``.
 
@@ -88,6 +90,8 @@ def walks_reach(
         What walks pay for at their second services.
     paying : Paying, optional
         Walks pay for ΔV, and count only if they are worth as much; gains are in m/s then.
+    losses : sequence of Loss
+        Of gains, where prizes fall; none is known to walks that pay, which may collect more then.
     """
     ahead = look_ahead(legs, gains, slot_m_s, 0.0 if paying is None else 1.0)
     # Exact sums: what is worth something is worth no less in units, and what is asked for no more.
@@ -101,11 +105,16 @@ def walks_reach(
     counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
     tolls = tolls_of(cuts, len(gains), unit)
     price = _price(legs, ahead, unit, slot_m_s, paying)
-    question = Question(np.array(worth), need, remembered, counts, tolls, price)
+    lost = lost_on(legs, losses, unit)
+    question = Question(np.array(worth), need, remembered, counts, tolls, price, lost)
     words = of_bodies, tolls.rows.shape[1]
     labels = _labels_room(FIRST_LABELS, words, ahead.last.size)
     kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
-    cursor = _begin(legs, ahead.last, question, labels)
+    launched = [
+        gain - lost_by(losses, body, float(legs.terms.ready[body]), unit)
+        for body, gain in enumerate(worth)
+    ]
+    cursor = _begin(legs, ahead.last, question, launched, labels)
     ready = np.empty(FIRST_LABELS, dtype=np.int64)
     while True:
         state = search(legs, ahead, question, labels, kept, cursor, ready)
@@ -146,10 +155,12 @@ def _begin(
     legs: Legs,
     last: npt.NDArray[np.float64],
     question: Question,
+    launched: Sequence[int],
     labels: WalkLabels,
 ) -> npt.NDArray[np.int64]:
     """The first labels, and the cursor of the search.
 
+    A launch onto a target has what it is worth by then.
     Of kits that weigh something there are as many aboard as will be left behind, be it any number.
     """
     cargo, at = legs.terms.cargo, 0
@@ -166,7 +177,7 @@ def _begin(
             labels.body[at], labels.came_from[at] = body, -1
             labels.time[at], labels.left[at] = legs.terms.ready[body], left
             labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
-            labels.value[at] = question.gain[body] if is_launch else 0
+            labels.value[at] = launched[body] if is_launch else 0
             pays = question.price.pays and is_launch
             labels.worth[at] = question.price.worth[body] if pays else 0
             labels.memory[at], labels.odd[at] = 0, question.tolls.rows[body] if is_launch else 0

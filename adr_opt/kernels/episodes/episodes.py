@@ -119,6 +119,7 @@ def rules_of(pool, episodes, e):
         episodes.duration[e] + SLACK_S,
         0.0,
         None,
+        None,
     )
 
 

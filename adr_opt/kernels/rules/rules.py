@@ -23,6 +23,7 @@ from ..core.memory import borrowed
 from ..core.windows import service_end
 from ..tables import timetable
 from . import resources as resource_kernels
+from .falls import Falls, lost_at
 from .loads import Loads, flown_in_service, most_kits
 from .resources import Resources
 
@@ -42,8 +43,8 @@ class Rules(NamedTuple):
     opens, closes : (bodies,) float64
         No service begins before, or ends after, with the slack [s].
     prize : (bodies,) float64
-        What each target is worth to a planner; 0 for other bodies. Required targets are worth more
-        than all others together, see :class:`adr_opt.mission.mission.Mission`.
+        What each target is worth to a planner at most; 0 for other bodies. Required targets are
+        worth more than all others together, see :class:`adr_opt.mission.mission.Mission`.
     is_station, may_end : (bodies,) bool
         Where the tank is filled, and where the mission may end.
     stations, first_target : int
@@ -65,6 +66,8 @@ class Rules(NamedTuple):
         Least time from the departure from a station to the end of a service [s].
     loads : Loads or None
         What the chaser carries; None where that makes no difference.
+    falls : Falls or None
+        Losses of prizes with time; None where none falls.
     """
 
     table: timetable.Table
@@ -84,6 +87,7 @@ class Rules(NamedTuple):
     duration: float
     shortest_sortie: float
     loads: Loads | None = None
+    falls: Falls | None = None
 
 
 class State(NamedTuple):
@@ -308,10 +312,16 @@ def replay(rules, sequence, state, visited, ends, lefts):
     return sequence.size, total, state
 
 
+@inlined
+def worth_at(rules, body, end):
+    """Worth of the service of a body that ends at a time [s]."""
+    return rules.prize[body] - lost_at(rules.falls, body, end)
+
+
 @kernel
-def collected(rules, sequence):
-    """Sum of the prizes of a sequence of bodies."""
+def collected(rules, sequence, ends):
+    """Sum of the worths of a sequence of bodies, by the ends of their services [s]."""
     total = 0.0
-    for j in sequence:
-        total += rules.prize[j]
+    for index in range(sequence.size):
+        total += worth_at(rules, sequence[index], ends[index])
     return total

@@ -14,6 +14,8 @@ and need no more if it ended here. Whatever follows, it needs no more: for what 
 that the need of both is linear in the mass that has to be left, the first one needs no more at the
 least such mass, and at the greatest one that the second has it does not need its whole tank, as the
 second does.
+
+Where prizes fall, what is lost of them comes before the cost, in one number: see :class:`Visit`.
 """
 
 from typing import NamedTuple
@@ -24,6 +26,7 @@ from ..core.compile import kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
 from ..core.windows import service_end
+from .falls import Falls, lost_at
 from .resources import Resources, extend
 
 
@@ -112,6 +115,8 @@ class Visit(NamedTuple):
         Whether it is at a station, where the tank is filled.
     budget : float
         As in :class:`.rules.Rules` [m/s].
+    falls : Falls or None
+        Losses of prizes, in units that exceed any cost, so that added to it they come first.
     """
 
     body: int
@@ -121,6 +126,7 @@ class Visit(NamedTuple):
     closes: float
     refuels: bool
     budget: float
+    falls: Falls | None
 
 
 @kernel
@@ -146,7 +152,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
-    body, kits, service, opens, closes, refuels, budget = visit
+    body, kits, service, opens, closes, refuels, budget, falls = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
@@ -164,6 +170,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         end = service_end(arrival[c], opens, service)
         if end > closes:
             continue
+        lost = lost_at(falls, body, end)
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
         # all pay as much.
         low, high = 0, size
@@ -186,7 +193,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
             ends[count] = end
             lefts[count] = rest
             paid = price[c] if alike else weight[front[stair]] * price[c]
-            costs[count] = front_cost[stair] + paid
+            costs[count] = front_cost[stair] + paid + lost
             parents[count], takens[count] = front[stair], c
             count += 1
     order, kept = undominated(ends, lefts, costs, count)

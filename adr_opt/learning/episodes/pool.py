@@ -145,6 +145,7 @@ def check_playable(mission: Mission) -> None:
         (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
         (any(each.is_limited for each in mission.instance.stations), "has limited stations"),
         (rules.returns, "must end at a station"),
+        (rules.falls is not None, "has prizes that fall with time"),
         (mission.has_functions, "has arrivals that are functions of time"),
         (mission.chaser.max_exceptions is not None, "limits exceptions"),
         (tour_rule(mission.instance) is not None, f"sets {tour_rule(mission.instance)}"),

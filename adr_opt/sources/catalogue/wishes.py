@@ -3,7 +3,9 @@
 CSV, a line for each object. The column ``object`` has its catalogue number, name or designator
 (``number`` or ``name`` will do as well); of the others, each as a field of a target, those that
 are wanted: ``prize``, ``required`` (yes or no), ``window`` (days after the epoch as ``LO:HI``, one
-of the two may be left out), ``mass`` [kg], ``removal``. An empty cell leaves things as they are.
+of the two may be left out), ``mass`` [kg], ``removal``, ``prize_until`` (prizes that fall, as
+``DAYS:PRIZE`` one after the other, ``prize`` being what is left). An empty cell leaves things as
+they are.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from .filters import parse_range
 from .records import shown
 
 OBJECT = ("object", "number", "name")
-COLUMNS = ("prize", "required", "window", "mass", "removal")
+COLUMNS = ("prize", "required", "window", "mass", "removal", "prize_until")
 
 WORDS = {
     **dict.fromkeys(("yes", "true", "1"), True),
@@ -117,6 +119,8 @@ def _wish(cells: dict[str, str], source: str) -> Wish:
             0.0 if math.isinf(opens) else DAY_S * opens,
             None if math.isinf(closes) else DAY_S * closes,
         )
+    if cells.get("prize_until"):
+        fields["prize_until"] = _levels(cells["prize_until"], f"{source}: prize_until")
     if cells.get("removal"):
         fields["removal"] = cells["removal"].casefold()
     try:
@@ -124,6 +128,17 @@ def _wish(cells: dict[str, str], source: str) -> Wish:
     except ValidationError as error:
         raise InputError(f"{source}: {sentence(error)}") from None
     return Wish(said, source, fields)
+
+
+def _levels(text: str, where: str) -> tuple[tuple[float, float], ...]:
+    """Falling prizes, each with the time by which a service has to end [s]."""
+    levels = []
+    for part in text.split():
+        days, colon, prize = part.partition(":")
+        if not colon:
+            raise InputError(f"{where} = {shown(part)!r}: must be days and a prize, as 365.25:98")
+        levels.append((DAY_S * _number(days, where), _number(prize, where)))
+    return tuple(levels)
 
 
 def _number(text: str, where: str) -> float:

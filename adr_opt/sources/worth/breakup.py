@@ -83,7 +83,7 @@ def area_shares(kind: str) -> tuple[FLOAT, FLOAT]:
     return 10.0 ** (0.5 * (LOG_AREAS[1:] + LOG_AREAS[:-1])), shares / shares.sum()
 
 
-def fragment_years(years: float, activity: str) -> tuple[FLOAT, float]:
+def fragment_years(years: float, activity: str, since_years: float = 0.0) -> tuple[FLOAT, float]:
     """Equation 7: fragment-years within the horizon, per fragment made once a year.
 
     Parameters
@@ -92,6 +92,8 @@ def fragment_years(years: float, activity: str) -> tuple[FLOAT, float]:
         Horizon.
     activity : str
         Solar activity, one of :data:`.air.ACTIVITIES`.
+    since_years : float
+        Collisions before this time do not count.
 
     Returns
     -------
@@ -108,7 +110,8 @@ def fragment_years(years: float, activity: str) -> tuple[FLOAT, float]:
         areas, shares = area_shares(kind)
         lives = times[:, None] / (DRAG_COEFFICIENT * areas * YEAR_S)
         for column, exposure in enumerate(exposures):
-            table[row, :, column] = _within(lives, exposure, years) @ shares
+            later = _within(lives, max(exposure, since_years), years)
+            table[row, :, column] = (later - _within(lives, since_years, years)) @ shares
     return table, exposures[1]
 
 

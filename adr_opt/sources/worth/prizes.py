@@ -10,10 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ..catalogue.records import ElementSet
 from .air import FLOAT
 from .bodies import ends_km
+from .lifetimes import YEAR_S
 from .pairs import INDICES
 from .worth import UNIT, RemovalWorth
 
@@ -44,6 +46,9 @@ class RemovalPrizes:
         [fragment-years].
     prizes : (candidate,) float64
         Floors in whole units, rounded down, so that no set is overrated.
+    falling : tuple of (candidate,) float64
+        Prizes of removals by the end of each year, the first one first; empty for prizes that do
+        not fall.
     """
 
     worth: RemovalWorth
@@ -51,6 +56,7 @@ class RemovalPrizes:
     floors: FLOAT
     unit: float
     prizes: FLOAT
+    falling: tuple[FLOAT, ...] = ()
 
     @property
     def unit_text(self) -> str:
@@ -58,13 +64,30 @@ class RemovalPrizes:
         return f"{self.unit:g} {UNIT}"
 
     def prizes_csv(self) -> str:
-        """Table of prizes and masses as ``import --prizes`` takes it."""
+        """Table of prizes and masses as ``import --prizes`` takes it.
+
+        A removal after the last year of falling prizes is worth nothing that is known.
+        """
         bodies = self.worth.bodies
         rows = [
-            (reference(bodies.records[at]), f"{prize:.0f}", f"{bodies.masses[at]:.6g}")
-            for at, prize in zip(self.candidates, self.prizes, strict=True)
-        ]
-        return _csv(("object", "prize", "mass"), rows)
+            (
+                reference(bodies.records[at]), "0" if self.falling else f"{prize:.0f}",
+                f"{bodies.masses[at]:.6g}", *self._until(place),
+            )
+            for place, (at, prize) in enumerate(zip(self.candidates, self.prizes, strict=True))
+        ]  # fmt: skip
+        return _csv(("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows)
+
+    def _until(self, place: int) -> tuple[str, ...]:
+        """Falling prizes of a candidate, each with the days by which it has to be removed."""
+        if not self.falling:
+            return ()
+        return (
+            " ".join(
+                f"{year * YEAR_S / DAY_S:g}:{prizes[place]:.0f}"
+                for year, prizes in enumerate(self.falling, start=1)
+            ),
+        )
 
     def details_csv(self) -> str:
         """Table of all that is known of the candidates, under :data:`DETAILS`."""
@@ -89,7 +112,12 @@ class RemovalPrizes:
 
 
 def prizes_of(
-    worth: RemovalWorth, candidates: int, unit: float | None = None, jobs: int = 0
+    worth: RemovalWorth,
+    candidates: int,
+    unit: float | None = None,
+    jobs: int = 0,
+    *,
+    later: Sequence[RemovalWorth] = (),
 ) -> RemovalPrizes:
     """Prizes of the objects that are most worth removing.
 
@@ -103,6 +131,8 @@ def prizes_of(
         :data:`DIGITS` digits.
     jobs : int
         Number of threads; 0 for all cores.
+    later : sequence of RemovalWorth
+        Of removals at the end of each year, for prizes that fall.
 
     Raises
     ------
@@ -118,7 +148,13 @@ def prizes_of(
     largest = float(floors.max())
     if unit is None:
         unit = 10.0 ** (math.floor(math.log10(largest)) - DIGITS + 1) if largest > 0.0 else 1.0
-    return RemovalPrizes(worth, chosen, floors, unit, np.floor(floors / unit))
+    falling = []
+    most = np.floor(floors / unit)
+    for each in later:
+        # Rounding of sums must not let a prize rise.
+        most = np.minimum(most, np.floor(np.maximum(each.floors(chosen, jobs), 0.0) / unit))
+        falling.append(most)
+    return RemovalPrizes(worth, chosen, floors, unit, np.floor(floors / unit), tuple(falling))
 
 
 def reference(record: ElementSet) -> str:

@@ -136,6 +136,8 @@ def worth_of(
     activity: str = "mean",
     jobs: int = 0,
     show: Show = lambda done, of: None,
+    *,
+    since_years: float = 0.0,
 ) -> RemovalWorth:
     """Worth of removing each of some objects.
 
@@ -150,6 +152,8 @@ def worth_of(
         Number of threads; 0 for all cores.
     show : callable
         Progress.
+    since_years : float
+        Time of the removal: collisions before it are not avoided.
 
     Raises
     ------
@@ -180,7 +184,7 @@ def worth_of(
             )
         )
     )  # fmt: skip
-    table, exposure = fragment_years(years, activity)
+    table, exposure = fragment_years(years, activity, since_years)
     tables = CollisionTables(
         mean_speeds(), table, EARTH_RADIUS_M + LOWEST_M, ALTITUDE_STEP_M, exposure, FRAGMENTS,
         CATASTROPHIC_J_KG, YEAR_S,

@@ -38,7 +38,7 @@ def facts_of(instance: Instance) -> tuple[str, ...]:
 def of_instance(instance: Instance) -> Card:
     """The card of an instance."""
     targets = instance.targets
-    prizes = sum(target.prize for target in targets)
+    prizes = sum(target.greatest_prize for target in targets)
     required = [target.name for target in targets if target.required]
     windows = sum(target.window_s != (0.0, None) for target in targets)
     details = [
@@ -52,6 +52,9 @@ def of_instance(instance: Instance) -> Card:
         details.insert(1, ("frame", str(instance.frame)))
     if windows:
         details.append(("targets with a window", f"{windows}"))
+    falling = sum(target.prize_until is not None for target in targets)
+    if falling:
+        details.append(("targets whose prize falls", f"{falling}"))
     rows = [_chaser(chaser) for chaser in instance.chasers]
     heads = ("chaser", "start", "end", "tank m/s", "there from day", "kits")
     return Card(

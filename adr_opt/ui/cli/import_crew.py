@@ -62,7 +62,9 @@ crew_options = take.together(
         name="excluded",
     ),
     take.file(
-        "--prizes", "CSV: object, prize, required, window, mass, removal.", name="prizes_path"
+        "--prizes",
+        "CSV: object, prize, required, window, mass, removal, prize_until.",
+        name="prizes_path",
     ),
 )
 """The options of chasers and of single objects, for ``import``."""

@@ -35,6 +35,7 @@ FEW = 0.5
 @take.count(
     "--candidates", "N", "Number of objects with prizes; 0 for all.", default=200, show_default=True
 )
+@take.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
 @take.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
 @take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
 @take.file("--page", "HTML file to write.", name="page_path")
@@ -51,6 +52,7 @@ def command(
     years: float,
     activity: str,
     candidates: int,
+    falling: int | None,
     unit: float | None,
     details: str | None,
     page_path: str | None,
@@ -84,6 +86,11 @@ def command(
         raise InputError("--exclude '': give a part of a name or a pattern")
     if candidates < 0:
         raise InputError(f"--candidates {candidates}: must be at least 0, for all objects")
+    if falling is not None and not 0 < falling < years:
+        raise InputError(
+            f"--falling {falling}: must be at least 1, and less than the {years:g} years of the "
+            "horizon"
+        )
     if jobs < 0:
         raise InputError(f"--jobs {jobs}: must be at least 0, for all cores")
     if unit is not None and not unit > 0.0:
@@ -100,8 +107,14 @@ def command(
         )
     with counting_bar(wanted(as_json, quiet), "encounters") as show:
         made = worth.worth_of(bodies, years, activity, jobs, show)
-    prizes = worth.prizes_of(made, candidates, unit, jobs)
-    told = worth.answer(prizes, satcat) | {"path": out, "bad_rows": len(found.dropped)}
+    later = [
+        worth.worth_of(bodies, years, activity, jobs, since_years=float(year))
+        for year in range(1, (falling or 0) + 1)
+    ]
+    prizes = worth.prizes_of(made, candidates, unit, jobs, later=later)
+    told = worth.answer(prizes, satcat) | {
+        "path": out, "bad_rows": len(found.dropped), "falling_years": falling or 0,
+    }  # fmt: skip
     page = None if page_path is None else worth_page(prizes, told)
     write_text(out, prizes.prizes_csv())
     if details is not None:

@@ -21,7 +21,7 @@ def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
     """
     along, others = KINDS[kind], [axis.kind for axis in made.axes if axis.kind != kind]
     rows = made.along(kind)
-    most = math.fsum(target.prize for target in made.instance.targets)
+    most = math.fsum(target.greatest_prize for target in made.instance.targets)
     lines = []
     for at, (values, row) in enumerate(rows.items()):
         pairs = zip(others, values, strict=True)

@@ -65,7 +65,7 @@ def facts(instance: Instance, plan: Plan) -> Facts:
         visits=len(names & set(plan.destinations)),
         targets=len(instance.targets),
         prize=plan.objective,
-        total_prize=float(sum(target.prize for target in instance.targets)),
+        total_prize=float(sum(target.greatest_prize for target in instance.targets)),
         upper_bound=plan.upper_bound,
         gap=plan.gap,
         delta_v_m_s=plan.delta_v_m_s,

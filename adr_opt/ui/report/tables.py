@@ -72,7 +72,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     """
     flown = {} if refined is None else {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
     whose = owners(instance, plan)
-    prizes = {target.name: target.prize for target in instance.targets}
+    prizes = {target.name: target.prize_at for target in instance.targets}
     drifts = instance.nodes_drift
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
@@ -104,7 +104,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("n", _towing(leg))] if towed else []),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
             *([("n", _kg(leg.mass_kg))] if weighed else []),
-            ("n", "refuels" if refuels else number(prizes.get(leg.destination, 0.0), 3)),
+            ("n", "refuels" if refuels else number(prizes[leg.destination](leg.free_s), 3)),
         )
         rows.append(row(cells, f'data-leg="{at}"{" class=refuels" if refuels else ""}'))
     unit = "d" if in_days else "h"
@@ -240,7 +240,7 @@ def unvisited(instance: Instance, plan: Plan) -> str:
     rows = []
     for entry in sorted(plan.unvisited, key=lambda entry: order.index(entry.reason)):
         target = bodies.get(entry.target)
-        orbit, prize = ("", "", ""), "" if target is None else number(target.prize, 3)
+        orbit, prize = ("", "", ""), "" if target is None else number(target.greatest_prize, 3)
         if target is not None and target.orbit is not None:
             orbit = (
                 fixed((target.orbit.semi_major_axis_m - EARTH_RADIUS_M) / 1000.0, 1),

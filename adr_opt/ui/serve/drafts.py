@@ -124,7 +124,7 @@ class Draft:
         _refuse_strangers(wanted, (target.name for target in self.field.targets), "target")
         changes: dict[str, Any] = {}
         if edit.prize is not None:
-            changes["prize"] = edit.prize
+            changes |= {"prize": edit.prize, "prize_until": None}
         if edit.required is not None or edit.excluded:
             changes["required"] = bool(edit.required)
         excluded = self.excluded

@@ -8,6 +8,7 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed, write
+from adr_opt.kernels.rules.rules import worth_at
 
 from ...orders.cooling import temperature
 from ...orders.timed_order import time_order, with_refuelling
@@ -25,6 +26,24 @@ def _copy_labels(source, destination, first, last):
         write(destination.left[position], source.left[position])
         write(destination.parent[position], source.parent[position])
         write(destination.via[position], source.via[position])
+
+
+@kernel
+def _most(rules, order, length):
+    """Sum of the prizes of an order, each the greatest."""
+    total = 0.0
+    for p in range(length):
+        total += rules.prize[order[p]]
+    return total
+
+
+@kernel
+def _collected(rules, order, length, labels):
+    """Sum of the prizes of an order at its earliest ends."""
+    total = 0.0
+    for p in range(length):
+        total += worth_at(rules, order[p], labels.time[p + 1, 0])
+    return total
 
 
 @kernel
@@ -66,9 +85,7 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
         end = rules.ready
     _copy_labels(labels, kept, 0, length)
     write(reference, labels.time[: length + 1, 0])
-    prize = 0.0
-    for p in range(length):
-        prize += rules.prize[order[p]]
+    prize = _collected(rules, order, length, labels)
     best = with_refuelling(order, length, labels)
     best_prize, best_end = prize, end
     accepted = 0
@@ -83,10 +100,13 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
             continue
         slack = -allowed * math.log(1.0 - rng.random())
         new_prize = prize
-        if new_length != length or kind == moves.REPLACE or kind == moves.SUBSTITUTE:
-            new_prize = 0.0
-            for p in range(new_length):
-                new_prize += rules.prize[trial[p]]
+        if (
+            rules.falls is not None
+            or new_length != length
+            or kind == moves.REPLACE
+            or kind == moves.SUBSTITUTE
+        ):
+            new_prize = _most(rules, trial, new_length)
         # The latest end that is accepted.
         latest = end + (new_prize - prize + slack) / schedule.worth
         new_end = np.inf
@@ -94,7 +114,7 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
             new_end = np.inf
         elif new_length == 0:
             new_end = rules.ready
-        elif new_length == length:
+        elif new_length == length and rules.falls is None:
             new_end = time_order(
                 rules, trial, new_length, first, labels, behind, reference,
                 latest - end + PATIENCE_S,
@@ -103,6 +123,9 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
             new_end = time_order(
                 rules, trial, new_length, first, labels, order.size, reference, np.inf
             )
+        if rules.falls is not None and new_end < np.inf:
+            new_prize = _collected(rules, trial, new_length, labels)
+            latest = end + (new_prize - prize + slack) / schedule.worth
         if new_end <= latest:
             accepted += 1
             write(order, trial)

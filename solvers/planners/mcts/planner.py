@@ -122,7 +122,7 @@ class _Player:
                 # Simulations write into the sequence beyond what is played, never before it.
                 sequence[played] = body
                 played += 1
-                collected += float(rules.prize[body])
+                collected += float(rule_kernels.worth_at(rules, body, tree.resources.time[root]))
                 visited[body] = not rules.is_station[body]
             if self.settings.answer == "played" and collected > self.best_played:
                 self.best_played, self.answer = collected, sequence[:played].copy()

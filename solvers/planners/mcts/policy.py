@@ -276,7 +276,7 @@ def rollout(rules, policy, rng, scratch, moves, state):
         if not rules.is_station[body]:
             count -= 1
             candidates[place], candidates[count] = candidates[count], body
-        collected += rules.prize[body]
+        collected += rule_kernels.worth_at(rules, body, state.resources.time)
         spent += delta_v
         scratch.sequence[moves] = body
         moves += 1

@@ -309,7 +309,7 @@ def step(rules, policy, search, rng, tree, game, scratch, record):
             node = child
             j = tree.body[node]
             scratch.visited[j] = not rules.is_station[j]
-            prizes += rules.prize[j]
+            prizes += rule_kernels.worth_at(rules, j, tree.resources.time[node])
             scratch.sequence[moves] = j
             depth, moves = depth + 1, moves + 1
             path[depth] = node

@@ -70,13 +70,16 @@ class ClosedOrder:
     def pace(self, worth: SlackWorth) -> Pace:
         """The schedule of greatest worth, over all connections."""
         last = self._fronts[-1]
-        values = -worth.per_m_s * last.cost - worth.per_s * last.ready
+        lost, cost = self._mission.schedules.lost_and_cost(last)
+        values = -worth.per_m_s * cost - worth.per_s * last.ready - lost
         label = int(values.argmax())
-        value = self.timing.objective + float(values[label])
+        most = float(self._mission.rules.prize[self.moves].sum())
+        value = most + float(values[label])
         states = np.empty((3, self.moves.size + 1))
         for at in range(self.moves.size, -1, -1):
             front = self._fronts[at]
-            states[:, at] = front.ready[label], front.left[label], front.cost[label]
+            cost = self._mission.schedules.lost_and_cost(front)[1][label]
+            states[:, at] = front.ready[label], front.left[label], cost
             label = int(front.parent[label])
         bodies = np.concatenate(([self._mission.rules.start], self.moves)).astype(np.int64)
         return Pace(value, bodies, *states)

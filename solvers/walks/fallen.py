@@ -1,0 +1,49 @@
+"""Losses of prizes in buckets of time, as walks know them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.kernels.rules.falls import Falls, lost_at
+
+from ..networks.arrays import Network
+from ..networks.buckets import Buckets
+
+
+def fallen(
+    network: Network, buckets: Buckets, falls: Falls | None, unit: float, bits: int
+) -> np.ndarray:
+    """Losses of the prizes of services that end in each bucket, no more than the truth.
+
+    A leg that lands in an earlier bucket than another one ends no later, so what is left out for
+    its sake has lost no less.
+
+    Parameters
+    ----------
+    network : Network
+        With ends of services, where prizes fall.
+    buckets : Buckets
+        Of the network.
+    falls : Falls or None
+    unit : float
+        Prize that one unit of value is worth.
+    bits : int
+        Of the next body in a packed value.
+
+    Returns
+    -------
+    (buckets,) int32
+        Packed as values are; empty where no prize falls.
+    """
+    if falls is None:
+        return np.empty(0, dtype=np.int32)
+    earliest = np.full(buckets.opens.size, np.inf)
+    landing = buckets.of_row[network.landing]
+    np.minimum.at(earliest, landing, network.end)
+    made = np.zeros(earliest.size, dtype=np.int64)
+    for body in np.flatnonzero(np.diff(falls.first)):
+        for bucket in range(buckets.start[body], buckets.start[body + 1]):
+            if np.isfinite(earliest[bucket]):  # something lands there
+                lost = float(lost_at(falls, body, earliest[bucket]))
+                made[bucket] = int(np.floor(lost / unit)) << bits
+    return made.astype(np.int32)

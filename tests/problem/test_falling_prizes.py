@@ -1,0 +1,116 @@
+"""Prizes that fall with the end of the service: the field, its refusals, and what plans collect."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from brute_force import brute_force
+from random_rules import falling_field, falling_mission
+
+import adr_opt
+from adr_opt.common.errors import InputError
+from adr_opt.export.tables import write_matrix
+from adr_opt.mission.mission import Mission
+from adr_opt.problem.falling_prizes import prize_at
+from adr_opt.problem.settings import Objective
+
+
+def test_a_prize_is_that_of_the_first_time_that_the_service_keeps():
+    """An entry counts up to its time, the time included, and what is left after the last."""
+    levels = ((10.0, 5.0), (20.0, 3.0))
+    found = [prize_at(1.0, levels, end_s) for end_s in (0.0, 10.0, 10.1, 20.0, 20.1)]
+    assert found == [5.0, 5.0, 3.0, 3.0, 1.0]
+
+
+def test_an_instance_without_them_has_the_same_file():
+    """What is not set stands neither in the file nor in its sha256."""
+    instance = adr_opt.generate("tiny", 0)
+    assert "prize_until" not in instance.to_json()
+    falls = instance.targets[0].replace(prize_until=((1000.0, 2.0),))
+    other = instance.replace(targets=(falls, *instance.targets[1:]))
+    assert other.sha256 != instance.sha256
+    assert adr_opt.Instance.from_json(other.to_json()) == other
+
+
+@pytest.mark.parametrize(
+    ("levels", "prize", "said"),
+    [
+        (((10.0, 1.0), (20.0, 2.0)), 1.0, "may only fall"),
+        (((20.0, 2.0), (10.0, 1.0)), 1.0, "must rise"),
+        (((10.0, 2.0), (10.0, 1.0)), 1.0, "must rise"),
+        (((10.0, 2.0),), 3.0, "may not exceed"),
+        (((-1.0, 2.0),), 1.0, "prize_until"),
+        (((10.0, -2.0),), 0.0, "prize_until"),
+        ((), 1.0, "prize_until"),
+        (((10.0, math.sqrt(2.0)),), 0.3, "no common unit"),
+        (((10.0, 1e9),), 1.0, "at most 67108864"),
+    ],
+)
+def test_a_prize_that_cannot_fall_so_is_one_sentence(levels, prize, said):
+    """Prizes rise, times fall, or there is no common unit: refused, with the field's name."""
+    instance = adr_opt.generate("tiny", 0)
+    first, *others = instance.targets
+
+    def made() -> adr_opt.Instance:
+        falls = first.replace(prize=prize, prize_until=levels)
+        return instance.replace(targets=(falls, *others))
+
+    with pytest.raises(InputError, match=said) as refused:
+        made()
+    assert "\n" not in str(refused.value)
+
+
+def test_what_cannot_plan_them_says_so(tmp_path):
+    """Tours, the least ΔV, the environment and files of routing problems, in one sentence each."""
+    instance = adr_opt.generate("tiny", 0)
+    falls = tuple(each.replace(prize_until=((9000.0, 2.0),)) for each in instance.targets)
+    instance = instance.replace(targets=falls)
+    with pytest.raises(InputError, match="max_leg_s"):
+        instance.replace(transfer=instance.transfer.replace(max_leg_s=1e5))
+    with pytest.raises(InputError, match="option cost"):
+        adr_opt.solve(instance, "exact", cost=True)
+    with pytest.raises(InputError, match="prizes that fall"):
+        adr_opt.solve(instance, "ppo")
+    for suffix in (".vrp", ".oplib"):
+        with pytest.raises(InputError, match="prize_until"):
+            write_matrix(Mission(instance), tmp_path / f"out{suffix}", [0.0])
+
+
+def test_the_end_is_proven_least_among_plans_that_collect_as_much():
+    """With duration as cost, `exact --option cost=true` knows the times of prizes."""
+    proven = 0
+    for seed in range(12):
+        instance = falling_field(seed).replace(objective=Objective(cost="duration"))
+        prizes, cost, _ = brute_force(Mission(instance))
+        if not math.isfinite(prizes):
+            continue
+        plan = adr_opt.solve(instance, "exact", time_limit=60.0, cost=True).plan
+        assert plan.objective == pytest.approx(prizes), seed
+        assert plan.cost_status == "optimal", seed
+        assert plan.cost == pytest.approx(cost, abs=1e-5), seed
+        proven += 1
+    assert proven > 5
+
+
+def test_a_plan_that_counts_prizes_of_another_time_is_refused():
+    """`check` reads the prize at the end of the service, or of the tow that follows at once."""
+    fallen = towed = 0
+    for seed in range(40):
+        instance = falling_mission(seed)
+        plan = adr_opt.solve(instance, "greedy-guarded").plan
+        if plan is None:
+            continue
+        assert adr_opt.check(instance, plan) == (), seed
+        targets = {each.name: each for each in instance.targets}
+        legs = [leg for leg in plan.legs if leg.destination in targets]
+        counted = math.fsum(targets[leg.destination].prize_at(leg.free_s) for leg in legs)
+        assert plan.objective == pytest.approx(counted), seed
+        towed += sum(leg.tow is not None for leg in legs)
+        most = math.fsum(targets[leg.destination].greatest_prize for leg in legs)
+        if most > counted + 1e-9:
+            fallen += 1
+            rules = {each.rule for each in adr_opt.check(instance, plan.replace(objective=most))}
+            assert "objective" in rules, seed
+    assert fallen > 5
+    assert towed > 5
