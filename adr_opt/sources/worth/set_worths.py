@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -31,8 +33,6 @@ class SetWorths:
         Horizon.
     references : tuple of str
         What tables call the objects.
-    sha256 : str
-        Of the file; empty if there is none.
     """
 
     names: tuple[str, ...]
@@ -42,7 +42,12 @@ class SetWorths:
     total: float
     years: float
     references: tuple[str, ...] = ()
-    sha256: str = ""
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of names, worths and unit, by which results are told apart."""
+        text = json.dumps([self.names, self.alone.tolist(), self.pairs.tolist(), self.prize_unit])
+        return hashlib.sha256(text.encode()).hexdigest()
 
     def of_set(self, chosen: Iterable[str]) -> float:
         """Equation 9: fragment-years avoided by removing a set; pairs within it count once.
@@ -75,7 +80,6 @@ class SetWorths:
         return SetWorths(
             tuple(names), self.alone[at], self.pairs[np.ix_(at, at)], self.prize_unit, self.total,
             self.years, tuple(self.references[place] for place in at) if self.references else (),
-            self.sha256,
         )  # fmt: skip
 
     def _places(self, names: Iterable[str]) -> list[int]:

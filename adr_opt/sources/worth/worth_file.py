@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -138,7 +137,6 @@ def load_set_worths(path: str | os.PathLike[str]) -> SetWorths:
         total=file.total,
         years=file.years,
         references=tuple(each.object for each in file.objects),
-        sha256=hashlib.sha256(file.model_dump_json().encode()).hexdigest(),
     )
 
 

@@ -1,0 +1,17 @@
+"""Designs of campaigns: fragment-years avoided against euros, planned, bounded and evaluated."""
+
+from .designs import Design, designs_of
+from .front import pareto_front
+from .point import DesignPoint
+from .prices import Prices
+from .study import DesignStudy, design_study
+
+__all__ = [
+    "Design",
+    "DesignPoint",
+    "DesignStudy",
+    "Prices",
+    "design_study",
+    "designs_of",
+    "pareto_front",
+]
