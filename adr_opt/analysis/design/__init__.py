@@ -3,14 +3,14 @@
 from .designs import Design, designs_of
 from .front import pareto_front
 from .point import DesignPoint
-from .prices import Prices
+from .prices import CampaignPrices
 from .study import DesignStudy, design_study
 
 __all__ = [
+    "CampaignPrices",
     "Design",
     "DesignPoint",
     "DesignStudy",
-    "Prices",
     "design_study",
     "designs_of",
     "pareto_front",

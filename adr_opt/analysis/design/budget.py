@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ...plan.plan import Plan
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
-from .prices import Legs, Prices
+from .prices import CampaignPrices, Legs
 from .rating import Rating
 
 
@@ -24,7 +24,7 @@ class _Cut:
 
 
 def cut_to_budget(
-    instance: Instance, plan: Plan, prices: Prices, rating: Rating, budget: float
+    instance: Instance, plan: Plan, prices: CampaignPrices, rating: Rating, budget: float
 ) -> dict[str, tuple[str, ...]] | None:
     """Orders of a plan without what is beyond a budget; None if nothing is left of them.
 
@@ -36,7 +36,7 @@ def cut_to_budget(
     instance : Instance
         With the prices applied.
     plan : Plan
-    prices : Prices
+    prices : CampaignPrices
     rating : Rating
     budget : float
         [euros].
@@ -62,7 +62,7 @@ def cut_to_budget(
     return orders if any(orders.values()) else None
 
 
-def _euros(instance: Instance, routes: Mapping[str, Legs], prices: Prices) -> float:
+def _euros(instance: Instance, routes: Mapping[str, Legs], prices: CampaignPrices) -> float:
     return math.fsum(
         prices.of_route(instance, chaser, routes[chaser.name])
         for chaser in instance.chasers
@@ -71,7 +71,11 @@ def _euros(instance: Instance, routes: Mapping[str, Legs], prices: Prices) -> fl
 
 
 def _cuts(
-    instance: Instance, routes: Mapping[str, Legs], name: str, prices: Prices, rating: Rating
+    instance: Instance,
+    routes: Mapping[str, Legs],
+    name: str,
+    prices: CampaignPrices,
+    rating: Rating,
 ) -> list[_Cut]:
     """Shorter routes of a chaser that cost less: one target less, or none at all."""
     chaser = next(each for each in instance.chasers if each.name == name)

@@ -19,7 +19,7 @@ from ...judge.check.verdict import check
 from ...plan.plan import Plan
 from .designs import Design
 from .point import DesignPoint
-from .run import BrokenBound, DesignWork
+from .work import BrokenBound, DesignWork
 
 FORMAT = "adr-opt-designs/1"
 

@@ -24,14 +24,15 @@ from .designs import Design, designs_of
 from .file import DesignsFile
 from .front import pareto_front
 from .point import DesignPoint
-from .prices import Prices
+from .prices import CampaignPrices
 from .rating import rating_of
-from .run import DesignWork, run_design
+from .run import run_design
+from .work import DesignWork
 
 DEFAULT_TIME_LIMIT_S = 30.0
 """Time limit of the plan of a design, and of its bound [s]."""
 
-FROM_THE_INSTANCE = Prices()
+FROM_THE_INSTANCE = CampaignPrices()
 """No prices but the expense of chasers."""
 
 Told = Callable[[DesignPoint, int, int], None]
@@ -53,7 +54,7 @@ class DesignStudy(Shown):
         Number of designs.
     unit : str
         Of worths; empty for prizes of the instance.
-    prices : Prices
+    prices : CampaignPrices
     left_out : tuple of str
         Targets without a worth.
     total : float or None
@@ -66,7 +67,7 @@ class DesignStudy(Shown):
     points: tuple[DesignPoint, ...]
     wanted: int
     unit: str
-    prices: Prices
+    prices: CampaignPrices
     left_out: tuple[str, ...] = ()
     total: float | None = None
     runtime_s: float = field(default=0.0, compare=False)
@@ -102,7 +103,7 @@ def design_study(  # noqa: PLR0913
     axes: Sequence[Axis],
     *,
     worths: SetWorths | None = None,
-    prices: Prices = FROM_THE_INSTANCE,
+    prices: CampaignPrices = FROM_THE_INSTANCE,
     method: str = DEFAULT_METHOD,
     time_limit: float = DEFAULT_TIME_LIMIT_S,
     seed: int = 0,
@@ -123,7 +124,7 @@ def design_study(  # noqa: PLR0913
         Of objects under the names of targets. Each design is planned with the floors of its
         targets, bounded with their worths alone, and its chosen set evaluated (docs/worth.md,
         equations 8 to 10). Without them prizes of the instance count, which add up.
-    prices : Prices
+    prices : CampaignPrices
         By default the expense of the instance's chasers counts.
     method : str
         Name of a planner; bounds come from those that prove, as "auto" and "exact".
