@@ -111,48 +111,8 @@ class CampaignPrices:
             for flown in routes_of(instance, plan)
         )
 
-    def affordable(self, instance: Instance, budget: float) -> Instance:
-        """The instance without chasers that no plan within a budget can use.
-
-        A chaser costs at least its fixed price. With the budget for n of them, and all alike but
-        for when they are available, those available first can fly whatever n others can: they may
-        wait. Where chasers differ otherwise, all of them stay. So a bound for what is returned is
-        one for all plans within the budget; its plans may be dearer. Nor does any chaser go where
-        legs may not take as long as one pleases, as waiting is not free then.
-        """
-        chasers = instance.chasers
-        waits = (
-            instance.transfer.max_leg_s is None or instance.mission.mission_separation_s is not None
-        )
-        count, spent = 0, 0.0
-        for fixed in sorted(chaser.priced.fixed for chaser in chasers):
-            spent += fixed
-            if spent > budget:
-                break
-            count += 1
-        if count in (0, len(chasers)) or not waits or not _alike(chasers):
-            return instance
-        available = instance.available_s
-        first = sorted(range(len(chasers)), key=lambda at: (available[at][0], at))
-        return instance.replace(chasers=tuple(chasers[at] for at in sorted(first[:count])))
-
-    def least(self, instance: Instance) -> float:
-        """The least that a plan with any leg costs [euros]."""
-        return min(chaser.priced.fixed for chaser in instance.chasers)
-
 
 def _minimising(instance: Instance) -> Instance:
     """The instance with the expense as its cost, whose days are not priced then."""
     objective = instance.objective.replace(cost="expense", time_m_s_per_day=None)
     return instance.replace(objective=objective)
-
-
-def _alike(chasers: Sequence[Chaser]) -> bool:
-    """Whether chasers differ in nothing but their names and since when they are available."""
-    return (
-        len({
-            chaser.replace(name="chaser", available_s=(0.0, chaser.available_s[1]))
-            for chaser in chasers
-        })
-        == 1
-    )  # fmt: skip

@@ -56,6 +56,12 @@ class Rating:
             return instance
         return _with_prizes(instance, np.ceil(self.worths.alone / self.step))
 
+    def alone_of(self, instance: Instance) -> list[float]:
+        """Worths alone of all targets, or their prizes."""
+        if self.worths is None:
+            return [target.prize for target in instance.targets]
+        return self.worths.alone.tolist()
+
     def floor_of(self, instance: Instance, chosen: Iterable[str]) -> float:
         """Sum of the floors of some targets."""
         if self.worths is None:

@@ -19,6 +19,7 @@ from ...run.reused_timetable import Reused
 from .budget import cut_to_budget
 from .designs import Design
 from .point import DesignPoint
+from .spending import Spending
 from .work import DesignWork, targets_of
 
 
@@ -41,21 +42,13 @@ def run_design(
         The design or the method does not fit.
     """
     began, cpu_began = time.perf_counter(), time.process_time()
-    instance = work.instance_of(design)
+    allowed = work.spending(design)
     budget = design.value("budget") or math.inf
+    instance = work.rating.planned(work.priced(design) if allowed is None else allowed.planned)
     plan, bound = None, 0.0
-    if work.prices.least(instance) <= budget:
-        tables = Reused()
-        problem = tables.problem(instance)
-        first = _solved(work, problem, None, alone=alone, stop=stop)
-        last, plans = first, [first.plan]
-        if work.rating.worths is not None:
-            rated = tables.problem(work.rating.bounded(instance))
-            last = _solved(work, rated, first.plan, alone=alone, stop=stop)
-            plans.append(last.plan)
-        if last.status != "infeasible":
-            bound = min(last.upper_bound * work.rating.step, work.rating.most)
-        within = [_within(work, problem, made, budget) for made in plans if made is not None]
+    if allowed is not None:
+        problem, plans, bound = _found(work, instance, allowed, alone=alone, stop=stop)
+        within = [_within(work, problem, made, budget) for made in plans]
         fit = [made for made in within if made is not None]
         plan = max(fit, key=lambda made: _merit(work, instance, made), default=None)
     return work.point(
@@ -64,13 +57,31 @@ def run_design(
     )  # fmt: skip
 
 
+def _found(
+    work: DesignWork, instance: Instance, allowed: Spending, *, alone: bool, stop: Stop | None
+) -> tuple[Problem, list[Plan], float]:
+    """The problem of an instance, plans of it whatever they cost, and the bound."""
+    rating = work.rating
+    tables = Reused()
+    problem = tables.problem(instance)
+    found = [_solved(work, problem, None, alone=alone, stop=stop)]
+    if rating.worths is not None or allowed.bounded != allowed.planned:
+        fewer = tables.problem(rating.bounded(allowed.bounded))
+        found.append(_solved(work, fewer, found[0].plan, alone=alone, stop=stop))
+    bound = 0.0
+    if found[-1].status != "infeasible":
+        proven = found[-1].upper_bound * rating.step
+        bound = min(max(proven, allowed.beyond), rating.most)
+    return problem, [each.plan for each in found if each.plan is not None], bound
+
+
 def _solved(
     work: DesignWork, problem: Problem, known: Plan | None, *, alone: bool, stop: Stop | None
 ) -> Result:
     method = spec_of(work.method)
     more: dict[str, Any] = {}
-    if method.starts and known is not None and known.legs:
-        routes = _in_order(problem.instance, known.orders)
+    routes = () if known is None else _in_order(problem.instance, known.orders)
+    if method.starts and any(routes):
         more = {"start": routes if len(routes) > 1 else routes[0], "repair": True}
     if not alone and method.uses_cores:
         more["jobs"] = 1
@@ -101,8 +112,8 @@ def _in_order(
     instance: Instance, orders: Mapping[str, Sequence[str]]
 ) -> tuple[tuple[str, ...], ...]:
     """Orders of all chasers as sequences, in the order of the instance."""
-    if len(instance.chasers) == 1:  # an only chaser, whatever it is called
-        return (tuple(next(iter(orders.values()), ())),)
+    if len(instance.chasers) == len(orders) == 1:  # an only chaser, whatever it is called
+        return (tuple(next(iter(orders.values()))),)
     return tuple(tuple(orders.get(chaser.name, ())) for chaser in instance.chasers)
 
 

@@ -16,7 +16,7 @@ from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
 from ...mission.problem import problem_of
 from ...problem.instance import Instance
-from ...run.front import DEFAULT_METHOD
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import refuse_unable, spec_of
 from ...sources.worth import SetWorths
 from ..trade.axes import KINDS, Axis
@@ -25,12 +25,9 @@ from .file import DesignsFile
 from .front import pareto_front
 from .point import DesignPoint
 from .prices import CampaignPrices
-from .rating import rating_of
+from .rating import Rating, rating_of
 from .run import run_design
 from .work import DesignWork
-
-DEFAULT_TIME_LIMIT_S = 30.0
-"""Time limit of the plan of a design, and of its bound [s]."""
 
 FROM_THE_INSTANCE = CampaignPrices()
 """No prices but the expense of chasers."""
@@ -52,11 +49,9 @@ class DesignStudy(Shown):
         In the order of the axes; those that are finished.
     wanted : int
         Number of designs.
-    unit : str
-        Of worths; empty for prizes of the instance.
+    rating : Rating
+        What sets of targets are worth.
     prices : CampaignPrices
-    left_out : tuple of str
-        Targets without a worth.
     total : float or None
         Worth of all pairs of the catalogue.
     runtime_s : float
@@ -66,9 +61,8 @@ class DesignStudy(Shown):
     axes: tuple[Axis, ...]
     points: tuple[DesignPoint, ...]
     wanted: int
-    unit: str
+    rating: Rating
     prices: CampaignPrices
-    left_out: tuple[str, ...] = ()
     total: float | None = None
     runtime_s: float = field(default=0.0, compare=False)
 
@@ -86,9 +80,9 @@ class DesignStudy(Shown):
                 axis.kind: [round(value / KINDS[axis.kind].scale, 9) for value in axis.values]
                 for axis in self.axes
             },
-            "unit": self.unit or "prize",
+            "unit": self.rating.unit or "prize",
             "prices": str(self.prices),
-            "left_out": list(self.left_out),
+            "left_out": list(self.rating.left_out),
             "total": self.total,
             "designs": self.wanted,
             "points": [
@@ -171,7 +165,7 @@ def design_study(  # noqa: PLR0913
         told(point, len(points), len(designs))
     return DesignStudy(
         instance, tuple(axes), tuple(points[each] for each in designs if each in points),
-        len(designs), rating.unit, prices, rating.left_out,
+        len(designs), rating, prices,
         None if worths is None else worths.total, time.perf_counter() - began,
     )  # fmt: skip
 

@@ -11,6 +11,7 @@ from .designs import Design, designed
 from .point import DesignPoint
 from .prices import CampaignPrices
 from .rating import Rating
+from .spending import Spending, spending_of
 
 ROUNDED = 1e-9
 """Relative excess of a worth over its bound that sums of floats may cause."""
@@ -43,19 +44,28 @@ class DesignWork:
     time_limit_s: float
     seed: int
 
-    def instance_of(self, design: Design) -> Instance:
-        """The instance of a design, with floors as prizes and without launches beyond its budget.
+    def priced(self, design: Design) -> Instance:
+        """The instance of a design with its costs, whatever its budget.
 
         Raises
         ------
         InputError
-            A value is not valid.
+            A value is not valid, or a price is missing.
         """
-        made = self.prices.applied(designed(self.instance, design))
+        return self.prices.applied(designed(self.instance, design))
+
+    def spending(self, design: Design) -> Spending | None:
+        """What the budget of a design allows; None if no launch."""
+        made = self.priced(design)
         budget = design.value("budget")
-        if budget is not None:
-            made = self.prices.affordable(made, budget)
-        return self.rating.planned(made)
+        if budget is None:
+            return Spending(made, made, 0.0)
+        return spending_of(made, self.prices, self.rating, budget)
+
+    def instance_of(self, design: Design) -> Instance:
+        """The instance of a design's plans: with floors as prizes, and without useless launches."""
+        allowed = self.spending(design)
+        return self.rating.planned(self.priced(design) if allowed is None else allowed.planned)
 
     def point(
         self,
