@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ...plan.plan import Plan
@@ -28,7 +28,8 @@ def cut_to_budget(
 ) -> dict[str, tuple[str, ...]] | None:
     """Orders of a plan without what is beyond a budget; None if nothing is left of them.
 
-    The cut that loses the least for each euro is made first. The beginning of a route can be flown
+    The cut that loses the least for each euro is made first, or else the one that loses the least;
+    the better outcome of both counts. The beginning of a route can be flown
     as before, so that only the ends of routes are cut, and whole routes.
 
     Parameters
@@ -46,20 +47,52 @@ def cut_to_budget(
     dict of str to tuple of str, or None
         Bodies in order, by name of the chaser.
     """
+    best: dict[str, Legs] | None = None
+    most = -math.inf
+    for order in (_by_ratio, _by_loss):
+        routes = _cut(instance, plan, prices, rating, budget, order)
+        if routes is not None and any(routes.values()):
+            chosen = [body for legs in routes.values() for body in _targets(instance, legs)]
+            worth = rating.worth_of(instance, chosen)
+            if worth > most:
+                best, most = routes, worth
+    if best is None:
+        return None
+    return {name: tuple(body for body, _ in legs) for name, legs in best.items()}
+
+
+def _by_ratio(cut: _Cut) -> tuple[float, float]:
+    return cut.lost / cut.saved, cut.lost
+
+
+def _by_loss(cut: _Cut) -> tuple[float, float]:
+    return cut.lost, -cut.saved
+
+
+def _cut(
+    instance: Instance,
+    plan: Plan,
+    prices: CampaignPrices,
+    rating: Rating,
+    budget: float,
+    order: Callable[[_Cut], tuple[float, float]],
+) -> dict[str, Legs] | None:
+    """Routes after as many cuts as the budget asks for, the first in order each time."""
     routes: dict[str, Legs] = {
         flown.chaser.name: flown.spent for flown in routes_of(instance, plan)
     }
     while _euros(instance, routes, prices) > budget:
         cuts = [
-            cut for name, legs in routes.items() if legs
+            cut
+            for name, legs in routes.items()
+            if legs
             for cut in _cuts(instance, routes, name, prices, rating)
-        ]  # fmt: skip
+        ]
         if not cuts:
             return None
-        best = min(cuts, key=lambda cut: (cut.lost / cut.saved, cut.lost))
+        best = min(cuts, key=order)
         routes[best.chaser] = best.legs
-    orders = {name: tuple(body for body, _ in legs) for name, legs in routes.items()}
-    return orders if any(orders.values()) else None
+    return routes
 
 
 def _euros(instance: Instance, routes: Mapping[str, Legs], prices: CampaignPrices) -> float:

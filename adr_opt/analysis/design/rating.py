@@ -60,7 +60,7 @@ class Rating:
         """Worths alone of all targets, or their prizes."""
         if self.worths is None:
             return [target.prize for target in instance.targets]
-        return self.worths.alone.tolist()
+        return [float(worth) for worth in self.worths.alone]
 
     def floor_of(self, instance: Instance, chosen: Iterable[str]) -> float:
         """Sum of the floors of some targets."""

@@ -98,11 +98,8 @@ def command(
     instance = load(instance_path)
     limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     costs = designs.Costs(launch_cost, kit_cost, kg_cost)
-    if (
-        any(KINDS[axis.kind].of_designs for axis in axes)
-        or worth_path
-        or any(cost is not None for cost in costs)
-    ):
+    priced = any(cost is not None for cost in costs)
+    if priced or worth_path or any(KINDS[axis.kind].of_designs for axis in axes):
         if frontier_path is not None:
             raise InputError("--frontier: designs have none; leave it out")
         if page_path is not None:
