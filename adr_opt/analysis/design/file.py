@@ -110,7 +110,7 @@ class DesignsFile:
         for key, value in self._head.items():
             if head.get(key) != value:
                 raise InputError(
-                    f"{self._path}: made with another {key.replace('_', ' ')}; name another file, "
+                    f"{self._path}: made with other {key.replace('_', ' ')}; name another file, "
                     "or use the same"
                 )
         parsed = ((number, _parsed(line)) for number, line in enumerate(lines[1:], start=2))
@@ -121,7 +121,10 @@ class DesignsFile:
         plan = None
         if content.get("plan") is not None:
             plan = parse_model(json.dumps(content["plan"]), Plan, where)
-            violations = check(instance, plan)
+            try:
+                violations = check(instance, plan)
+            except InputError as error:
+                raise InputError(f"{where}: {error}") from None
             if violations:
                 raise InputError(
                     f"{where}: the plan has a violation ({violations[0]}); name another file"

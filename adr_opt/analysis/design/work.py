@@ -93,7 +93,7 @@ class DesignWork:
         flown = () if plan is None else routes_of(instance, plan)
         return DesignPoint(
             design, instance, plan,
-            floor=self.rating.floor_of(instance, chosen),
+            floor=min(self.rating.floor_of(instance, chosen), worth),
             worth=worth,
             bound=max(bound, worth),
             euros=0.0 if plan is None else self.prices.of_plan(instance, plan),
