@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 from launched import campaign
 
@@ -26,3 +28,19 @@ def worths_of_sets(instance: Instance, seed: int = 0) -> SetWorths:
     alone = pairs.sum(axis=1) * random.uniform(1.0, 3.0, count)
     names = tuple(target.name for target in instance.targets)
     return SetWorths(names, alone, pairs, 1e-4, float(3.0 * alone.sum()), 50.0, names)
+
+
+def pairs_text(worths: SetWorths) -> str:
+    """The file of worths, as `worth --pairs` writes it."""
+    objects = [
+        {"object": name, "name": name, "alone": float(alone)}
+        for name, alone in zip(worths.names, worths.alone, strict=True)
+    ]
+    pairs = [[float(shared) for shared in row[at + 1 :]] for at, row in enumerate(worths.pairs)]
+    return json.dumps(
+        {
+            "format": "adr-opt-worth/1", "unit": "fragment-years", "years": worths.years,
+            "activity": "mean", "total": worths.total, "prize_unit": worths.prize_unit,
+            "objects": objects, "pairs": pairs,
+        }
+    )  # fmt: skip

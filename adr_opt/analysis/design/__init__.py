@@ -4,7 +4,8 @@ from .designs import Design, designs_of
 from .front import pareto_front
 from .point import DesignPoint
 from .prices import CampaignPrices
-from .study import DesignStudy, design_study
+from .results import DesignStudy
+from .study import design_study
 
 __all__ = [
     "CampaignPrices",

@@ -7,10 +7,7 @@ import os
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import dataclass, field
-from typing import Any
 
-from ...common.card import Shown
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
@@ -19,13 +16,14 @@ from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import refuse_unable, spec_of
 from ...sources.worth import SetWorths
-from ..trade.axes import KINDS, Axis
+from ..trade.axes import Axis
 from .designs import Design, designs_of
 from .file import DesignsFile
-from .front import pareto_front
+from .handing import handed_on
 from .point import DesignPoint
 from .prices import CampaignPrices
-from .rating import Rating, rating_of
+from .rating import rating_of
+from .results import DesignStudy
 from .run import run_design
 from .work import DesignWork
 
@@ -34,62 +32,6 @@ FROM_THE_INSTANCE = CampaignPrices()
 
 Told = Callable[[DesignPoint, int, int], None]
 """Called with a finished point, the number of finished ones, and that of all."""
-
-
-@dataclass(frozen=True, repr=False)
-class DesignStudy(Shown):
-    """Plans, bounds and worths of the designs of a campaign.
-
-    Attributes
-    ----------
-    instance : Instance
-        That is varied.
-    axes : tuple of Axis
-    points : tuple of DesignPoint
-        In the order of the axes; those that are finished.
-    wanted : int
-        Number of designs.
-    rating : Rating
-        What sets of targets are worth.
-    prices : CampaignPrices
-    total : float or None
-        Worth of all pairs of the catalogue.
-    runtime_s : float
-    """
-
-    instance: Instance
-    axes: tuple[Axis, ...]
-    points: tuple[DesignPoint, ...]
-    wanted: int
-    rating: Rating
-    prices: CampaignPrices
-    total: float | None = None
-    runtime_s: float = field(default=0.0, compare=False)
-
-    @property
-    def front(self) -> tuple[int, ...]:
-        """Numbers of the points on the Pareto front, cheapest first."""
-        return pareto_front(self.points)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The study as JSON data."""
-        front = set(self.front)
-        return {
-            "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
-            "varied": {
-                axis.kind: [round(value / KINDS[axis.kind].scale, 9) for value in axis.values]
-                for axis in self.axes
-            },
-            "unit": self.rating.unit or "prize",
-            "prices": str(self.prices),
-            "left_out": list(self.rating.left_out),
-            "total": self.total,
-            "designs": self.wanted,
-            "points": [
-                {**point.to_dict(), "on_front": at in front} for at, point in enumerate(self.points)
-            ],
-            "runtime_s": self.runtime_s,
-        }
 
 
 def design_study(  # noqa: PLR0913
@@ -163,8 +105,9 @@ def design_study(  # noqa: PLR0913
         if file is not None:
             file.append(point)
         told(point, len(points), len(designs))
+    finished = handed_on(work, [points[each] for each in designs if each in points])
     return DesignStudy(
-        instance, tuple(axes), tuple(points[each] for each in designs if each in points),
+        instance, tuple(axes), tuple(finished),
         len(designs), rating, prices,
         None if worths is None else worths.total, time.perf_counter() - began,
     )  # fmt: skip

@@ -15,13 +15,14 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ...analysis.design import DesignPoint, DesignStudy
+    from ...analysis.design.point import DesignPoint
+    from ...analysis.design.results import DesignStudy
     from ...analysis.trade import Axis
     from ...common.stop import Stop
     from ...problem.instance import Instance
 
 
-class Costs(NamedTuple):
+class EuroCosts(NamedTuple):
     """Prices as a command line gives them [euros]."""
 
     launch: float | None
@@ -29,7 +30,7 @@ class Costs(NamedTuple):
     kilogram: float | None
 
 
-class Outputs(NamedTuple):
+class StudyOutputs(NamedTuple):
     """Files that a study writes; None for those that are not asked for."""
 
     results: str | None
@@ -38,7 +39,7 @@ class Outputs(NamedTuple):
     plans: str | None
 
 
-class Settings(NamedTuple):
+class StudySettings(NamedTuple):
     """How designs are run."""
 
     method: str
@@ -53,15 +54,16 @@ def study(
     instance: Instance,
     axes: Sequence[Axis],
     worth_path: str | None,
-    costs: Costs,
-    settings: Settings,
-    outputs: Outputs,
+    costs: EuroCosts,
+    settings: StudySettings,
+    outputs: StudyOutputs,
     *,
     as_json: bool,
     quiet: bool,
 ) -> int:
     """Run a study of designs and write what it comes to; returns the exit status."""
-    from ...analysis.design import CampaignPrices, design_study
+    from ...analysis.design.prices import CampaignPrices
+    from ...analysis.design.study import design_study
     from ...sources.worth import load_set_worths
     from ..report.designs import designs_page
     from ..report.plain import write_page

@@ -97,7 +97,7 @@ def command(
     axes = [parse_axis(text) for text in varied]
     instance = load(instance_path)
     limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
-    costs = designs.Costs(launch_cost, kit_cost, kg_cost)
+    costs = designs.EuroCosts(launch_cost, kit_cost, kg_cost)
     priced = any(cost is not None for cost in costs)
     if priced or worth_path or any(KINDS[axis.kind].of_designs for axis in axes):
         if frontier_path is not None:
@@ -108,8 +108,8 @@ def command(
             _check_plot(plot_path)
         return designs.study(
             instance_path, instance, axes, worth_path, costs,
-            designs.Settings(method or front.DEFAULT_METHOD, limit, seed, jobs, cluster),
-            designs.Outputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
+            designs.StudySettings(method or front.DEFAULT_METHOD, limit, seed, jobs, cluster),
+            designs.StudyOutputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
         )  # fmt: skip
     if plans is not None:
         raise InputError("--plans: these are files of designs; vary one of those, or leave it out")

@@ -8,7 +8,7 @@ from ...plan.palette import CHASERS
 from .chart import Chart, ChartAxis, Line, Link, Marks
 
 if TYPE_CHECKING:
-    from ...analysis.design import DesignStudy
+    from ...analysis.design.results import DesignStudy
 
 MILLION = 1e6
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from ...analysis.design import DesignPoint, DesignStudy
 from ...analysis.design.designs import shown
+from ...analysis.design.point import DesignPoint
+from ...analysis.design.results import DesignStudy
 from ...analysis.trade.axes import KINDS
 from ...common.constants import DAY_S
 from ...common.wording import counted
