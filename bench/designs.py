@@ -19,6 +19,7 @@ from population import write_population
 
 import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, DesignStudy, design_study
+from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
 from adr_opt.ui.report.designs import cells, designs_page, headings
 
@@ -43,7 +44,7 @@ def candidates_of(folder: Path, count: int) -> tuple[adr_opt.Instance, worth.Set
     pairs.write_text(worth.pairs_json(prizes), encoding="utf-8")
     table.write_text(prizes.prizes_csv(), encoding="utf-8")
     crew = catalogue.Crew(
-        tank=adr_opt.problem.chasers.TankByMass(dry_mass_kg=500.0, propellant_kg=200.0, isp_s=300.0),
+        tank=TankByMass(dry_mass_kg=500.0, propellant_kg=200.0, isp_s=300.0),
         launches=3, apart_s=365 * 86400.0, kits=6, kit_mass_kg=40.0,
     )  # fmt: skip
     made = catalogue.to_instance(

@@ -97,6 +97,11 @@ class CampaignPrices:
                     "its dry_mass_kg, propellant_kg and isp_s, or leave --kg-cost out"
                 )
             fixed += per_kg * chaser.tank.dry_mass_kg
+        if fixed > LARGEST_EXPENSE:
+            raise InputError(
+                f"a launch of {chaser.name!r} costs {fixed:g} euros, more than "
+                f"{LARGEST_EXPENSE:g}; lower --launch-cost or --kg-cost"
+            )
         return Expense(fixed=fixed, per_kg=per_kg)
 
     def of_route(self, instance: Instance, chaser: Chaser, legs: Legs) -> float:

@@ -85,6 +85,9 @@ class DesignWork:
         """
         chosen = () if plan is None else targets_of(instance, plan)
         worth = self.rating.worth_of(instance, chosen)
+        floor = min(self.rating.floor_of(instance, chosen), worth)
+        if self.rating.worths is None and plan is not None:
+            floor = worth = plan.objective  # prizes may fall with time
         if worth > bound * (1.0 + ROUNDED):
             raise BrokenBound(
                 f"at {design.title} a plan avoids {worth!r}, more than the bound {bound!r}: a "
@@ -93,7 +96,7 @@ class DesignWork:
         flown = () if plan is None else routes_of(instance, plan)
         return DesignPoint(
             design, instance, plan,
-            floor=min(self.rating.floor_of(instance, chosen), worth),
+            floor=floor,
             worth=worth,
             bound=max(bound, worth),
             euros=0.0 if plan is None else self.prices.of_plan(instance, plan),
