@@ -98,7 +98,7 @@ def cells(study: DesignStudy, at: int) -> tuple[str, ...]:
         figure(point.bound) if math.isfinite(point.bound) else NOTHING,
         f"{point.gap:.1%}" if there and math.isfinite(point.gap) else NOTHING,
         fixed(point.euros / MILLION, 2) if there else NOTHING,
-        NOTHING if math.isnan(point.per_million) else figure(point.per_million),
+        NOTHING if math.isnan(point.per_million) else fixed(point.per_million, 2),
         str(point.launches),
         str(point.removals),
         "yes" if at in front else "",
