@@ -15,13 +15,13 @@ from adr_opt.analysis import Axis, CampaignPrices, DesignPoint, DesignStudy, des
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxRuntime
 
-AXES = [Axis("launches", (1.0, 2.0)), Axis("kits", (1.0, 2.0))]
+AXES = [Axis("launches", (1.0,)), Axis("kits", (1.0, 2.0))]
 
 
 def run(path: Path | None, **more: Any) -> tuple[DesignStudy, list[DesignPoint]]:
     """The study, and the points that were run for it."""
     ran: list[DesignPoint] = []
-    field = rated(targets=3)
+    field = rated(targets=2)
     settings: dict[str, Any] = {
         "worths": worths_of_sets(field), "prices": CampaignPrices(10.0, 2.0), "time_limit": 60.0,
     }  # fmt: skip
@@ -36,7 +36,7 @@ def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The file of a study that is finished."""
     path = tmp_path_factory.mktemp("designs") / "d.jsonl"
     made, ran = run(path)
-    assert len(made.points) == len(ran) == 4
+    assert len(made.points) == len(ran) == 2
     return path.read_bytes()
 
 
@@ -65,15 +65,15 @@ def test_a_finished_file_is_not_run_again(tmp_path: Path, content: bytes) -> Non
     assert told(made) == told(run(None)[0])
 
 
-@pytest.mark.parametrize("kept", [0.0, 0.05, 0.3, 0.6, 0.999])
+@pytest.mark.parametrize("kept", [0.05, 0.5, 0.999])
 def test_a_file_that_was_cut_off_goes_on(kept: float, tmp_path: Path, content: bytes) -> None:
     """Wherever the machine stopped, whole lines are kept and the others made anew."""
     path = tmp_path / "d.jsonl"
     cut = content[: math.floor(kept * len(content))]
     path.write_bytes(cut)
     made, ran = run(path)
-    assert len(ran) == 4 - max(cut.count(b"\n") - 1, 0)
-    assert len(made.points) == 4
+    assert len(ran) == 2 - max(cut.count(b"\n") - 1, 0)
+    assert len(made.points) == 2
     again, ran = run(path)
     assert ran == []
     assert told(again) == told(made)
@@ -84,20 +84,20 @@ def test_more_values_run_what_is_new(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "d.jsonl"
     path.write_bytes(content)
     ran: list[DesignPoint] = []
-    field = rated(targets=3)
+    field = rated(targets=2)
     design_study(
-        field, [Axis("launches", (2.0, 3.0)), AXES[1]], path=path, worths=worths_of_sets(field),
+        field, [AXES[0], Axis("kits", (2.0, 3.0))], path=path, worths=worths_of_sets(field),
         prices=CampaignPrices(10.0, 2.0), time_limit=60.0,
         told=lambda point, done, of: ran.append(point),
     )  # fmt: skip
-    assert [point.design.value("launches") for point in ran] == [3.0, 3.0]
+    assert [point.design.value("kits") for point in ran] == [3.0]
 
 
 def test_a_study_that_is_stopped_has_what_is_finished(tmp_path: Path) -> None:
     """Without time nothing is run and nothing written, and the number of designs is told."""
     path = tmp_path / "d.jsonl"
     made, ran = run(path, stop=MaxRuntime(1e-9))
-    assert (made.points, made.wanted, ran) == ((), 4, [])
+    assert (made.points, made.wanted, ran) == ((), 2, [])
     assert not path.exists()
 
 

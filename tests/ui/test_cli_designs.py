@@ -14,10 +14,10 @@ from conftest import Cli, Outcome, refused
 from rated_fields import pairs_text, rated, worths_of_sets
 
 import adr_opt
-from adr_opt.common.errors import InputError
+from adr_opt.common.errors import InputError, MissingExtra
 
 COSTS = ("--launch-cost", "10e6", "--kit-cost", "2e6", "--kg-cost", "50000")
-VARY = ("--vary", "launches=1,2", "--vary", "kits=1,2")
+VARY = ("--vary", "launches=1", "--vary", "kits=1,2")
 
 
 class Addresses(HTMLParser):
@@ -58,12 +58,12 @@ def rows_of(outcome: Outcome) -> list[list[str]]:
 def test_table_json_and_page_say_the_same(cli: Cli, files: Path) -> None:
     """Each number of the table is that of `--json` and of the page, which has a dot for each."""
     call = ("tradeoff", "i.json", *VARY, *COSTS, "--worth", "w.json", "--out", "d.jsonl")
-    first = cli(*call, "--page", "d.html", "--plans", "plans", "--plot", "d.svg")
+    first = cli(*call, "--page", "d.html", "--plot", "d.svg")
     assert first.status == 0
     rows = rows_of(first)
     told = json.loads(cli(*call, "--json", "--quiet").out)
-    assert (told["unit"], told["designs"], len(rows)) == ("fragment-years", 4, 4)
-    assert told["varied"] == {"launches": [1.0, 2.0], "kits": [1.0, 2.0]}
+    assert (told["unit"], told["designs"], len(rows)) == ("fragment-years", 2, 2)
+    assert told["varied"] == {"launches": [1.0], "kits": [1.0, 2.0]}
     text = (files / "d.html").read_text(encoding="utf-8")
     for number, (point, row) in enumerate(zip(told["points"], rows, strict=True), start=1):
         assert row[0] == str(number)
@@ -80,14 +80,23 @@ def test_table_json_and_page_say_the_same(cli: Cli, files: Path) -> None:
         assert written is not None
         assert [re.sub("<.*?>", "", cell) for cell in written[1].split("</td>")[:-1]] == row
     page = Addresses(text)
-    assert page.tags.count("circle") == 8
-    for number in range(1, 5):
+    assert page.tags.count("circle") == 4
+    for number in (1, 2):
         assert page.hrefs.count(f"#design-{number}") == 2  # of the dot and of the row
         assert page.ids.count(f"design-{number}") == 1
 
 
-def test_the_page_asks_for_nothing_and_leads_to_plans(cli: Cli, files: Path) -> None:
+@pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_the_page_asks_for_nothing_and_leads_to_plans(
+    drawn: bool, cli: Cli, files: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """No address leads away, no script runs, and files of plans are there and hold."""
+    if drawn:
+        pytest.importorskip("plotly")
+    else:
+        monkeypatch.setattr(
+            "adr_opt.ui.report.write_report", lambda instance, plan, path: path.touch()
+        )
     call = ("tradeoff", "i.json", *VARY, *COSTS, "--worth", "w.json", "--quiet")
     assert cli(*call, "--page", "d.html", "--plans", "plans").status == 0
     text = (files / "d.html").read_text(encoding="utf-8")
@@ -98,10 +107,10 @@ def test_the_page_asks_for_nothing_and_leads_to_plans(cli: Cli, files: Path) -> 
     assert "@import" not in text
     assert "//" not in re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL)
     linked = [href for href in page.hrefs if not href.startswith(("#", "data:,"))]
-    assert len(linked) == len(set(linked)) == 12
+    assert len(linked) == len(set(linked)) == 6
     for href in linked:
         assert (files / href).is_file()
-    for number in range(1, 5):
+    for number in (1, 2):
         stem = files / "plans" / f"design-{number}"
         found = cli("check", stem.with_suffix(".instance.json"), stem.with_suffix(".plan.json"))
         assert found.status == 0
@@ -116,6 +125,21 @@ def test_a_point_without_a_plan_is_said(cli: Cli, files: Path) -> None:
     assert (first["bound"], first["routes"]) == (0.0, {})
     assert second["euros"] <= 40e6
     assert "No launch is within the budget." in (files / "d.html").read_text(encoding="utf-8")
+
+
+def test_plans_are_written_without_reports_where_charts_are_not_installed(
+    cli: Cli, files: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Instances and plans are there, and a message says what is lacking."""
+
+    def refuse(*_: object) -> None:
+        raise MissingExtra("a report", "plotly", "viz")
+
+    monkeypatch.setattr("adr_opt.ui.report.write_report", refuse)
+    found = cli("tradeoff", "i.json", *VARY, *COSTS, "--plans", "plans")
+    assert found.status == 0
+    assert found.err.count("plans without reports: ") == 1
+    assert len(list((files / "plans").iterdir())) == 4
 
 
 @pytest.mark.parametrize(
