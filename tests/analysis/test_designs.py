@@ -26,6 +26,9 @@ YEAR_S = 365.25 * DAY_S
 
 PRICES = CampaignPrices(launch=10.0, kit=2.0, kilogram=0.05)
 
+WITNESS_S = 5.0
+"""For a plan of a set; where none is found the set says nothing."""
+
 LIMIT_S = 60.0
 """A guard against hanging: all fields here are proven in a second."""
 
@@ -178,12 +181,13 @@ def test_euros_are_those_of_masses_at_launch() -> None:
 def every_set(instance: Instance, worths: SetWorths) -> list[tuple[float, float]]:
     """What each set of which a plan is found avoids, and the euros of the plan."""
     names, found = [target.name for target in instance.targets], []
-    for size in range(1, len(names) + 1):
+    most = sum(chaser.kits or 0 for chaser in instance.chasers)
+    for size in range(1, min(len(names), most) + 1):
         for chosen in itertools.combinations(names, size):
             part = instance.part(chosen)
             targets = tuple(each.replace(required=True) for each in part.targets)
             part = part.replace(targets=targets)
-            plan = adr_opt.solve(part, "exact", time_limit=LIMIT_S).plan
+            plan = adr_opt.solve(part, "exact", time_limit=WITNESS_S).plan
             if plan is not None:
                 found.append((worths.of_set(chosen), PRICES.of_plan(part, plan)))
     return found
@@ -278,6 +282,21 @@ def test_falling_prizes_are_no_worths_of_sets(monkeypatch: pytest.MonkeyPatch) -
     with pytest.raises(InputError, match="worths of sets are those of one time"):
         rating_of(field, worths_of_sets(field))
     assert rating_of(field, None)[0] == field
+
+
+@pytest.mark.slow
+def test_bounds_that_are_handed_on_hold() -> None:
+    """Of launches, kits and budgets at once no set of which a plan is found exceeds a bound."""
+    field = rated(targets=3)
+    worths = worths_of_sets(field)
+    axes = [Axis("launches", (1.0, 2.0)), Axis("kits", (1.0, 2.0)), Axis("budget", (26.0, 47.0))]
+    study = design_study(field, axes, worths=worths, prices=PRICES, time_limit=LIMIT_S)
+    bounds = {point.design.values: point.bound for point in study.points}
+    for design in designs_of(axes[:2]):
+        sets = every_set(PRICES.applied(designed(field, design)), worths)
+        for budget in axes[2].values:
+            most = max((worth for worth, euros in sets if euros <= budget), default=0.0)
+            assert most <= bounds[(*design.values, ("budget", budget))] * (1.0 + 1e-9)
 
 
 @pytest.mark.slow
