@@ -2,11 +2,13 @@
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
-sooner; `replan` plans the rest anew; `plan_of` makes a plan of departures that the caller chose.
+sooner; `design_study` plans, bounds and evaluates designs of campaigns, in euros; `replan` plans
+the rest anew; `plan_of` makes a plan of departures that the caller chose.
 """
 
 from .comparison import Comparison, compare
 from .departures import plan_of
+from .design import CampaignPrices, DesignPoint, DesignStudy, design_study
 from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
 from .replan import replan
@@ -15,13 +17,17 @@ from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff
 
 __all__ = [
     "Axis",
+    "CampaignPrices",
     "Comparison",
+    "DesignPoint",
+    "DesignStudy",
     "Ending",
     "PricedOrder",
     "PricedRoute",
     "Replanned",
     "Tradeoff",
     "compare",
+    "design_study",
     "frontier",
     "orders_of",
     "parse_axis",

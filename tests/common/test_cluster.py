@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import pytest
 from conftest import Cli, refused
+from rated_fields import rated, worths_of_sets
 
 import adr_opt
-from adr_opt.analysis import Axis, tradeoff
+from adr_opt.analysis import Axis, CampaignPrices, design_study, tradeoff
 from adr_opt.common import cluster
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
@@ -76,3 +77,18 @@ def test_what_workers_die_over_is_said(address: str) -> None:
             workers.result(workers.submit(__import__, "no_such_module"))
     finally:
         workers.close()
+
+
+@pytest.mark.slow
+def test_a_cluster_studies_designs_as_one_process_does(address: str) -> None:
+    """Plans, bounds and worths of all designs are those of this process."""
+    field = rated()
+    here, there = (
+        design_study(
+            field, [Axis("launches", (1.0, 2.0))], worths=worths_of_sets(field),
+            prices=CampaignPrices(10.0), time_limit=60.0, cluster=where,
+        )
+        for where in (None, address)
+    )  # fmt: skip
+    for one, other in zip(here.points, there.points, strict=True):
+        assert (one.design, one.worth, one.bound) == (other.design, other.worth, other.bound)

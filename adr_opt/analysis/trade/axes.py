@@ -13,6 +13,8 @@ from ...common.errors import InputError
 from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 
+YEAR_S = 365.25 * DAY_S
+
 MOST_POINTS = 10_000
 """Maximum number of points; more are taken for a typing error."""
 
@@ -46,12 +48,19 @@ class AxisKind:
         What one unit is in SI.
     title : str
         As charts say it.
+    of_designs : bool
+        Whether it makes another design, of which :func:`..design.study.design_study` makes plans.
+    whole, may_be_zero : bool
+        Which values it takes.
     """
 
     name: str
     unit: str
     scale: float
     title: str
+    of_designs: bool = False
+    whole: bool = False
+    may_be_zero: bool = False
 
 
 KINDS = {
@@ -62,8 +71,15 @@ KINDS = {
         AxisKind("duration", "days", DAY_S, "duration [days]"),
         AxisKind("thrust", "N", 1.0, "thrust [N]"),
         AxisKind("isp", "s", 1.0, "specific impulse [s]"),
+        AxisKind("launches", "", 1.0, "launches", of_designs=True, whole=True),
+        AxisKind("separation", "years", YEAR_S, "years between launches", True, may_be_zero=True),
+        AxisKind("kits", "", 1.0, "kits aboard", of_designs=True, whole=True),
+        AxisKind("dry-mass", "kg", 1.0, "dry mass [kg]", of_designs=True),
+        AxisKind("start", "days", DAY_S, "first launch [days]", True, may_be_zero=True),
+        AxisKind("budget", "euros", 1.0, "budget [euros]", of_designs=True),
     )
 }
+"""Limits that can be varied, by name."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +109,10 @@ class Axis:
 
     Attributes
     ----------
-    kind : {"delta-v", "propellant", "duration", "thrust", "isp"}
+    kind : str
+        One of :data:`KINDS`.
     values : tuple of float
-        [m/s], [kg], [s], [N] or [s].
+        [m/s], [kg], [s], [N], euros, or numbers.
     """
 
     kind: str
@@ -104,8 +121,13 @@ class Axis:
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
             raise InputError(f"vary {self.kind!r}: unknown; use one of: {', '.join(KINDS)}")
-        if not self.values or not all(0.0 < value < math.inf for value in self.values):
-            raise InputError(f"vary {self.kind}: its values must be positive numbers")
+        kind = KINDS[self.kind]
+        least = -math.ulp(0.0) if kind.may_be_zero else 0.0
+        if not self.values or not all(least < value < math.inf for value in self.values):
+            wanted = "numbers of at least 0" if kind.may_be_zero else "positive numbers"
+            raise InputError(f"vary {self.kind}: its values must be {wanted}")
+        if kind.whole and any(value != round(value) for value in self.values):
+            raise InputError(f"vary {self.kind}: its values must be whole numbers")
         if sorted(set(self.values)) != list(self.values):
             raise InputError(f"vary {self.kind}: its values must ascend, each given once")
 
@@ -157,6 +179,12 @@ def grid(instance: Instance, axes: Sequence[Axis]) -> list[PointLimits]:
         raise InputError("nothing is varied; say what with --vary, as delta-v=1000:6000:500")
     if len(by_kind) < len(axes):
         raise InputError("one limit is varied twice; give its values in one list")
+    for axis in axes:
+        if KINDS[axis.kind].of_designs:
+            raise InputError(
+                f"vary {axis.kind}: each value is another design, with plans and bounds of its "
+                "own; use adr_opt.analysis.design_study"
+            )
     tanks = tanks_of(instance, axes)
     durations = (
         by_kind["duration"].values if "duration" in by_kind else (instance.mission.duration_s,)

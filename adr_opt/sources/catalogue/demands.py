@@ -28,12 +28,12 @@ class ObjectChoice(NamedTuple):
     ----------
     musts : mapping of int to str
         Those that have to be targets: the identity of each record, and what the call names it.
-    excluded : collection of int
-        Identities of the records that must not be targets.
+    excluded : mapping of int to str
+        Those that must not be targets: the identity of each record, and the option that says so.
     """
 
     musts: Mapping[int, str] = {}
-    excluded: Collection[int] = ()
+    excluded: Mapping[int, str] = {}
 
 
 class TargetDemands(NamedTuple):
@@ -66,6 +66,8 @@ class Demands:
         that are no targets. Each may be several with commas between them.
     wishes : collection of Wish
         Of a table, see :func:`.wishes.read_wishes`.
+    only_wished : bool
+        Whether objects without a row in a table, and not among the musts, are excluded.
     by_criticality : bool
         Whether prizes are those of :func:`.criticality.criticality`, but where a table says
         others; else all are 1.
@@ -77,6 +79,7 @@ class Demands:
     excluded: Collection[str] = ()
     wishes: Collection[Wish] = ()
     by_criticality: bool = False
+    only_wished: bool = False
 
     def __post_init__(self) -> None:
         for said, deadline_s in self.deadlines_s.items():
@@ -92,7 +95,7 @@ class Demands:
             An object is not among the records or not the only one of its name; or it is the
             station, or both wanted and not.
         """
-        if not (self.musts or self.excluded):
+        if not (self.musts or self.excluded or self.only_wished):
             return ObjectChoice()
         finder = Finder(records)
         musts = finder.listed(self.musts, "--must")
@@ -102,10 +105,12 @@ class Demands:
                 raise InputError(f"--must {said}: --exclude leaves it out; drop one of the two")
             if records[at] is host:
                 raise InputError(f"--must {said}: it is the station, which is no target")
-        return ObjectChoice(
-            {id(records[at]): said for at, said in musts.items()},
-            {id(records[at]) for at in excluded},
-        )
+        left_out = {id(records[at]): "exclude" for at in excluded}
+        if self.only_wished:
+            rows = {finder.one(wish.said, f"{wish.source}: object") for wish in self.wishes}
+            for at in set(range(len(records))) - rows - set(musts):
+                left_out.setdefault(id(records[at]), "only-prized")
+        return ObjectChoice({id(records[at]): said for at, said in musts.items()}, left_out)
 
     def of(
         self, targets: Sequence[ElementSet], catalogue: Sequence[ElementSet], musts: ObjectChoice

@@ -30,7 +30,8 @@ def named(
         if record is host:
             continue
         if id(record) in choice.excluded:
-            dropped.append(Dropped.of(record, "exclude", "--exclude leaves it out"))
+            option = choice.excluded[id(record)]
+            dropped.append(Dropped.of(record, option, f"--{option} leaves it out"))
         elif id(record) in choice.musts or filters.match_name(record):
             named.append(record)
         else:

@@ -16,7 +16,9 @@ from .measures import Measures, read_measures
 from .prizes import RemovalPrizes, prizes_of
 from .reasons import reason
 from .satcat import Satcat, read_satcat
+from .set_worths import SetWorths
 from .worth import RemovalWorth, worth_of
+from .worth_file import load_set_worths, pairs_json
 
 __all__ = [
     "Bodies",
@@ -24,8 +26,11 @@ __all__ = [
     "RemovalPrizes",
     "RemovalWorth",
     "Satcat",
+    "SetWorths",
     "answer",
     "bodies_of",
+    "load_set_worths",
+    "pairs_json",
     "prizes_of",
     "read_measures",
     "read_satcat",

@@ -104,6 +104,11 @@ class RemovalWorth:
         twice = shared(self._objects, self._tables, np.sort(self._places(indices)), 1)
         return float(self.alone[indices].sum() - 0.5 * twice.sum())
 
+    def shared_pairs(self, candidates: INDICES) -> FLOAT:
+        """What each two candidates share; symmetric, zero on the diagonal [fragment-years]."""
+        places = self._places(candidates)
+        return np.array([with_one(self._objects, self._tables, int(one), places) for one in places])
+
     def best_set(self, count: int, candidates: INDICES) -> list[int]:
         """A set of candidates that avoids much: the best addition each time."""
         left = self.alone[candidates].copy()

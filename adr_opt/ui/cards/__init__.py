@@ -15,6 +15,8 @@ VIEWS = {
     "Certificate": ("of_refined", "of_certificate"),
     "Comparison": ("of_analysis", "of_comparison"),
     "Connections": ("of_connections", "of_connections"),
+    "DesignPoint": ("of_designs", "of_point"),
+    "DesignStudy": ("of_designs", "of_study"),
     "Given": ("of_connections", "of_given"),
     "Instance": ("of_instance", "of_instance"),
     "Leg": ("of_plan", "of_leg"),

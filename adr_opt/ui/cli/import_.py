@@ -29,7 +29,7 @@ LEAST_STEP_DAYS = 0.01
 MOST_LISTED = 20
 """Maximum number of bad rows listed on standard error; --json lists all."""
 
-FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
+FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", "max-targets")
 """Reasons due to user-requested filters, which are counted but not listed."""
 
 
@@ -71,6 +71,7 @@ FILTERS = ("name", "exclude", "altitude", "inclination", "raan", "max-targets")
 )
 @take.number("--departure-spacing-days", "D", "Least time between departures.")
 @take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@take.flag("--only-prized", "Only objects with a row in --prizes.")
 @take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
 @take.many("--oem", "FILE", "CCSDS OEM with ephemerides of targets; repeatable.", name="messages")
@@ -94,6 +95,7 @@ def command(
     max_drift_days: float | None,
     departure_spacing_days: float | None,
     resolution: float | None,
+    only_prized: bool,
     criticality: bool,
     ephemerides: bool,
     messages: tuple[str, ...],
@@ -124,7 +126,9 @@ def command(
         )
     given = CrewOptions.of(crew_given)
     crew = given.crew()
-    demands = replace(given.demands(), by_criticality=criticality)
+    if only_prized and crew_given["prizes_path"] is None:
+        raise InputError("--only-prized: there are no rows without --prizes; give a file")
+    demands = replace(given.demands(), by_criticality=criticality, only_wished=only_prized)
     filters = catalogue.Filters(
         altitude_km=None if altitude is None else parse_range(altitude, "--altitude"),
         inclination_deg=None if inclination is None else parse_range(inclination, "--inclination"),

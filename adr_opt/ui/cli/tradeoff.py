@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
-from . import take
+from . import designs, take
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
 
@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from ...common.stop import Stop
 
 
-@click.command("tradeoff", short_help="Plans and bounds over budgets, durations and drives.")
+@click.command("tradeoff", short_help="Plans and bounds over budgets, durations, drives, designs.")
 @take.instance
 @take.many(
     "--vary",
     "NAME=LO:HI:STEP",
-    "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s]; or "
+    "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s], or, of designs, "
+    "launches, separation [years], kits, dry-mass [kg], start [d] or budget [euros]; or "
     "VALUE,VALUE...; repeatable.",
     name="varied",
 )
@@ -35,13 +36,24 @@ if TYPE_CHECKING:
     "CSV file of least ΔV against the last day, at the largest prize; needs no --vary.",
     name="frontier_path",
 )
+@take.file(
+    "--worth",
+    "JSON file of 'worth --pairs': plans with floors, bounds with worths alone.",
+    "worth_path",
+)
+@take.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
+@take.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
+@take.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
 @take.method
 @take.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
 @take.seed
 @take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
-@take.file("--out", "CSV file to write, or to resume from an earlier call.")
+@take.file(
+    "--out", "File to write, or to resume from an earlier call: CSV; of designs, JSON lines."
+)
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
+@take.word("--plans", "FOLDER", "Of designs: folder for instances, plans and reports.")
 @take.cluster
 @take.as_json
 @take.quiet
@@ -49,6 +61,10 @@ def command(
     instance_path: str,
     varied: tuple[str, ...],
     frontier_path: str | None,
+    worth_path: str | None,
+    launch_cost: float | None,
+    kit_cost: float | None,
+    kg_cost: float | None,
     method: str | None,
     time_limit: float | None,
     seed: int,
@@ -57,16 +73,18 @@ def command(
     out: str | None,
     page_path: str | None,
     plot_path: str | None,
+    plans: str | None,
     as_json: bool,
     quiet: bool,
 ) -> int:
-    """Plan INSTANCE for a range of budgets, durations or drives, and prove bounds.
+    """Plan INSTANCE for a range of budgets, durations, drives or designs, and prove bounds.
 
-    Plans also count for all points with more ΔV and time, and bounds for those with less. Ctrl-C
-    stops with the results so far; with --out the same call resumes later. Exit status 1: a point
-    has no plan.
+    Plans also count for all points with more ΔV and time, and bounds for those with less. Designs,
+    which have costs in euros, are planned, bounded and evaluated each by itself. Ctrl-C stops with
+    the results so far; with --out the same call resumes later. Exit status 1: a point has no plan.
     """
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
+    from ...analysis.trade.axes import KINDS
     from ...analysis.trade.frontier import check_frontier, write_frontier
     from ...problem.instance import load
     from ...run import front
@@ -78,6 +96,23 @@ def command(
 
     axes = [parse_axis(text) for text in varied]
     instance = load(instance_path)
+    limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
+    costs = designs.EuroCosts(launch_cost, kit_cost, kg_cost)
+    priced = any(cost is not None for cost in costs)
+    if priced or worth_path or any(KINDS[axis.kind].of_designs for axis in axes):
+        if frontier_path is not None:
+            raise InputError("--frontier: designs have none; leave it out")
+        if page_path is not None:
+            check_page(page_path)
+        if plot_path is not None:
+            _check_plot(plot_path)
+        return designs.study(
+            instance_path, instance, axes, worth_path, costs,
+            designs.StudySettings(method or front.DEFAULT_METHOD, limit, seed, jobs, cluster),
+            designs.StudyOutputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
+        )  # fmt: skip
+    if plans is not None:
+        raise InputError("--plans: these are files of designs; vary one of those, or leave it out")
     if frontier_path is not None:
         check_frontier(instance, axes)
         check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
@@ -99,8 +134,6 @@ def command(
                 f"{board.points[point.limits].upper_bound:g}; {proven} of {len(board.points)} "
                 "points proven"
             )
-
-    limit = front.DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
 
     def run(stop: Stop) -> tuple[Tradeoff, tuple[Ending, ...]]:
         made = tradeoff(

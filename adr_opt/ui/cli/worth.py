@@ -38,6 +38,7 @@ FEW = 0.5
 @take.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
 @take.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
 @take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
+@take.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
 @take.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
@@ -55,6 +56,7 @@ def command(
     falling: int | None,
     unit: float | None,
     details: str | None,
+    pairs: str | None,
     page_path: str | None,
     exclude: tuple[str, ...],
     jobs: int,
@@ -70,14 +72,16 @@ def command(
     from ...common.files import write_text
     from ...sources import catalogue, worth
     from ...sources.worth.worth import check_years
+    from ...sources.worth.worth_file import check_count
     from ..report.plain import check_page, write_page
     from ..report.worth import worth_page
     from .bars import counting_bar
     from .live import wanted
 
     read = (*files, satcat_path, table_path)
-    check_out(out, *read, results=(details, page_path))
-    check_out(details, *read, results=(page_path,))
+    check_out(out, *read, results=(details, pairs, page_path))
+    check_out(details, *read, results=(pairs, page_path))
+    check_out(pairs, *read, results=(page_path,))
     if page_path is not None:
         check_page(page_path)
         check_out(page_path, *read)
@@ -91,6 +95,8 @@ def command(
             f"--falling {falling}: must be at least 1, and less than the {years:g} years of the "
             "horizon"
         )
+    if pairs is not None:
+        check_count(candidates)
     if jobs < 0:
         raise InputError(f"--jobs {jobs}: must be at least 0, for all cores")
     if unit is not None and not unit > 0.0:
@@ -116,12 +122,15 @@ def command(
         "path": out, "bad_rows": len(found.dropped), "falling_years": falling or 0,
     }  # fmt: skip
     page = None if page_path is None else worth_page(prizes, told)
+    paired = None if pairs is None else worth.pairs_json(prizes)
     write_text(out, prizes.prizes_csv())
     if details is not None:
         write_text(details, prizes.details_csv())
+    if pairs is not None and paired is not None:
+        write_text(pairs, paired)
     if page_path is not None and page is not None:
         write_page(page_path, page)
-    for path in (out, details, page_path):
+    for path in (out, details, pairs, page_path):
         if path is not None:
             say(f"wrote {path}", unless=quiet)
     if as_json:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,13 @@ from ...common.constants import DAY_S
 KM_M = 1000.0
 
 Values = Sequence[float] | npt.NDArray[np.float64]
+
+
+class Link(NamedTuple):
+    """Where a point leads on a page, and its hover text."""
+
+    href: str
+    title: str
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +43,8 @@ class Series:
     legs : sequence of int, optional
         The leg of each point, 0 where none has begun; None where points belong to none.
     of : sequence
-        What points stand for, for hover texts and the like.
+        What points stand for, for hover texts and the like; a :class:`Link` can be clicked on pages
+        without scripts.
     phase : str, optional
         One of :data:`.PHASES`, or "zone".
     in_legend : bool, optional

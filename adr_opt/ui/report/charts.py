@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from ..plot.chart import Chart, Line
+from ..plot.chart import Chart, Line, Link, Marks, Series
 from .text import escape, number
 
 WIDTH, HEIGHT = 720, 300
@@ -26,9 +26,10 @@ def drawn(chart: Chart, caption: str) -> str:
     caption : str
         Alternative text of the chart.
     """
-    lines = [line for line in chart.series if isinstance(line, Line)]
+    lines = [line for line in chart.series if isinstance(line, (Line, Marks))]
     xs = [x for line in lines for x in line.x] or [0.0, 1.0]
-    ys = [y for line in lines for y in (*line.y, *line.below)] or [0.0, 1.0]
+    below = [y for line in lines if isinstance(line, Line) for y in line.below]
+    ys = [*(y for line in lines for y in line.y), *below] or [0.0, 1.0]
     x_low, x_high = min(xs), max(xs)
     if x_low == x_high:
         x_low, x_high = x_low - 1.0, x_high + 1.0
@@ -41,7 +42,7 @@ def drawn(chart: Chart, caption: str) -> str:
 
     parts = [_axes(place, ticks(x_low, x_high), y_ticks, (x_low, x_high), chart)]
     for line in lines:
-        parts.append(_drawn(line, place))
+        parts.append(_drawn(line, place) if isinstance(line, Line) else _dots(line, place))
     legend = "".join(
         f'<span><i class="dot" style="background:{line.colour}"></i>{escape(line.name)}</span> '
         for line in lines
@@ -66,10 +67,25 @@ def _drawn(line: Line, place: _Place) -> str:
         ] + points[-1:]
     path = " ".join(_at(place(x, y)) for x, y in points)
     parts.append(f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>')
-    if line.dots:
-        for x, y in zip(line.x, line.y, strict=True):
-            across, up = place(x, y)
-            parts.append(f'<circle cx="{across:.1f}" cy="{up:.1f}" r="3.5" fill="{line.colour}"/>')
+    return "".join(parts) + (_dots(line, place) if line.dots else "")
+
+
+def _dots(series: Series, place: _Place) -> str:
+    """Points as dots, each a link where it leads somewhere."""
+    is_open = isinstance(series, Marks) and series.symbol.endswith("-open")
+    colour = series.colour
+    look = f'fill="none" stroke="{colour}" stroke-width="1.5"' if is_open else f'fill="{colour}"'
+    size = 0.5 * series.size if isinstance(series, Marks) else 3.5
+    parts = []
+    for at, (x, y) in enumerate(zip(series.x, series.y, strict=True)):
+        across, up = place(x, y)
+        link = series.of[at] if at < len(series.of) else None
+        dot = f'<circle cx="{across:.1f}" cy="{up:.1f}" r="{size:g}" {look}'
+        if isinstance(link, Link):
+            title = f"<title>{escape(link.title)}</title>"
+            parts.append(f'<a href="{escape(link.href)}">{dot}>{title}</circle></a>')
+        else:
+            parts.append(f"{dot}/>")
     return "".join(parts)
 
 

@@ -1,0 +1,112 @@
+"""What all designs of a study have in common, and the point that a plan of one makes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...plan.plan import Plan
+from ...plan.routes import routes_of
+from ...problem.instance import Instance
+from .designs import Design, designed
+from .point import DesignPoint
+from .prices import CampaignPrices
+from .rating import Rating
+from .spending import Spending, spending_of
+
+ROUNDED = 1e-9
+"""Relative excess of a worth over its bound that sums of floats may cause."""
+
+
+class BrokenBound(RuntimeError):
+    """A plan avoids more than a bound that claims to be proven: a method is wrong."""
+
+
+@dataclass(frozen=True)
+class DesignWork:
+    """Data from which each design is run, in this process or elsewhere.
+
+    Attributes
+    ----------
+    instance : Instance
+        That designs vary, with targets of known worth alone.
+    rating : Rating
+    prices : CampaignPrices
+    method : str
+    time_limit_s : float
+        Of the plan, and again of the bound [s].
+    seed : int
+    """
+
+    instance: Instance
+    rating: Rating
+    prices: CampaignPrices
+    method: str
+    time_limit_s: float
+    seed: int
+
+    def priced(self, design: Design) -> Instance:
+        """The instance of a design with its costs, whatever its budget.
+
+        Raises
+        ------
+        InputError
+            A value is not valid, or a price is missing.
+        """
+        return self.prices.applied(designed(self.instance, design))
+
+    def spending(self, design: Design) -> Spending | None:
+        """What the budget of a design allows; None if no launch."""
+        made = self.priced(design)
+        budget = design.value("budget")
+        if budget is None:
+            return Spending(made, made, 0.0)
+        return spending_of(made, self.prices, self.rating, budget)
+
+    def instance_of(self, design: Design) -> Instance:
+        """The instance of a design's plans: with floors as prizes, and without useless launches."""
+        allowed = self.spending(design)
+        return self.rating.planned(self.priced(design) if allowed is None else allowed.planned)
+
+    def point(
+        self,
+        design: Design,
+        instance: Instance,
+        plan: Plan | None,
+        bound: float,
+        runtime_s: float = 0.0,
+        cpu_s: float = 0.0,
+    ) -> DesignPoint:
+        """A design with a plan, evaluated.
+
+        Raises
+        ------
+        BrokenBound
+            The plan avoids more than the bound.
+        """
+        chosen = () if plan is None else targets_of(instance, plan)
+        worth = self.rating.worth_of(instance, chosen)
+        floor = min(self.rating.floor_of(instance, chosen), worth)
+        if self.rating.worths is None and plan is not None:
+            floor = worth = plan.objective  # prizes may fall with time
+        if worth > bound * (1.0 + ROUNDED):
+            raise BrokenBound(
+                f"at {design.title} a plan avoids {worth!r}, more than the bound {bound!r}: a "
+                "method is broken, please report it"
+            )
+        flown = () if plan is None else routes_of(instance, plan)
+        return DesignPoint(
+            design, instance, plan,
+            floor=floor,
+            worth=worth,
+            bound=max(bound, worth),
+            euros=0.0 if plan is None else self.prices.of_plan(instance, plan),
+            launches=sum(bool(each.legs) for each in flown),
+            removals=len(chosen),
+            runtime_s=runtime_s,
+            cpu_s=cpu_s,
+        )  # fmt: skip
+
+
+def targets_of(instance: Instance, plan: Plan) -> tuple[str, ...]:
+    """Targets of a plan, in order."""
+    return tuple(body for body in plan.destinations if body not in instance.station_names)

@@ -1,0 +1,163 @@
+"""The file ``adr-opt-worth/1``: worths alone of some objects, and what their pairs share."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections import Counter
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ...common.errors import InputError
+from ...common.files import read_model
+from ...common.records import Name, NonNegative, Positive, Record
+from .air import FLOAT
+from .prizes import RemovalPrizes, reference
+from .set_worths import SetWorths
+from .worth import UNIT
+
+FORMAT: Literal["adr-opt-worth/1"] = "adr-opt-worth/1"
+
+MOST_OBJECTS = 1000
+"""Maximum number of objects in a file, whose size grows with its square."""
+
+DIGITS = 10
+"""Significant digits of worths in a file."""
+
+ROUNDED = 1e-6
+"""Relative excess of what an object shares over its worth alone that rounding may cause."""
+
+
+class RatedObject(Record):
+    """An object and its worth alone [fragment-years]; ``object`` is what tables call it."""
+
+    object: Name
+    name: Name
+    alone: NonNegative
+
+
+class WorthFile(Record):
+    """The fields of the file ``adr-opt-worth/1``.
+
+    ``total`` is the worth of all pairs of the catalogue, and ``prize_unit`` what prizes are whole
+    multiples of, both in fragment-years. Row *i* of ``pairs`` has what object *i* shares with each
+    object after it.
+    """
+
+    format: Literal["adr-opt-worth/1"] = FORMAT
+    unit: Literal["fragment-years"] = "fragment-years"
+    years: Positive
+    activity: Name
+    total: NonNegative
+    prize_unit: Positive
+    objects: Annotated[tuple[RatedObject, ...], Field(strict=False, max_length=MOST_OBJECTS)]
+    pairs: Annotated[
+        tuple[Annotated[tuple[NonNegative, ...], Field(strict=False)], ...], Field(strict=False)
+    ]
+
+    @model_validator(mode="after")
+    def _agree(self) -> Self:
+        count = len(self.objects)
+        if [len(row) for row in self.pairs] != list(range(count - 1, -1, -1)):
+            raise ValueError(
+                f"field pairs: must have a row for each of {count} objects, with one number for "
+                "each object after it"
+            )
+        names = Counter(each.name for each in self.objects)
+        twice = [name for name, number in names.items() if number > 1]
+        if twice:
+            raise ValueError(f"field objects: {twice[0]!r} is there twice; keep one")
+        shared = _symmetric(self.pairs).sum(axis=1)
+        for each, sum_of_pairs in zip(self.objects, shared, strict=True):
+            if sum_of_pairs > each.alone * (1.0 + ROUNDED):
+                raise ValueError(
+                    f"field objects: {each.name!r} shares {sum_of_pairs:g} with the others, more "
+                    f"than its worth alone, {each.alone:g}"
+                )
+        return self
+
+
+def pairs_json(prizes: RemovalPrizes) -> str:
+    """The file ``adr-opt-worth/1`` of the candidates of some prizes.
+
+    Raises
+    ------
+    InputError
+        There are too many candidates.
+    """
+    candidates, worth = prizes.candidates, prizes.worth
+    check_count(len(candidates))
+    records = [worth.bodies.records[at] for at in candidates]
+    matrix = worth.shared_pairs(candidates)
+    content = {
+        "format": FORMAT,
+        "unit": UNIT,
+        "years": worth.years,
+        "activity": worth.activity,
+        "total": _rounded(worth.total),
+        "prize_unit": prizes.unit,
+        "objects": [
+            {"object": reference(record), "name": record.label, "alone": _rounded(alone)}
+            for record, alone in zip(records, worth.alone[candidates], strict=True)
+        ],
+        "pairs": [[_rounded(shared) for shared in row[at + 1 :]] for at, row in enumerate(matrix)],
+    }
+    WorthFile.from_json(json.dumps(content))  # what could not be read again is not written
+    parts = [f" {json.dumps(key)}: {_lines(value)}" for key, value in content.items()]
+    return "{\n" + ",\n".join(parts) + "\n}\n"
+
+
+def check_count(candidates: int) -> None:
+    """Raise :class:`InputError` if a file of pairs would have too many objects."""
+    if candidates > MOST_OBJECTS:
+        raise InputError(
+            f"--pairs: {candidates} candidates, but the file has at most {MOST_OBJECTS}; lower "
+            "--candidates"
+        )
+
+
+def load_set_worths(path: str | os.PathLike[str]) -> SetWorths:
+    """Read a file ``adr-opt-worth/1``, as ``worth --pairs`` writes it.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or breaks the format.
+    """
+    file = read_model(path, WorthFile)
+    return SetWorths(
+        names=tuple(each.name for each in file.objects),
+        alone=np.array([each.alone for each in file.objects], dtype=np.float64),
+        pairs=_symmetric(file.pairs),
+        prize_unit=file.prize_unit,
+        total=file.total,
+        years=file.years,
+        references=tuple(each.object for each in file.objects),
+    )
+
+
+def _symmetric(rows: Sequence[Sequence[float]]) -> FLOAT:
+    matrix = np.zeros((len(rows), len(rows)))
+    for at, row in enumerate(rows):
+        matrix[at, at + 1 :] = row
+    return matrix + matrix.T
+
+
+def _rounded(value: float) -> float:
+    """A worth in :data:`DIGITS` significant digits."""
+    if value == 0.0:
+        return 0.0
+    return round(float(value), DIGITS - 1 - math.floor(math.log10(abs(value))))
+
+
+def _lines(value: object) -> str:
+    """JSON with a line for each item of a list."""
+    if not isinstance(value, list) or not value:
+        return json.dumps(value, ensure_ascii=False)
+    return (
+        "[\n" + ",\n".join("  " + json.dumps(each, ensure_ascii=False) for each in value) + "\n ]"
+    )
