@@ -275,13 +275,14 @@ def test_a_broken_bound_is_noticed() -> None:
         work.point(point.design, point.instance, point.plan, 0.5 * point.worth)
 
 
-def test_falling_prizes_are_no_worths_of_sets(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Targets with a `prize_until` are planned as they are, but not with worths of one time."""
+def test_falling_prizes_are_no_worths_of_sets() -> None:
+    """A design is compared by worths of one time: targets with a `prize_until` are refused."""
     field = rated()
-    monkeypatch.setattr(type(field.targets[0]), "prize_until", ((0.0, 1.0),), raising=False)
-    with pytest.raises(InputError, match="worths of sets are those of one time"):
-        rating_of(field, worths_of_sets(field))
-    assert rating_of(field, None)[0] == field
+    first, *others = field.targets
+    falls = field.replace(targets=(first.replace(prize_until=((1e6, first.prize),)), *others))
+    for worths in (worths_of_sets(field), None):
+        with pytest.raises(InputError, match="worths of one time"):
+            rating_of(falls, worths)
 
 
 @pytest.mark.slow

@@ -85,6 +85,12 @@ def rating_of(instance: Instance, worths: SetWorths | None) -> tuple[Instance, R
     InputError
         No target has a worth, one without is required, or prizes fall with time.
     """
+    for target in instance.targets:
+        if target.prize_until is not None:
+            raise InputError(
+                f"{target.name!r} has a prize_until, but designs are compared by worths of one "
+                "time; leave it out"
+            )
     if worths is None:
         return instance, Rating(None)
     known = set(worths.names)
@@ -100,11 +106,6 @@ def rating_of(instance: Instance, worths: SetWorths | None) -> tuple[Instance, R
             raise InputError(
                 f"{target.name!r} is required, but has no worth; write it with 'worth --pairs' and "
                 "more --candidates"
-            )
-        if target.name in known and getattr(target, "prize_until", None):
-            raise InputError(
-                f"{target.name!r} has a prize_until, but worths of sets are those of one time; "
-                "leave one of the two out"
             )
     part = instance.part(names) if missing else instance
     return part, Rating(worths.among(names), "fragment-years", missing)
