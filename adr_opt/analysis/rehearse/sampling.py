@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import multiprocessing
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from typing import NamedTuple
 
 from ...common.clock import now_s
-from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.stop import Stop
 from ...plan.plan import Plan
@@ -19,13 +16,14 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import World
 from ...run.front import solve
+from .elsewhere import elsewhere, is_over
 from .flight import Flown, rehearsed
 from .ground import Ground, refuse
 from .intended import Intended, intended
 from .outcome import Outcome, outcome_of
-from .outcome_file import OutcomeFile
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
+from .rows_file import RowsFile
 
 MOST_SAMPLES = 1_000_000
 
@@ -118,7 +116,7 @@ def rehearse(  # noqa: PLR0913
     began = now_s()
     setting = setting_of(instance, plan, uncertainty, policy)
     found: dict[int, Outcome] = {}
-    file = None if path is None else OutcomeFile(path, setting.digest)
+    file = None if path is None else RowsFile(path, setting.digest, Outcome.from_dict)
     if file is not None:
         found = {each.seed: each for each in file.found}
     wanted = range(seed, seed + samples)
@@ -173,40 +171,15 @@ def _outcomes(
     setting: Setting, seeds: Sequence[int], jobs: int, cluster: str | None, stop: Stop | None
 ) -> Iterator[list[Outcome]]:
     """Outcomes of seeds, a few at a time."""
-
-    def is_over() -> bool:
-        return stop is not None and stop.remaining_s() <= 0.0
-
-    jobs = jobs or os.cpu_count() or 1
-    if not seeds or (jobs == 1 and cluster is None):
+    if jobs == 1 and cluster is None:
         ground = Ground(setting.instance)
         planned = intended(ground, setting.plan)
         for seed in seeds:
-            if is_over():
+            if is_over(stop):
                 return
             yield [flown_in(ground, planned, setting, seed)[1]]
         return
-    calls: Calls
-    if cluster is not None:
-        calls = Workers(cluster)
-    else:
-        # A fork of a process with threads may wait for a lock that is never released.
-        processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
-        calls = LocalPool(processes, jobs)
-    size = max(1, min(CHUNK, len(seeds) // (4 * calls.count)))
-    chunks = [seeds[at : at + size] for at in range(0, len(seeds), size)][::-1]
-    running: set[Future[list[Outcome]]] = set()
-    try:
-        while True:
-            while chunks and len(running) < calls.count and not is_over():
-                running.add(calls.submit(_flown_there, setting, tuple(chunks.pop())))
-            if not running:
-                return
-            done, running = wait(running, return_when=FIRST_COMPLETED)
-            for each in done:
-                yield calls.result(each)
-    finally:
-        calls.close()
+    yield from elsewhere(_flown_there, setting, seeds, CHUNK, (jobs, cluster), stop)
 
 
 _mine: tuple[str, Ground, Intended] | None = None

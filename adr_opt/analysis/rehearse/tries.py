@@ -39,6 +39,10 @@ class TryWorths:
         """Mean worth of a target to which a chaser goes, with all tries."""
         return (1.0 - self._gone[target]) * self._worths[target][0]
 
+    def after_failures(self, target: int, tries: int) -> float:
+        """What a target counts that is there and is given up after some tries that failed."""
+        return self.most(target) - self._worths[target][tries]
+
     def on_arrival(self, target: int, *, gone: bool) -> float:
         """What an arrival counts: nothing on average."""
         return self.most(target) if gone else self.most(target) - self._worths[target][0]

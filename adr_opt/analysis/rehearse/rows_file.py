@@ -1,4 +1,4 @@
-"""File of outcomes: JSON lines, one for each rehearsal, so that a run can be resumed.
+"""Files of JSON lines, one for each rehearsal or bound, so that a run can be resumed.
 
 The first line says what they belong to. Of a line that was cut off nothing is read.
 """
@@ -7,29 +7,42 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
 
 from ...common.errors import InputError
 from ...common.files import check_writable, read_text
-from .outcome import Outcome
 
 FORMAT = "adr-opt-rehearsals/1"
 
 
-class OutcomeFile:
-    """Outcomes in a file, written as they come.
+class Row(Protocol):
+    """What a line holds."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        ...
+
+
+R = TypeVar("R", bound=Row)
+
+
+class RowsFile(Generic[R]):
+    """Rows in a file, written as they come.
 
     Parameters
     ----------
     path : path
         It may be there from an earlier call.
     digest : str
-        Of everything that outcomes depend on.
+        Of everything that rows depend on.
+    read : callable
+        A row from JSON data; raises KeyError or TypeError for others.
 
     Attributes
     ----------
-    found : tuple of Outcome
+    found : tuple of rows
         What was there.
 
     Raises
@@ -38,20 +51,22 @@ class OutcomeFile:
         It is there and is not such a file, or one of another mission, plan, policy or uncertainty.
     """
 
-    def __init__(self, path: str | os.PathLike[str], digest: str) -> None:
-        self._path, self._digest = Path(path), digest
+    def __init__(
+        self, path: str | os.PathLike[str], digest: str, read: Callable[[dict[str, Any]], R]
+    ) -> None:
+        self._path, self._digest, self._row = Path(path), digest, read
         check_writable(path)
-        self.found = self._read() if self._path.exists() else ()
+        self.found: tuple[R, ...] = self._read() if self._path.exists() else ()
 
-    def append(self, outcomes: Sequence[Outcome]) -> None:
-        """Write outcomes at once.
+    def append(self, rows: Sequence[R]) -> None:
+        """Write rows at once.
 
         Raises
         ------
         InputError
             The file cannot be written.
         """
-        text = "".join(json.dumps(each.to_dict()) + "\n" for each in outcomes)
+        text = "".join(json.dumps(each.to_dict()) + "\n" for each in rows)
         try:
             with self._path.open("ab+") as file:
                 size = file.tell()
@@ -67,7 +82,7 @@ class OutcomeFile:
                 f"{self._path}: cannot be written ({error.strerror or error}); choose another place"
             ) from error
 
-    def _read(self) -> tuple[Outcome, ...]:
+    def _read(self) -> tuple[R, ...]:
         lines = read_text(self._path).splitlines()
         if not lines:
             return ()
@@ -90,8 +105,8 @@ class OutcomeFile:
             except json.JSONDecodeError:
                 continue  # cut off
             try:
-                found.append(Outcome.from_dict(content))
-            except (KeyError, TypeError):
+                found.append(self._row(content))
+            except (KeyError, TypeError, ValueError):
                 raise InputError(
                     f"{self._path}: line {number} is no rehearsal; name another file"
                 ) from None
