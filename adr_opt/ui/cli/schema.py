@@ -7,9 +7,13 @@ import click
 from . import take
 from .output import emit_json
 
+FORMATS = ["instance", "plan", "refined", "certificate", "uncertainty"]
+
 
 @click.command("schema")
-@click.argument("which", type=click.Choice(["instance", "plan", "refined", "certificate", "uncertainty"]))
+@click.argument(
+    "which", type=click.Choice(["instance", "plan", "refined", "certificate", "uncertainty"])
+)
 @take.as_json
 def command(which: str, as_json: bool) -> int:
     """Print the JSON Schema of a file: instance, plan, refined plan, certificate or uncertainty."""
