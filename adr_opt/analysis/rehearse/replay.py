@@ -81,8 +81,7 @@ def replay(setting: Setting, seed: int) -> Replayed:
     ]
     made = certify_routes(problem, setting.policy, routes, seed=seed, runtime_s=0.0)
     assert made.plan is not None  # nothing is required of it, and it was flown
-    plan = made.plan.replace(status="feasible", upper_bound=None, gap=None)
-    return Replayed(instance, plan, outcome)
+    return Replayed(instance, made.plan, outcome)
 
 
 def _done(craft: Craft) -> list[Made]:
