@@ -1,6 +1,6 @@
 """The uncertainty file ``adr-opt-uncertainty/1``: what may go otherwise than planned.
 
-Distributions by kind of event and by target, all independent. See docs/model.md section 18.
+Distributions by kind of event and by target, all independent. See docs/model.md section 13.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
 A draw is a function of the seed, the kind of event, the target (or the chaser and the station), and
 a count alone: never of a connection, of a time, or of the order in which it is asked for. So all
 policies meet the same world, and that of a clairvoyant is one deterministic mission
-(docs/model.md section 18).
+(docs/model.md section 13).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Bounds on every policy: clairvoyants of drawn worlds, with penalties for the luck of captures.
 
 Perfect information and penalties: Brown, Smith, Sun, Operations Research 58(4), 2010. See
-docs/model.md section 18.
+docs/model.md section 13.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""One rehearsal: a mission flown in a world by a policy (docs/model.md section 18)."""
+"""One rehearsal: a mission flown in a world by a policy (docs/model.md section 13)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A world as a deterministic mission: what a clairvoyant plans (docs/model.md section 18).
+"""A world as a deterministic mission: what a clairvoyant plans (docs/model.md section 13).
 
 A target with several tries is two bodies where the first try fails: one at which the chaser goes on
 to the end, and one at which it gives up. Each relaxation is in favour of the clairvoyant, so that a

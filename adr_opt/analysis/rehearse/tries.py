@@ -18,7 +18,7 @@ def worths_of_tries(prize: float, success: float, tries: int) -> tuple[float, ..
 
 
 class TryWorths:
-    """Prizes less penalties whose mean is zero (docs/model.md section 18).
+    """Prizes less penalties whose mean is zero (docs/model.md section 13).
 
     Parameters
     ----------
