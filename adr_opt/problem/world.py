@@ -45,7 +45,7 @@ def uniform(seed: int, *parts: str | int) -> float:
     return ((mixed >> 12) + 0.5) * 2.0**-52
 
 
-class World:
+class DrawnWorld:
     """One world of an uncertainty model.
 
     Parameters

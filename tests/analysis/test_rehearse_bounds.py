@@ -27,14 +27,14 @@ from adr_opt.analysis.rehearse.flight import rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.known_world import rounded_up
-from adr_opt.analysis.rehearse.policies import BUILT_IN
+from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths, worths_of_tries
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
-from adr_opt.problem.world import World
+from adr_opt.problem.world import DrawnWorld
 
 EPSILON = 1e-9
 
@@ -60,7 +60,7 @@ def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: i
         uncertainty = drawn_uncertainty(instance, seed)
         ground = Ground(instance)
         bound = world_bounds(ground, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
-        world, best = World(instance, uncertainty, seed), 0.0
+        world, best = DrawnWorld(instance, uncertainty, seed), 0.0
         for flown in _all_flown(ground, world, seed):
             assert flown.prize <= bound.perfect + EPSILON, seed
             assert flown.expected <= bound.penalised + EPSILON, seed
@@ -70,7 +70,7 @@ def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: i
     assert met  # a bound that nobody meets may be worth nothing
 
 
-def _all_flown(ground: Ground, world: World, seed: int):  # type: ignore[no-untyped-def]
+def _all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]
     most = [0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers]
     for number in range(RANDOM_POLICIES):
         rng = np.random.default_rng([seed, number])
@@ -80,7 +80,7 @@ def _all_flown(ground: Ground, world: World, seed: int):  # type: ignore[no-unty
     if plan is not None:
         planned = intended(ground, plan)
         for name in ("follow", "skip", "replan"):
-            yield rehearsed(ground, world, BUILT_IN[name](ground, planned, 0), planned.kits)
+            yield rehearsed(ground, world, policy_of(name)(ground, planned, 0), planned.kits)
 
 
 def _alone(seed: int) -> Instance:
@@ -105,7 +105,7 @@ def _alone(seed: int) -> Instance:
     )
 
 
-def _most_in_world(ground: Ground, world: World) -> float:
+def _most_in_world(ground: Ground, world: DrawnWorld) -> float:
     """The most that any order of targets collects in a world, over all connections."""
     what, instance, best = ground.chasers[0], ground.instance, 0.0
     limits = what.limits
@@ -151,7 +151,7 @@ def test_perfect_information_is_the_best_of_all_orders_in_the_world(seed: int) -
         legs={"delta_v_factor": {"lognormal_sigma": 0.3}},
         service_s={"factor": {"lognormal_sigma": 0.4}, "added": {"chance": 0.3, "mean_s": 4000.0}},
     )
-    ground, world = Ground(instance), World(instance, uncertainty, seed)
+    ground, world = Ground(instance), DrawnWorld(instance, uncertainty, seed)
     found = world_bounds(ground, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
     assert found.proven
     assert found.perfect == pytest.approx(_most_in_world(ground, world))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from adr_opt.analysis.rehearse.crafts import refused
-from adr_opt.analysis.rehearse.flight import Situation, Stop
+from adr_opt.analysis.rehearse.flight import Halt, Situation
 from adr_opt.analysis.rehearse.ground import Ground, Hop
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
@@ -48,7 +48,7 @@ class AtRandom:
     def __init__(self, ground: Ground, rng: np.random.Generator) -> None:
         self._ground, self._rng = ground, rng
 
-    def next_leg(self, now: Situation) -> Hop | Stop:
+    def next_leg(self, now: Situation) -> Hop | Halt:
         """Some leg that may begin."""
         ground, craft, rng = self._ground, now.craft, self._rng
         start = ground.chasers[craft.chaser].start
@@ -69,7 +69,7 @@ class AtRandom:
                 if not refused(ground, craft, hop):
                     hops.append(hop)
         if not hops or rng.random() < 0.02:
-            return Stop("finished")
+            return Halt("finished")
         return hops[int(rng.integers(len(hops)))]
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.uncertainty import Delay, LognormalFactor, Uncertainty, json_schema
-from adr_opt.problem.world import World, uniform
+from adr_opt.problem.world import DrawnWorld, uniform
 
 INSTANCE = adr_opt.generate("tiny", seed=0)
 NAMES = [target.name for target in INSTANCE.targets]
@@ -86,7 +86,7 @@ def test_draws_are_functions_of_their_names_alone() -> None:
     names = NAMES[1:]
 
     def asked(instance: adr_opt.Instance, order: list[str]) -> dict[str, tuple[object, ...]]:
-        world = World(instance, uncertainty.replace(targets={}), 7)
+        world = DrawnWorld(instance, uncertainty.replace(targets={}), 7)
         return {
             name: (
                 world.is_gone(name), world.succeeds(name, 2), world.succeeds(name, 1),
@@ -100,7 +100,7 @@ def test_draws_are_functions_of_their_names_alone() -> None:
     fewer = INSTANCE.replace(targets=INSTANCE.targets[:0:-1])
     assert asked(fewer, names[::-1]) == first
     assert len({each[4] for each in first.values()}) == len(names)
-    world = World(INSTANCE, uncertainty, 7)
+    world = DrawnWorld(INSTANCE, uncertainty, 7)
     visits = [world.station_factor("short", "chaser", "station", visit) for visit in (1, 2)]
     assert visits[0] != visits[1] != world.leg_factor("short", names[0])
 
@@ -109,7 +109,7 @@ def test_a_draw_of_a_leg_is_the_same_quantile_whatever_its_kind() -> None:
     """Which kind of leg leads to a target decides the spread of the factor, not its luck."""
     uncertainty = read(EVERYTHING | {"targets": {}})
     for seed in range(20):
-        world = World(INSTANCE, uncertainty, seed)
+        world = DrawnWorld(INSTANCE, uncertainty, seed)
         short, drift = (world.leg_factor(kind, NAMES[1]) for kind in ("short", "drift"))
         expected = min(max(2.0 * math.log(short), math.log(0.8)), math.log(1.5))
         assert math.log(drift) == pytest.approx(expected, abs=1e-12)
@@ -148,5 +148,5 @@ def test_a_target_of_its_own_overrides_the_rest_of_the_file() -> None:
     assert uncertainty.success_of(first) == 0.5
     assert uncertainty.success_of(second) == 0.8
     assert (uncertainty.tries_of(first.name), uncertainty.tries_of(second.name)) == (1, 2)
-    assert World(INSTANCE, uncertainty, 0).is_gone(first.name)
+    assert DrawnWorld(INSTANCE, uncertainty, 0).is_gone(first.name)
     assert uncertainty.service_of(first.name) == uncertainty.service_s

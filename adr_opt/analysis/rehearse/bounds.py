@@ -19,7 +19,7 @@ from ...common.errors import InputError
 from ...common.stop import Stop
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from ...problem.world import World
+from ...problem.world import DrawnWorld
 from ...run.front import bound
 from .elsewhere import elsewhere, is_over
 from .ground import Ground, refuse
@@ -259,7 +259,7 @@ def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldB
 
 def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
     """The bounds of one world."""
-    world = World(setting.instance, setting.uncertainty, seed)
+    world = DrawnWorld(setting.instance, setting.uncertainty, seed)
     proven = True
 
     def most(worth: Worth) -> float:

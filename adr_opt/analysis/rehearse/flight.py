@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service
 from ...plan.leg_kinds import leg_kinds
-from ...problem.world import World
+from ...problem.world import DrawnWorld
 from .crafts import (
     DRY,
     FAILED,
@@ -27,7 +27,7 @@ from .ground import Ground, Hop
 from .tries import TryWorths
 
 
-class Stop(NamedTuple):
+class Halt(NamedTuple):
     """A decision to fly no further, and why."""
 
     reason: str
@@ -54,10 +54,10 @@ class Situation:
     closed: set[int]
 
 
-class Policy(Protocol):
+class MissionPolicy(Protocol):
     """Decides what a chaser does when it is free; made anew for each rehearsal."""
 
-    def next_leg(self, now: Situation) -> Hop | Stop:
+    def next_leg(self, now: Situation) -> Hop | Halt:
         """The next leg of ``now.craft``; a refused one ends its route (:func:`.crafts.refused`)."""
         ...
 
@@ -67,7 +67,7 @@ class Policy(Protocol):
 
 
 @dataclass
-class Flown:
+class FlownMission:
     """A rehearsed mission.
 
     Attributes
@@ -87,14 +87,16 @@ class Flown:
     serviced: list[int] = field(default_factory=list)
 
 
-def rehearsed(ground: Ground, world: World, policy: Policy, kits: tuple[int, ...]) -> Flown:
+def rehearsed(
+    ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+) -> FlownMission:
     """Fly a mission in a world.
 
     Parameters
     ----------
     ground : Ground
-    world : World
-    policy : Policy
+    world : DrawnWorld
+    policy : MissionPolicy
     kits : tuple of int
         Aboard of each chaser.
     """
@@ -104,7 +106,9 @@ def rehearsed(ground: Ground, world: World, policy: Policy, kits: tuple[int, ...
 class _Rehearsal:
     """A mission while it is flown."""
 
-    def __init__(self, ground: Ground, world: World, policy: Policy, kits: tuple[int, ...]) -> None:
+    def __init__(
+        self, ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+    ) -> None:
         self._ground, self._world, self._policy = ground, world, policy
         self._worths = TryWorths(ground.instance, world.uncertainty)
         self._closed: set[int] = set()
@@ -118,9 +122,9 @@ class _Rehearsal:
             self._crafts.append(beginning(ground, number, kits[number], since + slip, usable))
             # As planned: what is known of a chaser until it is free.
             self._planned.append(beginning(ground, number, kits[number], since, 1.0))
-        self._flown = Flown(self._crafts)
+        self._flown = FlownMission(self._crafts)
 
-    def flown(self) -> Flown:
+    def flown(self) -> FlownMission:
         """Fly on until no chaser does."""
         while True:
             free = [craft for craft in self._crafts if not craft.ended]
@@ -130,7 +134,7 @@ class _Rehearsal:
             craft = min(free, key=lambda each: (each.free_s, each.chaser))
             now = self._now(craft)
             chosen = self._policy.next_leg(now)
-            if isinstance(chosen, Stop):
+            if isinstance(chosen, Halt):
                 craft.ended = chosen.reason
                 continue
             if self._ground.chasers[craft.chaser].is_launched and not craft.made:

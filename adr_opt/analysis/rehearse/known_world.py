@@ -29,7 +29,7 @@ from ...problem.chasers import AnyTank, AtStation, Chaser, TankByMass
 from ...problem.instance import Instance
 from ...problem.settings import Objective
 from ...problem.uncertainty import Uncertainty
-from ...problem.world import World
+from ...problem.world import DrawnWorld
 from .ground import Ground
 from .tries import TryWorths
 
@@ -97,13 +97,13 @@ def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
             )
 
 
-def known_problem(ground: Ground, world: World, worth: Worth, *, threads: int = 1) -> Problem:
+def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: int = 1) -> Problem:
     """The mission of a clairvoyant in a world.
 
     Parameters
     ----------
     ground : Ground
-    world : World
+    world : DrawnWorld
     worth : callable
         What each target counts.
     threads : int
@@ -124,7 +124,7 @@ def known_problem(ground: Ground, world: World, worth: Worth, *, threads: int = 
     return Problem(instance, threads=threads, connecting=finder)
 
 
-def _parts(ground: Ground, world: World, worth: Worth, target: Target) -> Iterator[Part]:
+def _parts(ground: Ground, world: DrawnWorld, worth: Worth, target: Target) -> Iterator[Part]:
     """The bodies that stand for a target."""
     name, number = target.name, ground.number[target.name]
     planned = float(ground.chasers[0].limits.service[number]) - ground.tow_s.get(number, 0.0)
@@ -150,7 +150,7 @@ def _parts(ground: Ground, world: World, worth: Worth, target: Target) -> Iterat
         yield Part(giving_up, name, took, planned, 1)
 
 
-def _known_instance(ground: Ground, world: World, parts: Sequence[Part]) -> Instance:
+def _known_instance(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Instance:
     instance = ground.instance
     uncounted = sum(part.uncounted for part in parts)
     chasers = tuple(
@@ -166,7 +166,7 @@ def _known_instance(ground: Ground, world: World, parts: Sequence[Part]) -> Inst
     return instance.replace(targets=targets, chasers=chasers, mission=mission, objective=objective)
 
 
-def _known_chaser(ground: Ground, world: World, number: int, uncounted: int) -> Chaser:
+def _known_chaser(ground: Ground, world: DrawnWorld, number: int, uncounted: int) -> Chaser:
     chaser = ground.instance.chasers[number]
     since, until = ground.instance.available_s[number]
     if chaser.is_launched:
@@ -179,7 +179,7 @@ def _known_chaser(ground: Ground, world: World, number: int, uncounted: int) -> 
     )  # fmt: skip
 
 
-def _known_tank(ground: Ground, world: World, chaser: Chaser) -> AnyTank:
+def _known_tank(ground: Ground, world: DrawnWorld, chaser: Chaser) -> AnyTank:
     """The tank at the best of its fillings."""
     if world.uncertainty.tanks is None:
         return chaser.tank
@@ -198,7 +198,7 @@ def _known_tank(ground: Ground, world: World, chaser: Chaser) -> AnyTank:
     return tank.replace(delta_v_m_s=share * full, initial_delta_v_m_s=first)
 
 
-def _corrections(ground: Ground, world: World, parts: Sequence[Part]) -> Corrections:
+def _corrections(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Corrections:
     """Drawn costs of connections and times of services."""
     instance, uncertainty = ground.instance, world.uncertainty
     origins = (*ground.names[: ground.first_target], *(part.target.name for part in parts))
@@ -250,17 +250,17 @@ def rounded_up(prize: float) -> float:
     return float(whole / 10**digits) if digits >= 0 else float(whole * 10**-digits)
 
 
-def can_be_serviced(world: World, target: Target) -> bool:
+def can_be_serviced(world: DrawnWorld, target: Target) -> bool:
     """Whether a target is there, and one of its tries succeeds."""
     return not world.is_gone(target.name) and world.first_success(target.name) is not None
 
 
-def clairvoyant_worth(ground: Ground, world: World) -> Worth:
+def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
     """The prize of each target that can be serviced in a world."""
     return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
 
 
-def penalised_worth(ground: Ground, world: World) -> Worth:
+def penalised_worth(ground: Ground, world: DrawnWorld) -> Worth:
     """The mean prize of going to each target, and what of it is left to who gives up."""
     worths = TryWorths(ground.instance, world.uncertainty)
 
@@ -272,6 +272,6 @@ def penalised_worth(ground: Ground, world: World) -> Worth:
     return worth
 
 
-def required_worth(ground: Ground, world: World) -> Worth:
+def required_worth(ground: Ground, world: DrawnWorld) -> Worth:
     """1 for each required target that can be serviced in a world."""
     return lambda target: Counted(float(target.required and can_be_serviced(world, target)))

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...common.constants import SLACK_M_S
 from .crafts import DRY, FINISHED, REFUELLED, SERVICED
-from .flight import Flown
+from .flight import FlownMission
 from .ground import Ground
 from .intended import Intended
 
@@ -16,7 +16,7 @@ LEFT_OUT = "left-out"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Rehearsal:
     """What came of a mission in one world.
 
     Attributes
@@ -24,7 +24,7 @@ class Outcome:
     seed : int
         Number of the world.
     prize, expected : float
-        Collected; and without the luck of captures (:attr:`.flight.Flown.expected`).
+        Collected; and without the luck of captures (:attr:`.flight.FlownMission.expected`).
     required_met, returned : bool
         Whether all required targets were serviced, and all chasers ended where they have to.
     last_s : float
@@ -58,7 +58,7 @@ class Outcome:
         return asdict(self)
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any]) -> Outcome:
+    def from_dict(cls, content: dict[str, Any]) -> Rehearsal:
         """The outcome of JSON data.
 
         Raises
@@ -74,8 +74,8 @@ class Outcome:
 
 
 def outcome_of(
-    ground: Ground, intended: Intended, flown: Flown, seed: int, *, keeps: bool
-) -> Outcome:
+    ground: Ground, intended: Intended, flown: FlownMission, seed: int, *, keeps: bool
+) -> Rehearsal:
     """The outcome of a flown mission, by a policy that keeps to the plan or does not."""
     names, prizes = ground.names, ground.prizes
     serviced = set(flown.serviced)
@@ -104,14 +104,14 @@ def outcome_of(
         end == "anywhere" or names[craft.body] == end.station
         for craft, end in zip(flown.crafts, ends, strict=True)
     )
-    return Outcome(
+    return Rehearsal(
         seed, flown.prize, flown.expected, ground.required <= serviced, returned,
         max((made.free_s for made in legs if made.outcome == SERVICED), default=0.0),
         delta_v, tuple(_tanks(ground, flown)), losses, tuple(course), tuple(spent),
     )  # fmt: skip
 
 
-def _tanks(ground: Ground, flown: Flown) -> list[tuple[str, int, float, bool]]:
+def _tanks(ground: Ground, flown: FlownMission) -> list[tuple[str, int, float, bool]]:
     """Each tank of each chaser, with what was left of it at its end."""
     found = []
     for craft in flown.crafts:

@@ -14,7 +14,7 @@ from ...common.constants import DAY_S
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from .outcome import Outcome
+from .outcome import Rehearsal
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
@@ -30,7 +30,7 @@ class Rehearsals(Shown):
         That they begin with.
     uncertainty : Uncertainty
     policy : str
-    outcomes : tuple of Outcome
+    outcomes : tuple of Rehearsal
         In order of their seeds.
     runtime_s : float
     """
@@ -39,7 +39,7 @@ class Rehearsals(Shown):
     plan: Plan
     uncertainty: Uncertainty
     policy: str
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[Rehearsal, ...]
     runtime_s: float
 
     @property

@@ -26,7 +26,7 @@ from .crafts import (
     beginning,
     refused,
 )
-from .flight import Situation, Stop
+from .flight import Halt, Situation
 from .ground import Ground, Hop
 from .intended import Intended, hops_of
 
@@ -51,14 +51,14 @@ class AtEveryService:
             for chaser, what in enumerate(ground.chasers)
         ]
 
-    def next_leg(self, now: Situation) -> Hop | Stop:
+    def next_leg(self, now: Situation) -> Hop | Halt:
         """The first leg of the plan of the rest."""
         craft = now.craft
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
         if not route:
-            return Stop(FINISHED)
+            return Halt(FINISHED)
         hop = route.pop(0).hop
         self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
         return hop

@@ -19,13 +19,13 @@ from ...problem.given import of_rows
 from ...problem.instance import Instance
 from ...problem.numbering import LEO
 from ...problem.settings import MissionSettings, TransferSettings
-from ...problem.world import World
+from ...problem.world import DrawnWorld
 from ..state import heavier
 from .crafts import DRY, LATE, REFUELLED, SERVICED, Craft, Made, full_of
-from .flight import Flown
+from .flight import FlownMission
 from .ground import Ground
 from .intended import intended
-from .outcome import Outcome
+from .outcome import Rehearsal
 from .sampling import Setting, flown_in
 
 LEAST_S = 1e-3
@@ -42,12 +42,12 @@ class Replayed:
         Its world: the legs that were flown, as given connections.
     plan : Plan
         Of that instance.
-    outcome : Outcome
+    outcome : Rehearsal
     """
 
     instance: Instance
     plan: Plan
-    outcome: Outcome
+    outcome: Rehearsal
 
 
 def replay(setting: Setting, seed: int) -> Replayed:
@@ -71,7 +71,7 @@ def replay(setting: Setting, seed: int) -> Replayed:
         raise InputError(f"replay = {seed}: must not be negative")
     ground = Ground(setting.instance)
     flown, outcome = flown_in(ground, intended(ground, setting.plan), setting, seed)
-    world = World(setting.instance, setting.uncertainty, seed)
+    world = DrawnWorld(setting.instance, setting.uncertainty, seed)
     instance = _as_instance(ground, world, flown)
     problem = Problem(instance)
     number = {name: body for body, name in enumerate(problem.names)}
@@ -89,7 +89,7 @@ def _done(craft: Craft) -> list[Made]:
     return [made for made in craft.made if made.outcome not in (DRY, LATE)]
 
 
-def _as_instance(ground: Ground, world: World, flown: Flown) -> Instance:
+def _as_instance(ground: Ground, world: DrawnWorld, flown: FlownMission) -> Instance:
     instance, serviced = ground.instance, {ground.names[j] for j in flown.serviced}
     visited = {
         ground.names[made.hop.destination] for craft in flown.crafts for made in _done(craft)
@@ -130,7 +130,7 @@ def _as_flown(chaser: Chaser, craft: Craft) -> Chaser:
 
 
 def _rows(
-    ground: Ground, world: World, craft: Craft
+    ground: Ground, world: DrawnWorld, craft: Craft
 ) -> Iterator[tuple[str, str, float, float, float]]:
     """Legs as connections: what a tow took and what a tank could not use are part of them."""
     what = ground.chasers[craft.chaser]

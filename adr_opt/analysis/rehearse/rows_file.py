@@ -17,7 +17,7 @@ from ...common.files import check_writable, read_text
 FORMAT = "adr-opt-rehearsals/1"
 
 
-class Row(Protocol):
+class AsData(Protocol):
     """What a line holds."""
 
     def to_dict(self) -> dict[str, Any]:
@@ -25,7 +25,7 @@ class Row(Protocol):
         ...
 
 
-R = TypeVar("R", bound=Row)
+R = TypeVar("R", bound=AsData)
 
 
 class RowsFile(Generic[R]):

@@ -14,13 +14,13 @@ from ...common.stop import Stop
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from ...problem.world import World
+from ...problem.world import DrawnWorld
 from ...run.front import solve
 from .elsewhere import elsewhere, is_over
-from .flight import Flown, rehearsed
+from .flight import FlownMission, rehearsed
 from .ground import Ground, refuse
 from .intended import Intended, intended
-from .outcome import Outcome, outcome_of
+from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
 from .rows_file import RowsFile
@@ -115,8 +115,8 @@ def rehearse(  # noqa: PLR0913
         raise InputError("jobs and a cluster exclude each other; leave one of them out")
     began = now_s()
     setting = setting_of(instance, plan, uncertainty, policy)
-    found: dict[int, Outcome] = {}
-    file = None if path is None else RowsFile(path, setting.digest, Outcome.from_dict)
+    found: dict[int, Rehearsal] = {}
+    file = None if path is None else RowsFile(path, setting.digest, Rehearsal.from_dict)
     if file is not None:
         found = {each.seed: each for each in file.found}
     wanted = range(seed, seed + samples)
@@ -158,9 +158,9 @@ def setting_of(
 
 def flown_in(
     ground: Ground, planned: Intended, setting: Setting, seed: int
-) -> tuple[Flown, Outcome]:
+) -> tuple[FlownMission, Rehearsal]:
     """One rehearsal, and its outcome."""
-    world = World(setting.instance, setting.uncertainty, seed)
+    world = DrawnWorld(setting.instance, setting.uncertainty, seed)
     policy = policy_of(setting.policy)(ground, planned, 0)
     flown = rehearsed(ground, world, policy, planned.kits)
     keeps = setting.policy in NEED_PLAN
@@ -169,7 +169,7 @@ def flown_in(
 
 def _outcomes(
     setting: Setting, seeds: Sequence[int], jobs: int, cluster: str | None, stop: Stop | None
-) -> Iterator[list[Outcome]]:
+) -> Iterator[list[Rehearsal]]:
     """Outcomes of seeds, a few at a time."""
     if jobs == 1 and cluster is None:
         ground = Ground(setting.instance)
@@ -186,7 +186,7 @@ _mine: tuple[str, Ground, Intended] | None = None
 """Digest of this process's latest work, and what its rehearsals share."""
 
 
-def _flown_there(setting: Setting, seeds: tuple[int, ...]) -> list[Outcome]:
+def _flown_there(setting: Setting, seeds: tuple[int, ...]) -> list[Rehearsal]:
     global _mine
     if _mine is None or _mine[0] != setting.digest:
         ground = Ground(setting.instance)
