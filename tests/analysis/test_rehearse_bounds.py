@@ -80,7 +80,9 @@ def _all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no
     if plan is not None:
         planned = intended(ground, plan)
         for name in ("follow", "skip", "replan"):
-            yield rehearsed(ground, world, policy_of(name)(ground, planned, 0), planned.kits)
+            yield rehearsed(
+                ground, world, policy_of(name)(ground, planned, world.uncertainty, 0), planned.kits
+            )
 
 
 def _alone(seed: int) -> Instance:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -103,6 +103,11 @@ class Ground:
     ----------
     instance : Instance
 
+    Attributes
+    ----------
+    outlook : tuple or None
+        What policies expect that plan, for what (:func:`.outlook.outlook_of`).
+
     Raises
     ------
     InputError
@@ -131,6 +136,7 @@ class Ground:
             if target.required
         )
         self.chasers = tuple(map(self._limits, range(len(instance.chasers))))
+        self.outlook: tuple[Any, Any, Any] | None = None
         self._rows: dict[tuple[int, int, bool], Rows] = {}
 
     def _limits(self, chaser: int) -> ChaserLimits:

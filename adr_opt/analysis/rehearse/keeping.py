@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ...problem.uncertainty import Uncertainty
 from .crafts import FINISHED, refused
 from .flight import Halt, Situation
 from .ground import Ground, Hop
@@ -15,7 +16,9 @@ class Follow:
     route ends before the first leg that it cannot pay or that would end too late.
     """
 
-    def __init__(self, ground: Ground, intended: Intended, seed: int = 0) -> None:
+    def __init__(
+        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
+    ) -> None:
         self._routes = intended.routes
         self._next = [0] * len(intended.routes)
 

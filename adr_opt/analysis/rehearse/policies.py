@@ -1,8 +1,8 @@
 """Policies by name.
 
 A policy of another package is an entry point of the group ``adr_opt.rehearsal_policies``: a
-callable that takes a :class:`.ground.Ground`, a :class:`.intended.Intended` and a seed, and gives a
-:class:`.flight.MissionPolicy` for one rehearsal.
+callable that takes a :class:`.ground.Ground`, a :class:`.intended.Intended`, an uncertainty and a
+seed, and gives a :class:`.flight.MissionPolicy` for one rehearsal.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from importlib.metadata import entry_points
 
 from ...common.errors import InputError
 from ...common.packages import load
+from ...problem.uncertainty import Uncertainty
 from .flight import MissionPolicy
 from .ground import Ground
 from .intended import Intended
 
 ENTRY_POINTS = "adr_opt.rehearsal_policies"
 
-PolicyMaker = Callable[[Ground, Intended, int], MissionPolicy]
+PolicyMaker = Callable[[Ground, Intended, Uncertainty, int], MissionPolicy]
 
 
 BUILT_IN: Mapping[str, tuple[str, str]] = {

@@ -9,6 +9,7 @@ from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Tow
 from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
+from ...problem.uncertainty import Uncertainty
 from ..launch_windows import in_order
 from ..remaining_instance import remaining_instance
 from ..rest import PlannerChoice, planned_rest
@@ -29,6 +30,7 @@ from .crafts import (
 from .flight import Halt, Situation
 from .ground import Ground, Hop
 from .intended import Intended, hops_of
+from .outlook import outlook_of
 
 SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
@@ -41,10 +43,13 @@ TIME_LIMIT_S = 2.0
 
 
 class AtEveryService:
-    """Plans the rest anew whenever a chaser is free."""
+    """Plans the rest anew whenever a chaser is free, as it is to be expected."""
 
-    def __init__(self, ground: Ground, intended: Intended, seed: int = 0) -> None:
+    def __init__(
+        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
+    ) -> None:
         self._ground, self._seed = ground, seed
+        self._outlook = outlook_of(ground, intended, uncertainty)
         self._routes = [list(route) for route in intended.routes]
         self._forecast = [
             beginning(ground, chaser, intended.kits[chaser], what.limits.ready, 1.0)
@@ -57,6 +62,9 @@ class AtEveryService:
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
+        if not route and self._outlook.reserve_m_s > 0.0 and craft.made:
+            self._plan(now, reserve=False)  # it is of no use any more
+            route = self._routes[craft.chaser]
         if not route:
             return Halt(FINISHED)
         hop = route.pop(0).hop
@@ -68,8 +76,8 @@ class AtEveryService:
         return True
 
     def _has_changed(self, now: Situation) -> bool:
-        """Whether to plan anew: but for the beginning, always."""
-        return bool(now.craft.made) or self._differs(now.craft)
+        """Whether to plan anew: always, but where nothing is uncertain at the beginning."""
+        return bool(now.craft.made) or self._outlook.differs or self._differs(now.craft)
 
     def _differs(self, craft: Craft) -> bool:
         """Whether the chaser is later, or has less or more, by more than a little."""
@@ -77,7 +85,7 @@ class AtEveryService:
         differs = abs(craft.left - ahead.left) > SLIGHT_SHARE * what.budget
         return differs or abs(craft.free_s - ahead.free_s) > SLIGHT_S
 
-    def _plan(self, now: Situation) -> None:
+    def _plan(self, now: Situation, *, reserve: bool = True) -> None:
         """Plan what is left, for all chasers, from where they are or will be."""
         ground, at_s = self._ground, now.craft.free_s
         crafts = [craft for craft in now.crafts if craft is now.craft or not craft.ended]
@@ -98,7 +106,8 @@ class AtEveryService:
                 known: tuple[ChaserState, ...], instance: Instance = wanted
             ) -> Instance | None:
                 missed = [name for state in known for name in state.missed]
-                return remaining_instance(instance, known, gone, at_s, missed)
+                rest = remaining_instance(instance, known, gone, at_s, missed)
+                return None if rest is None else self._outlook.expected(rest, reserve=reserve)
 
             rest = planned_rest(wanted, left, states, former, choice)
             if rest.result.plan is not None:
@@ -120,7 +129,7 @@ class AtDeviations(AtEveryService):
 
     def _has_changed(self, now: Situation) -> bool:
         craft = now.craft
-        if self._differs(craft):
+        if self._differs(craft) or (not craft.made and self._outlook.differs):
             return True
         if craft.made and craft.made[-1].outcome in (FAILED, GONE):
             what = self._ground.chasers[craft.chaser]
@@ -130,7 +139,8 @@ class AtDeviations(AtEveryService):
 
     def _is_flyable(self, craft: Craft) -> bool:
         """Whether the rest of the plan can be flown as planned."""
-        ahead = craft
+        ahead, hops = craft.copied(), [each.hop for each in self._routes[craft.chaser]]
+        ahead.left -= self._outlook.spread_m_s(hops)
         for each in self._routes[craft.chaser]:
             if each.origin != ahead.body or each.towed != ahead.towed:
                 return False

@@ -161,7 +161,7 @@ def flown_in(
 ) -> tuple[FlownMission, Rehearsal]:
     """One rehearsal, and its outcome."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    policy = policy_of(setting.policy)(ground, planned, 0)
+    policy = policy_of(setting.policy)(ground, planned, setting.uncertainty, 0)
     flown = rehearsed(ground, world, policy, planned.kits)
     keeps = setting.policy in NEED_PLAN
     return flown, outcome_of(ground, planned, flown, seed, keeps=keeps)
