@@ -105,8 +105,8 @@ class Ground:
 
     Attributes
     ----------
-    outlook : tuple or None
-        What policies expect that plan, for what (:func:`.outlook.outlook_of`).
+    prospect : tuple or None
+        What policies expect that plan, for what (:func:`.prospect.prospect_of`).
 
     Raises
     ------
@@ -136,7 +136,7 @@ class Ground:
             if target.required
         )
         self.chasers = tuple(map(self._limits, range(len(instance.chasers))))
-        self.outlook: tuple[Any, Any, Any] | None = None
+        self.prospect: tuple[Any, Any, Any] | None = None
         self._rows: dict[tuple[int, int, bool], Rows] = {}
 
     def _limits(self, chaser: int) -> ChaserLimits:

@@ -30,7 +30,7 @@ from .crafts import (
 from .flight import Halt, Situation
 from .ground import Ground, Hop
 from .intended import Intended, hops_of
-from .outlook import outlook_of
+from .prospect import prospect_of
 
 SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
@@ -49,7 +49,7 @@ class AtEveryService:
         self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
     ) -> None:
         self._ground, self._seed = ground, seed
-        self._outlook = outlook_of(ground, intended, uncertainty)
+        self._prospect = prospect_of(ground, intended, uncertainty)
         self._routes = [list(route) for route in intended.routes]
         self._forecast = [
             beginning(ground, chaser, intended.kits[chaser], what.limits.ready, 1.0)
@@ -62,7 +62,7 @@ class AtEveryService:
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
-        if not route and self._outlook.reserve_m_s > 0.0 and craft.made:
+        if not route and self._prospect.reserve_m_s > 0.0 and craft.made:
             self._plan(now, reserve=False)  # it is of no use any more
             route = self._routes[craft.chaser]
         if not route:
@@ -77,7 +77,7 @@ class AtEveryService:
 
     def _has_changed(self, now: Situation) -> bool:
         """Whether to plan anew: always, but where nothing is uncertain at the beginning."""
-        return bool(now.craft.made) or self._outlook.differs or self._differs(now.craft)
+        return bool(now.craft.made) or self._prospect.differs or self._differs(now.craft)
 
     def _differs(self, craft: Craft) -> bool:
         """Whether the chaser is later, or has less or more, by more than a little."""
@@ -107,7 +107,7 @@ class AtEveryService:
             ) -> Instance | None:
                 missed = [name for state in known for name in state.missed]
                 rest = remaining_instance(instance, known, gone, at_s, missed)
-                return None if rest is None else self._outlook.expected(rest, reserve=reserve)
+                return None if rest is None else self._prospect.expected(rest, reserve=reserve)
 
             rest = planned_rest(wanted, left, states, former, choice)
             if rest.result.plan is not None:
@@ -129,7 +129,7 @@ class AtDeviations(AtEveryService):
 
     def _has_changed(self, now: Situation) -> bool:
         craft = now.craft
-        if self._differs(craft) or (not craft.made and self._outlook.differs):
+        if self._differs(craft) or (not craft.made and self._prospect.differs):
             return True
         if craft.made and craft.made[-1].outcome in (FAILED, GONE):
             what = self._ground.chasers[craft.chaser]
@@ -140,7 +140,7 @@ class AtDeviations(AtEveryService):
     def _is_flyable(self, craft: Craft) -> bool:
         """Whether the rest of the plan can be flown as planned."""
         ahead, hops = craft.copied(), [each.hop for each in self._routes[craft.chaser]]
-        ahead.left -= self._outlook.spread_m_s(hops)
+        ahead.left -= self._prospect.spread_m_s(hops)
         for each in self._routes[craft.chaser]:
             if each.origin != ahead.body or each.towed != ahead.towed:
                 return False

@@ -20,7 +20,7 @@ CAUTION = 2.5
 """Reserve of a tank, in standard deviations of what its legs take."""
 
 
-class Outlook:
+class Prospect:
     """The uncertainty of a mission as a planner of what is left takes it into account.
 
     Prizes are what going to a target is worth on average; tanks in ΔV that will be filled again
@@ -125,10 +125,10 @@ class Outlook:
         return {name: rounded_up(worth) for name, (_, worth) in found.items()}
 
 
-def outlook_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Outlook:
-    """The outlook of a mission, which its rehearsals share."""
-    known = ground.outlook
+def prospect_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Prospect:
+    """The prospect of a mission, which its rehearsals share."""
+    known = ground.prospect
     if known is None or known[0] is not intended or known[1] is not uncertainty:
-        known = ground.outlook = intended, uncertainty, Outlook(ground, intended, uncertainty)
-    made: Outlook = known[2]
+        known = ground.prospect = intended, uncertainty, Prospect(ground, intended, uncertainty)
+    made: Prospect = known[2]
     return made
