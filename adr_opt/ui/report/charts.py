@@ -64,8 +64,11 @@ def _drawn(line: Line, place: _Place) -> str:
         points = [
             point for one, two in pairwise(points) for point in (one, (two[0], one[1]))
         ] + points[-1:]
-    path = " ".join(_at(place(x, y)) for x, y in points)
-    parts.append(f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>')
+    if line.width > 0.0:
+        path = " ".join(_at(place(x, y)) for x, y in points)
+        parts.append(
+            f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>'
+        )
     if line.dots:
         for x, y in zip(line.x, line.y, strict=True):
             across, up = place(x, y)
