@@ -22,7 +22,7 @@ import argparse
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from machine import heading
 
@@ -117,8 +117,7 @@ def scenarios(arguments: argparse.Namespace) -> None:
         for kind in ("perfect", "penalised"):
             if kind == "penalised" and not found.has_captures:
                 continue
-            mean, error = told[kind]["mean"], told[kind]["standard_error"]
-            print(f"| {name} | {kind} bound | {proven} | {mean:.2f} ± {error:.2f} | | | |")
+            print(f"| {name} | {kind} bound | {proven} | {_mean(told[kind])} | | | |")
         for policy in arguments.policies:
             quick = policy in ("follow", "skip")
             number = 10 * arguments.rehearsals if quick else arguments.rehearsals
@@ -127,17 +126,23 @@ def scenarios(arguments: argparse.Namespace) -> None:
                 jobs=1 if quick else arguments.jobs,
             )  # fmt: skip
             answer, gaps = made.to_dict(), found.gaps(made)
-            prize = answer["prize"]
             cells = [
                 name, f"`{policy}`", str(number),
-                f"{prize['mean']:.2f} ± {prize['standard_error']:.2f}", _gap(gaps["perfect"]),
+                _mean(answer["prize"]), _gap(gaps["perfect"]),
                 _gap(gaps["penalised"]) if found.has_captures else "",
                 f"{made.runtime_s / number:.3f}",
             ]  # fmt: skip
             print(f"| {' | '.join(cells)} |", flush=True)
 
 
-def _gap(found: dict[str, float]) -> str:
+def _mean(found: dict[str, Any]) -> str:
+    error = found["standard_error"]
+    return f"{found['mean']:.2f}" + ("" if error is None else f" ± {error:.2f}")
+
+
+def _gap(found: dict[str, Any]) -> str:
+    if found["low"] is None:
+        return "" if found["gap"] is None else f"{found['gap']:.1%}"
     return f"{found['gap']:.1%} ({found['low']:.1%} to {found['high']:.1%})"
 
 
