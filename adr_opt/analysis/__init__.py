@@ -1,9 +1,10 @@
-"""Analyses beyond planning: prices of given orders, comparisons, replanning, trade-offs.
+"""Analyses beyond planning: prices of orders, comparisons, replanning, rehearsals, trade-offs.
 
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
 sooner; `design_study` plans, bounds and evaluates designs of campaigns, in euros; `replan` plans
-the rest anew; `plan_of` makes a plan of departures that the caller chose.
+the rest anew; `rehearse` flies a mission many times as it may happen; `plan_of` makes a plan of
+departures that the caller chose.
 """
 
 from .comparison import Comparison, compare
@@ -11,6 +12,8 @@ from .departures import plan_of
 from .design import CampaignPrices, DesignPoint, DesignStudy, design_study
 from .orders import orders_of, read_orders
 from .priced import PricedOrder, PricedRoute, price
+from .rehearse.rehearsals import Rehearsals
+from .rehearse.sampling import rehearse
 from .replan import replan
 from .replanned import Replanned
 from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff
@@ -24,6 +27,7 @@ __all__ = [
     "Ending",
     "PricedOrder",
     "PricedRoute",
+    "Rehearsals",
     "Replanned",
     "Tradeoff",
     "compare",
@@ -34,6 +38,7 @@ __all__ = [
     "plan_of",
     "price",
     "read_orders",
+    "rehearse",
     "replan",
     "tradeoff",
 ]

@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..common.clock import now_s
 from ..common.errors import InputError
-from ..common.stop import AnyOf, MaxRuntime, Stop
-from ..mission.certified import certify_routes
-from ..mission.mission import Mission
-from ..mission.problem import Problem, problem_of
-from ..mission.result import Result
-from ..plan.cargo import kits_of
+from ..common.stop import Stop
 from ..plan.plan import Plan
-from ..plan.routes import routes_of
 from ..problem.instance import Instance
 from ..problem.settings import KeepOutZone
 from ..problem.tour_rules import refuse_tour_rules
-from ..run.front import solve
-from ..run.method_call import prepare, spec_of
-from ..run.methods import PLANNERS
 from .deviations import Deviations
-from .launch_windows import in_order, is_usurped, kept_waiting
+from .launch_windows import in_order
 from .remaining_instance import crossings, remaining_instance
 from .replanned import PlannedRest, Replanned, compared
-from .restart_states import former_orders, orders_left, restart_states
+from .rest import PlannerChoice, planned_rest
+from .restart_states import former_orders
 from .state import ChaserState, states_at
 
-QUICK, SEVERAL = "beam", "auto"
-"""Default planners of the rest, for one chaser and for several."""
-
 DEFAULT_TIME_LIMIT_S = 2.0
-
-HURRY = 110.0 / 75.0
-"""Value of an hour for the quick planner, as a multiple of the usual one."""
-
-Finding = Callable[[Instance, list[list[str]]], Result]
-"""A function that plans what is left, starting from the remaining orders."""
 
 
 def replan(  # noqa: PLR0913
@@ -132,40 +113,8 @@ def replan(  # noqa: PLR0913
     def left(now: tuple[ChaserState, ...]) -> Instance | None:
         return remaining_instance(zoned, now, gone, at_s, went.given_up)
 
-    def planned(beginning: Instance, orders: list[list[str]]) -> Result:
-        return _planned(beginning, orders, method, time_limit, seed, stop)
-
-    def flown_on(beginning: Instance, orders: list[list[str]]) -> Result:
-        problem = problem_of(beginning)
-        return _certified(problem, _flyable(problem, orders), seed, 0.0)
-
-    def settled(found: Finding) -> PlannedRest:
-        """The plan found when each chaser carries just the kits that it uses, or all it has."""
-        now = states
-        while True:
-            best: PlannedRest | None = None
-            for beginning, begun in restart_states(left, now, former):
-                made = found(beginning, orders_left(beginning, former, begun, now))
-                if best is None or _is_better(made, best.result):
-                    best = PlannedRest(beginning, begun, made)
-            assert best is not None
-            if is_usurped(best.states, best.result):
-                known = in_order(zoned, kept_waiting(now))
-                if known == now:
-                    return settled(flown_on)
-            else:
-                # Kits that are not left behind weigh on, which that plan did not know.
-                known = _carrying(now, best)
-            if known == now:
-                return best
-            now = known
-
-    best = settled(planned)
-    if any(state.idle_kits for state in best.states):
-        # Planned with other kits, the former rest was none of those that it was compared with.
-        own = settled(flown_on)
-        if _is_better(own.result, best.result):
-            best = own
+    choice = PlannerChoice(method, time_limit, seed, stop)
+    best = planned_rest(zoned, left, states, former, choice)
     notes = (*notes, *_waits(states, best))
     orders = tuple(former[state.chaser.name] for state in best.states)
     return compared(instance, best, orders, gone, went, notes, began)
@@ -186,80 +135,3 @@ def _waits(states: Sequence[ChaserState], found: PlannedRest) -> Iterator[str]:
             f"{name} goes on from a disposal orbit where it waits, which the rules of "
             f"{instance.name!r} allow and those of the whole mission do not"
         )
-
-
-def _carrying(states: tuple[ChaserState, ...], found: PlannedRest) -> tuple[ChaserState, ...]:
-    """States with the kits used by a new plan; additional kits aboard stay there."""
-    instance, _, made = found
-    flown = () if made.plan is None else routes_of(instance, made.plan)
-    needed = {
-        route.chaser.name: kits_of(instance, (body for body, _ in route.spent)) for route in flown
-    }
-
-    def carrying(state: ChaserState) -> ChaserState:
-        if state.is_new or state.kits is None or state.chaser.kit_mass_kg == 0.0:
-            return state
-        kits = needed.get(state.chaser.name, 0)
-        return replace(state, kits=kits, idle_kits=state.idle_kits + state.kits - kits)
-
-    return tuple(carrying(state) for state in states)
-
-
-def _planned(
-    beginning: Instance, orders: list[list[str]], method: str | None, time_limit: float, seed: int,
-    stop: Stop | None,
-) -> Result:  # fmt: skip
-    """The better of a planner's result and the rest of the former plan."""
-    problem = problem_of(beginning)
-    if method is None and problem.alone is not None:
-        # One choice of connections for all that plans: a second timetable would take as long.
-        hurry = HURRY * beginning.time_value_m_s_per_h
-        connecting = problem.connecting
-        problem = Problem.of(Mission(beginning, time_value_m_s_per_h=hurry, connecting=connecting))
-        flyable = _flyable(problem, orders)
-        found = _quickly(problem, time_limit, seed, stop)
-    else:
-        flyable = _flyable(problem, orders)
-        method, more = method or SEVERAL, dict[str, Any]()
-        if spec_of(method).starts and any(flyable):
-            start = flyable if len(beginning.chasers) > 1 else flyable[0]
-            more = {"start": start, "repair": True}
-        found = solve(problem, method, time_limit=time_limit, seed=seed, stop=stop, **more)
-    own = _certified(problem, flyable, seed, found.runtime_s)
-    if own.plan is not None and (found.plan is None or own.objective > found.objective):
-        return own
-    return found
-
-
-def _certified(problem: Problem, orders: list[list[str]], seed: int, runtime_s: float) -> Result:
-    """The rest of the former plan, as a result."""
-    moves = [
-        mission.numbers(order) for mission, order in zip(problem.missions, orders, strict=True)
-    ]
-    return certify_routes(problem, "former", moves, seed=seed, runtime_s=runtime_s)
-
-
-def _quickly(problem: Problem, time_limit: float, seed: int, stop: Stop | None) -> Result:
-    """The plan of the quick planner, without steps that take longer than itself."""
-    options = {"time_value_m_s_per_h": problem.missions[0].time_value_m_s_per_h}
-    prepared = prepare(PLANNERS, QUICK, seed=seed, options=options)
-    limits = [MaxRuntime(time_limit), *([] if stop is None else [stop])]
-    return prepared(problem, AnyOf(*limits))
-
-
-def _flyable(problem: Problem, orders: list[list[str]]) -> list[list[str]]:
-    """The orders without bodies that can no longer be reached, removed one by one."""
-    kept = []
-    for mission, order in zip(problem.missions, orders, strict=True):
-        moves = mission.numbers(order).tolist()
-        while (made := mission.time(moves).made) < len(moves):
-            del moves[made]
-        kept.append([mission.names[j] for j in moves])
-    return kept
-
-
-def _is_better(made: Result, best: Result) -> bool:
-    """Whether it collects more."""
-    if made.plan is None or best.plan is None:
-        return made.plan is not None
-    return made.objective > best.objective

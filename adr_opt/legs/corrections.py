@@ -1,6 +1,6 @@
-"""Corrections to the modelled costs of transfers, learned from refined legs.
+"""Corrections to the modelled costs of transfers and times of services.
 
-See docs/model.md section 10.
+Learned from refined legs (docs/model.md section 10), or drawn.
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ class Corrections:
         Times between which no connection of a pair may leave and arrive [s].
     stays_s : mapping of name to float
         Time by which a chaser stays longer with an object that it tows; positive [s].
+    services_s : mapping of name to float
+        What the service of a target takes in place of the time of the mission; not negative [s].
+        Windows move with it: they limit when services begin, as without the correction.
     """
 
     shares: Mapping[Key, float] = field(default_factory=dict)
@@ -52,6 +55,7 @@ class Corrections:
     additions_m_s: Mapping[str, float] = field(default_factory=dict)
     barred_s: Mapping[Key, tuple[Span, ...]] = field(default_factory=dict)
     stays_s: Mapping[str, float] = field(default_factory=dict)
+    services_s: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not all(share > 0.0 for share in self.shares.values()):
@@ -62,12 +66,14 @@ class Corrections:
             raise ValueError("additions_m_s: must be finite and not negative")
         if not all(0.0 < stay < math.inf for stay in self.stays_s.values()):
             raise ValueError("stays_s: must be positive and finite")
+        if not all(0.0 <= service < math.inf for service in self.services_s.values()):
+            raise ValueError("services_s: must be finite and not negative")
 
     def __bool__(self) -> bool:
         """Whether there are any corrections."""
         factors = (*self.shares.values(), *self.factors.values())
         changed = any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
-        return changed or bool(self.barred_s or self.stays_s)
+        return changed or bool(self.barred_s or self.stays_s or self.services_s)
 
     def applied(self, origin: str, destination: str, found: ConnectionArrays) -> ConnectionArrays:
         """The connections of a pair at corrected ΔV, without excluded ones."""
@@ -133,6 +139,8 @@ class Corrections:
                 f"up to {longest:.3g} days more for the tows of "
                 f"{counted(len(self.stays_s), 'object')}"
             )
+        if self.services_s:
+            parts.append(f"other times of {counted(len(self.services_s), 'service')}")
         return ", ".join(parts) or "none"
 
 

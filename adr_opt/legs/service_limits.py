@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -16,10 +16,11 @@ from ..plan.plan import Leg
 from ..plan.tows import removals_of
 from ..problem.drives import drive_of
 from ..problem.instance import Instance
+from .corrections import NO_CORRECTIONS, Corrections
 
 
 def limits_of(
-    instance: Instance, chaser: int | None = None, stays_s: Mapping[str, float] | None = None
+    instance: Instance, chaser: int | None = None, corrections: Corrections = NO_CORRECTIONS
 ) -> ServiceLimits:
     """Time limits of an instance as kernels take them; the arrays are read-only.
 
@@ -31,8 +32,8 @@ def limits_of(
     instance : Instance
     chaser : int, optional
         Number of the one whose times they are; by default those in which some chaser is there.
-    stays_s : mapping of name to float, optional
-        Time that tows of objects get beyond what they take [s].
+    corrections : Corrections
+        Times of services other than the mission's, and what tows get beyond what they take.
     """
     mission, first = instance.mission, instance.first_target
     # Nothing is counted in the period of a body without an orbit.
@@ -50,15 +51,18 @@ def limits_of(
     for body, target in enumerate(instance.targets, start=first):
         opened, closed = _seconds(target.window_s)
         opens[body], closes[body] = max(begin, opened), min(closed + SLACK_S, duration)
+    for name, service_s in corrections.services_s.items():
+        body = instance.names.index(name)
+        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
+        closes[body] = min(closed + service_s - service[body], duration)
+        service[body] = service_s
     for body, station in enumerate(instance.stations):
         if station.max_refuellings == 0:
             closes[body] = -math.inf
-    stays_s = stays_s or {}
     for body, least_s in removal_times(instance, numbers).items():
-        time_s = least_s + stays_s.get(instance.names[body], 0.0)
+        time_s = least_s + corrections.stays_s.get(instance.names[body], 0.0)
         service[body] += time_s
-        closed = _seconds(instance.targets[body - first].window_s)[1] + SLACK_S
-        closes[body] = min(closed + time_s, duration)
+        closes[body] = min(closes[body] + time_s, duration)
     for array in (service, opens, closes):
         array.setflags(write=False)
     return ServiceLimits(service, opens, closes, begin, duration)

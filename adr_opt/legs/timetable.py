@@ -120,7 +120,7 @@ class Timetable(Shown):
             pairs = all_pairs(size.bodies)
         chosen = pairs
         wanted = size.bodies * (size.bodies - 1)
-        limits = limits_of(instance, chaser, corrections.stays_s)
+        limits = limits_of(instance, chaser, corrections)
         most = chosen.near.size if most is None else most
         threads = threads or os.cpu_count() or 1
 

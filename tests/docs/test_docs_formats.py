@@ -13,7 +13,7 @@ from pages import ROOT, read, tables
 from adr_opt.kernels.legs.burns import PHASES
 from adr_opt.plan import certificate, plan, refined_thrust
 from adr_opt.plan import refined_plan as refined
-from adr_opt.problem import bodies, chasers, instance, orbit, settings
+from adr_opt.problem import bodies, chasers, instance, orbit, settings, uncertainty
 from adr_opt.sources.library import Library
 
 
@@ -53,6 +53,7 @@ def described(caption: str) -> dict[str, str]:
         ("**`arcs[]`**", refined_thrust.SteeredArc),
         ("is packed by gzip", certificate.Certificate),
         ("**`walks[]`**", certificate.ProvenWalks),
+        ("Defined in `adr_opt/problem/uncertainty.py`", uncertainty.Uncertainty),
         ("says how to get the files", Library),
     ],
 )
@@ -88,6 +89,8 @@ def test_small_parts_of_the_formats_are_described() -> None:
         refined.Missing,
         refined.RefinedBurn,
         refined.RefinedState,
+        uncertainty.LognormalFactor,
+        uncertainty.Delay,
     ):
         assert f"{{{', '.join(model.model_json_schema()['properties'])}}}" in text
 
@@ -99,6 +102,7 @@ def test_the_schemas_that_are_printed_are_those_of_the_tables(cli: Cli) -> None:
         ("plan", plan.Plan),
         ("refined", refined.RefinedPlan),
         ("certificate", certificate.Certificate),
+        ("uncertainty", uncertainty.Uncertainty),
     ):
         printed = json.loads(cli("schema", which).out)
         assert printed["properties"].keys() == model.model_json_schema()["properties"].keys()

@@ -19,6 +19,7 @@ CALLS = {
     "bound": ("tiny.json", "--method", "lagrangian", "--time-limit", "1"),
     "verify": ("tiny.json", "p.json", "c.json"),
     "replan": ("tiny.json", "p.json", "--at", "0.1", "--time-limit", "1"),
+    "rehearse": ("tiny.json", "p.json", "--uncertainty", "u.json", "--samples", "2"),
     "tradeoff": ("tiny.json", "--vary", "delta-v=500", "--time-limit", "1"),
     "fly": ("tiny.json", "p.json"),
     "matrix": ("tiny.json", "--at", "0", "--out", "m.npz"),
@@ -26,7 +27,7 @@ CALLS = {
 }
 """A call of each verb that has options with numbers and ends soon."""
 
-SLOW = ("solve", "bound", "verify", "replan", "tradeoff", "fly", "matrix", "export")
+SLOW = ("solve", "bound", "verify", "replan", "rehearse", "tradeoff", "fly", "matrix", "export")
 ON_CORES = ("--jobs",)
 """Options that would start this number of processes."""
 
@@ -49,6 +50,7 @@ def options_of(verb: str) -> list[click.Option]:
 )
 def test_numbers_at_the_edge(cli: Cli, tiny_file: Path, verb: str) -> None:
     """Whatever number an option has, the verb does its work or says one sentence."""
+    Path("u.json").write_text('{"capture": {"success": 0.5}}', encoding="utf-8")
     if verb == "import":
         pytest.importorskip("sgp4")
     if verb in SLOW:

@@ -59,6 +59,7 @@ def plain(*texts: str) -> list[tuple[str, str]]:
         ("adr-opt methods ex", plain("exact")),
         ("adr-opt train --config set", plain("set", "set-transfer")),
         ("adr-opt train --out ", FOLDERS),
+        ("adr-opt rehearse --bound-method la", plain("lagrangian")),
         ("adr-opt schema c", plain("certificate")),
         ("adr-opt solve ", FILES),
         ("adr-opt solve my.json --start ", FILES),

@@ -14,10 +14,11 @@ from hand_made import hand_made
 from two_chasers import campaign, planned
 
 import adr_opt
-from adr_opt.analysis import Axis, compare, price, replan, tradeoff
+from adr_opt.analysis import Axis, compare, price, rehearse, replan, tradeoff
 from adr_opt.common.card import MOST_NAMES, MOST_ROWS, CardTable, order_words
 from adr_opt.mission.certify import certificate_of
 from adr_opt.mission.problem import Problem
+from adr_opt.problem.uncertainty import Uncertainty
 
 NASTY = "<script>alert('x')</script> & co"
 
@@ -39,6 +40,7 @@ KINDS = (
     "route of it",
     "comparison",
     "replanned",
+    "rehearsals",
     "tradeoff",
     "certificate",
 )
@@ -69,6 +71,7 @@ def shown() -> dict[str, Any]:
         "route of it": price(instance, plan).routes[0],
         "comparison": compare(instance, {"one": plan, "two": guarded}),
         "replanned": replan(instance, plan, plan.legs[0].end_s, method="greedy"),
+        "rehearsals": rehearse(instance, plan, Uncertainty(gone=0.5), samples=3),
         "tradeoff": tradeoff(instance, [Axis("delta-v", (200.0, 300.0))], time_limit=60.0),
         "certificate": certificate_of(instance, result),
     }  # fmt: skip

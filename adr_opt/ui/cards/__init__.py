@@ -29,6 +29,7 @@ VIEWS = {
     "PricedRoute": ("of_analysis", "of_priced_route"),
     "RefinedPlan": ("of_refined", "of_refined"),
     "RefinedResult": ("of_refined", "of_refined_result"),
+    "Rehearsals": ("of_rehearsals", "of_rehearsals"),
     "Replanned": ("of_analysis", "of_replanned"),
     "Result": ("of_result", "of_result"),
     "Route": ("of_plan", "of_route"),

@@ -7,18 +7,24 @@ import click
 from . import take
 from .output import emit_json
 
+FORMATS = ["instance", "plan", "refined", "certificate", "uncertainty"]
+
 
 @click.command("schema")
-@click.argument("which", type=click.Choice(["instance", "plan", "refined", "certificate"]))
+@click.argument(
+    "which", type=click.Choice(["instance", "plan", "refined", "certificate", "uncertainty"])
+)
 @take.as_json
 def command(which: str, as_json: bool) -> int:
-    """Print the JSON Schema of a file: instance, plan, refined plan or certificate."""
+    """Print the JSON Schema of a file: instance, plan, refined plan, certificate or uncertainty."""
     if which == "instance":
         from ...problem.instance import json_schema
     elif which == "plan":
         from ...plan.plan import json_schema
     elif which == "certificate":
         from ...plan.certificate import json_schema
+    elif which == "uncertainty":
+        from ...problem.uncertainty import json_schema
     else:
         from ...plan.refined_plan import json_schema
     emit_json(json_schema())

@@ -69,7 +69,7 @@ class Line(Series):
     Attributes
     ----------
     width : float
-        [px].
+        [px]; 0 for a band alone.
     step, dots : bool
         Whether it keeps its value until the next point, and whether points are marked.
     below : sequence of float

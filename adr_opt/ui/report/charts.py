@@ -65,8 +65,11 @@ def _drawn(line: Line, place: _Place) -> str:
         points = [
             point for one, two in pairwise(points) for point in (one, (two[0], one[1]))
         ] + points[-1:]
-    path = " ".join(_at(place(x, y)) for x, y in points)
-    parts.append(f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>')
+    if line.width > 0.0:
+        path = " ".join(_at(place(x, y)) for x, y in points)
+        parts.append(
+            f'<polyline points="{path}" fill="none" stroke="{line.colour}" stroke-width="2"/>'
+        )
     return "".join(parts) + (_dots(line, place) if line.dots else "")
 
 

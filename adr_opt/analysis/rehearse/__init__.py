@@ -1,0 +1,1 @@
+"""Rehearsals: missions flown many times in drawn worlds, by policies, and bounds on any policy."""

@@ -1,0 +1,279 @@
+"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for the luck of captures.
+
+Perfect information and penalties: Brown, Smith, Sun, Operations Research 58(4), 2010. See
+docs/model.md section 13.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...common.clock import now_s
+from ...common.errors import InputError
+from ...common.stop import Stop
+from ...problem.instance import Instance
+from ...problem.uncertainty import Uncertainty
+from ...problem.world import DrawnWorld
+from ...run.front import bound
+from .elsewhere import elsewhere, is_over
+from .ground import Ground, refuse
+from .known_world import (
+    Worth,
+    clairvoyant_worth,
+    known_problem,
+    penalised_worth,
+    refuse_bounds,
+    required_worth,
+)
+from .rehearsals import Rehearsals, share, summary
+from .rows_file import RowsFile
+
+METHOD = "exact"
+TIME_LIMIT_S = 20.0
+
+CONFIDENT = 1.959964
+"""Half width of a 95 % confidence interval in standard errors."""
+
+Told = Callable[[int, int], None]
+
+
+class BoundSetting(NamedTuple):
+    """What all bounds have in common.
+
+    Attributes
+    ----------
+    instance : Instance
+    uncertainty : Uncertainty
+    method : str
+        Name of a bound.
+    time_limit_s : float
+        Of each proof [s].
+    """
+
+    instance: Instance
+    uncertainty: Uncertainty
+    method: str
+    time_limit_s: float
+
+    @property
+    def digest(self) -> str:
+        """Identity of everything that the bounds depend on but the time."""
+        return f"{self.instance.sha256} {self.method} {self.uncertainty.to_json()}"
+
+
+@dataclass(frozen=True)
+class WorldBounds:
+    """Bounds on what any policy collects in one world.
+
+    Attributes
+    ----------
+    seed : int
+    perfect : float
+        Most prize that anybody can collect who knows the world.
+    penalised : float
+        Most prize less penalties for captures; its mean bounds the mean prize of any policy.
+    required : bool
+        Whether all required targets may be serviced; True unless disproven.
+    proven : bool
+        Whether plans were found that meet the bounds.
+    """
+
+    seed: int
+    perfect: float
+    penalised: float
+    required: bool
+    proven: bool
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds on policies from a number of worlds.
+
+    Attributes
+    ----------
+    worlds : tuple of WorldBounds
+    has_captures, has_required : bool
+        Whether captures may fail or targets be gone; whether some target is required.
+    runtime_s : float
+    """
+
+    worlds: tuple[WorldBounds, ...]
+    has_captures: bool
+    has_required: bool
+    runtime_s: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """The bounds as JSON data."""
+        return {
+            "samples": len(self.worlds),
+            "proven": sum(each.proven for each in self.worlds),
+            "perfect": summary(each.perfect for each in self.worlds),
+            "penalised": summary(each.penalised for each in self.worlds),
+            "required_met": share(each.required for each in self.worlds)
+            if self.has_required
+            else None,
+            "runtime_s": self.runtime_s,
+        }
+
+    def gaps(self, made: Rehearsals) -> dict[str, Any]:
+        """Gaps of a policy to both bounds, over the worlds that it was rehearsed in.
+
+        The gap to the penalised bound compares what tries are worth on average, which has the
+        mean of the prize and less variance.
+        """
+        outcomes = {each.seed: each for each in made.outcomes}
+        both = [(each, outcomes[each.seed]) for each in self.worlds if each.seed in outcomes]
+        return {
+            "perfect": gap([w.perfect for w, _ in both], [o.prize for _, o in both]),
+            "penalised": gap([w.penalised for w, _ in both], [o.expected for _, o in both]),
+        }
+
+
+def gap(bounds: Sequence[float], prizes: Sequence[float]) -> dict[str, Any]:
+    """Relative gap of prizes to bounds of the same worlds, with a 95 % confidence interval.
+
+    That of a ratio of means, by the delta method.
+
+    Returns
+    -------
+    dict
+        ``gap``, ``low`` and ``high``; None where there is nothing to compare.
+    """
+    count, above = len(bounds), np.array(bounds, dtype=np.float64)
+    if not count or above.mean() <= 0.0:
+        return {"gap": None, "low": None, "high": None, "samples": count}
+    below = above - np.array(prizes, dtype=np.float64)
+    found = float(below.mean() / above.mean())
+    error = math.inf
+    if count > 1:
+        error = float((below - found * above).std(ddof=1) / math.sqrt(count) / above.mean())
+    half = CONFIDENT * error
+    known = math.isfinite(half)
+    return {
+        "gap": found, "low": found - half if known else None,
+        "high": found + half if known else None, "samples": count,
+    }  # fmt: skip
+
+
+def bounds(  # noqa: PLR0913
+    instance: Instance,
+    uncertainty: Uncertainty,
+    *,
+    samples: int = 100,
+    seed: int = 0,
+    method: str = METHOD,
+    time_limit: float = TIME_LIMIT_S,
+    jobs: int = 1,
+    cluster: str | None = None,
+    path: str | os.PathLike[str] | None = None,
+    stop: Stop | None = None,
+    told: Told = lambda done, of: None,
+) -> Bounds:
+    """Bounds on every policy of a mission, from worlds of consecutive seeds.
+
+    Parameters
+    ----------
+    instance : Instance
+    uncertainty : Uncertainty
+    samples : int
+        Number of worlds.
+    seed : int
+        Of the first world.
+    method : str
+        Name of an installed bound.
+    time_limit : float
+        Of each proof; what is proven by then is valid [s].
+    jobs, cluster, path, stop, told
+        As :func:`.sampling.rehearse` takes them.
+
+    Raises
+    ------
+    InputError
+        Something does not fit the instance, or the file.
+    """
+    if samples < 1:
+        raise InputError(f"samples = {samples}: must be at least 1")
+    began = now_s()
+    refuse(instance)
+    uncertainty.check_names(instance)
+    refuse_bounds(instance, uncertainty)
+    setting = BoundSetting(instance, uncertainty, method, time_limit)
+    file = None
+    found: dict[int, WorldBounds] = {}
+    if path is not None:
+        file = RowsFile(path, setting.digest, lambda content: WorldBounds(**content))
+        found = {each.seed: each for each in file.found}
+    wanted = range(seed, seed + samples)
+    left = [number for number in wanted if number not in found]
+    for worlds in _worlds(setting, left, jobs, cluster, stop):
+        if file is not None:
+            file.append(worlds)
+        found |= {each.seed: each for each in worlds}
+        told(sum(number in found for number in wanted), samples)
+    made = tuple(found[number] for number in wanted if number in found)
+    required = any(target.required for target in instance.targets)
+    return Bounds(made, has_captures(instance, uncertainty), required, now_s() - began)
+
+
+def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
+    """Whether captures may fail, or targets be gone."""
+    return any(
+        uncertainty.success_of(target) < 1.0 or uncertainty.gone_of(target.name) > 0.0
+        for target in instance.targets
+    )
+
+
+def _worlds(
+    setting: BoundSetting, seeds: Sequence[int], jobs: int, cluster: str | None, stop: Stop | None
+) -> Iterator[list[WorldBounds]]:
+    if jobs == 1 and cluster is None:
+        ground = Ground(setting.instance)
+        for seed in seeds:
+            if is_over(stop):
+                return
+            yield [world_bounds(ground, setting, seed)]
+        return
+    yield from elsewhere(_bounded_there, setting, seeds, 1, (jobs, cluster), stop)
+
+
+_mine: tuple[str, Ground] | None = None
+"""Identity of this process's latest work, and what its proofs share."""
+
+
+def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldBounds]:
+    global _mine
+    if _mine is None or _mine[0] != setting.digest:
+        _mine = setting.digest, Ground(setting.instance)
+    return [world_bounds(_mine[1], setting, seed) for seed in seeds]
+
+
+def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
+    """The bounds of one world."""
+    world = DrawnWorld(setting.instance, setting.uncertainty, seed)
+    proven = True
+
+    def most(worth: Worth) -> float:
+        nonlocal proven
+        problem = known_problem(ground, world, worth)
+        found = bound(problem, setting.method, time_limit=setting.time_limit_s)
+        proven = proven and found.status == "optimal"
+        return min(found.upper_bound, problem.total_prize)
+
+    perfect = penalised = most(clairvoyant_worth(ground, world))
+    if has_captures(setting.instance, setting.uncertainty):
+        penalised = most(penalised_worth(ground, world))
+    required = sum(target.required for target in setting.instance.targets)
+    may = True
+    if required:
+        may = most(required_worth(ground, world)) > required - 0.5
+    return WorldBounds(seed, perfect, penalised, may, proven)

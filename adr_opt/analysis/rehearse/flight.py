@@ -1,0 +1,254 @@
+"""One rehearsal: a mission flown in a world by a policy (docs/model.md section 13)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+from ...kernels.core.windows import service_begin
+from ...kernels.rules.loads import after_service
+from ...plan.leg_kinds import leg_kinds
+from ...problem.world import DrawnWorld
+from .crafts import (
+    DRY,
+    FAILED,
+    GONE,
+    LATE,
+    REFUELLED,
+    SERVICED,
+    Craft,
+    Made,
+    as_planned,
+    beginning,
+    full_of,
+    refused,
+)
+from .ground import Ground, Hop
+from .tries import TryWorths
+
+
+class Halt(NamedTuple):
+    """A decision to fly no further, and why."""
+
+    reason: str
+
+
+@dataclass
+class Situation:
+    """What a policy knows when a chaser is free.
+
+    Attributes
+    ----------
+    ground : Ground
+    craft : Craft
+        The chaser that decides.
+    crafts : tuple of Craft
+        All of them; one that is under way as it will be if the leg goes as planned.
+    closed : set of int
+        Targets that are serviced, given up, gone, or on the way to which somebody is.
+    """
+
+    ground: Ground
+    craft: Craft
+    crafts: tuple[Craft, ...]
+    closed: set[int]
+
+
+class MissionPolicy(Protocol):
+    """Decides what a chaser does when it is free; made anew for each rehearsal."""
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """The next leg of ``now.craft``; a refused one ends its route (:func:`.crafts.refused`)."""
+        ...
+
+    def tries_again(self, now: Situation, target: int, tries: int) -> bool:
+        """Whether to try again at a target after some tries that failed."""
+        ...
+
+
+@dataclass
+class FlownMission:
+    """A rehearsed mission.
+
+    Attributes
+    ----------
+    crafts : list of Craft
+        At the end.
+    prize : float
+    expected : float
+        The same without the luck of captures: what the tries made were worth on average.
+    serviced : list of int
+        In order of the ends of services.
+    """
+
+    crafts: list[Craft]
+    prize: float = 0.0
+    expected: float = 0.0
+    serviced: list[int] = field(default_factory=list)
+
+
+def rehearsed(
+    ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+) -> FlownMission:
+    """Fly a mission in a world.
+
+    Parameters
+    ----------
+    ground : Ground
+    world : DrawnWorld
+    policy : MissionPolicy
+    kits : tuple of int
+        Aboard of each chaser.
+    """
+    return _Rehearsal(ground, world, policy, kits).flown()
+
+
+class _Rehearsal:
+    """A mission while it is flown."""
+
+    def __init__(
+        self, ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+    ) -> None:
+        self._ground, self._world, self._policy = ground, world, policy
+        self._worths = TryWorths(ground.instance, world.uncertainty)
+        self._closed: set[int] = set()
+        self._reopened: list[tuple[float, int]] = []
+        self._crafts: list[Craft] = []
+        self._planned: list[Craft] = []
+        for number, what in enumerate(ground.chasers):
+            slip = world.slip_s(what.name) if what.is_launched else 0.0
+            usable = world.usable_share(what.name, 1)
+            since = what.limits.ready
+            self._crafts.append(beginning(ground, number, kits[number], since + slip, usable))
+            # As planned: what is known of a chaser until it is free.
+            self._planned.append(beginning(ground, number, kits[number], since, 1.0))
+        self._flown = FlownMission(self._crafts)
+
+    def flown(self) -> FlownMission:
+        """Fly on until no chaser does."""
+        while True:
+            free = [craft for craft in self._crafts if not craft.ended]
+            if not free:
+                self._flown.serviced.sort(key=self._end_of)
+                return self._flown
+            craft = min(free, key=lambda each: (each.free_s, each.chaser))
+            now = self._now(craft)
+            chosen = self._policy.next_leg(now)
+            if isinstance(chosen, Halt):
+                craft.ended = chosen.reason
+                continue
+            if self._ground.chasers[craft.chaser].is_launched and not craft.made:
+                at_s = max(chosen.departure, craft.free_s)
+                chosen = chosen._replace(departure=at_s, arrival=at_s)
+            reason = refused(self._ground, craft, chosen)
+            if chosen.destination in self._closed or chosen.destination == craft.body:
+                reason = "rules"
+            if reason:
+                craft.ended = reason
+                continue
+            self._fly(now, craft, chosen)
+
+    def _end_of(self, target: int) -> float:
+        return next(
+            made.end_s
+            for craft in self._crafts
+            for made in craft.made
+            if made.hop.destination == target and made.outcome == SERVICED
+        )
+
+    def _now(self, craft: Craft) -> Situation:
+        time = craft.free_s
+        for when, target in self._reopened:
+            if when <= time:
+                self._closed.discard(target)
+        self._reopened = [each for each in self._reopened if each[0] > time]
+        seen = tuple(
+            each if each is craft or (each.free_s <= time and not self._is_unknown(each, time))
+            else self._planned[each.chaser]
+            for each in self._crafts
+        )  # fmt: skip
+        return Situation(self._ground, craft, seen, self._closed)
+
+    @staticmethod
+    def _is_unknown(craft: Craft, time: float) -> bool:
+        return craft.ended == DRY and bool(craft.made) and craft.made[-1].end_s > time
+
+    def _fly(self, now: Situation, craft: Craft, hop: Hop) -> None:
+        """Fly a leg, and stay at its end as the world has it."""
+        ground, world, j = self._ground, self._world, hop.destination
+        what, kind = ground.chasers[craft.chaser], leg_kinds()[hop.family].name
+        origin, ready = craft.body, craft.free_s
+        self._planned[craft.chaser] = as_planned(ground, craft, hop)
+        name = ground.names[j]
+        if j < ground.stations:
+            visit = craft.refuellings.get(j, 0) + 1
+            factor = world.station_factor(kind, what.name, name, visit)
+            craft.refuellings[j] = visit
+        else:
+            factor = world.leg_factor(kind, name)
+            self._closed.add(j)
+        cost = factor * hop.delta_v
+        craft.body, craft.towed = j, False
+        untowed: float | None = None
+
+        def made(end: float, outcome: str, tries: int = 0) -> None:
+            stay = end, craft.free_s, craft.left, craft.left if untowed is None else untowed
+            craft.made.append(Made(origin, hop, ready, cost, *stay, outcome, tries))
+
+        if cost > craft.left:
+            cost, craft.left, craft.ended = craft.left, 0.0, DRY
+            craft.free_s = hop.arrival
+            made(hop.arrival, DRY)
+            if j >= ground.stations:
+                self._reopened.append((hop.arrival, j))
+            return
+        craft.left -= cost
+        begin = float(service_begin(hop.arrival, what.limits.opens[j]))
+        if j < ground.stations:
+            craft.filling += 1
+            untowed = craft.left
+            usable = world.usable_share(what.name, craft.filling)
+            craft.left, craft.since = usable * full_of(what, craft.kits), 0
+            craft.free_s = begin + float(what.limits.service[j])
+            made(craft.free_s, REFUELLED)
+            return
+        craft.since += 1
+        if world.is_gone(name):
+            craft.free_s = begin
+            self._flown.expected += self._worths.on_arrival(j, gone=True)
+            made(begin, GONE)
+            return
+        self._flown.expected += self._worths.on_arrival(j, gone=False)
+        tow_s = ground.tow_s.get(j, 0.0)
+        took = world.service_s(name, float(what.limits.service[j]) - tow_s)
+        left, kits = craft.left, craft.kits
+        if what.loads is not None:
+            left, kits = after_service(what.loads, j, craft.kits, craft.left)
+        tries, end = 0, begin
+        while True:
+            tries, end = tries + 1, end + took
+            if end + tow_s > what.limits.duration:
+                craft.free_s, craft.ended = end, LATE
+                made(end, LATE, tries)
+                return
+            if left < 0.0:  # not enough to tow it after a dear leg
+                craft.free_s, craft.ended = end, DRY
+                made(end, DRY, tries)
+                return
+            caught = world.succeeds(name, tries)
+            self._flown.expected += self._worths.of_try(j, tries, caught=caught)
+            if caught:
+                break
+            more = tries < world.uncertainty.tries_of(name)
+            craft.free_s = end
+            if not (more and self._policy.tries_again(now, j, tries)):
+                made(end, FAILED, tries)
+                return
+        untowed = craft.left
+        craft.left, craft.kits = float(left), int(kits)
+        craft.serviced += 1
+        craft.towed = j in ground.tow_s
+        craft.free_s = end + tow_s
+        self._flown.prize += ground.prizes[j]
+        self._flown.serviced.append(j)
+        made(end, SERVICED, tries)

@@ -1,0 +1,226 @@
+"""Connections and limits of an instance, as rehearsals look at them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import HOUR_S, SLACK_M_S, SLACK_S
+from ...common.errors import InputError
+from ...kernels.legs.connections import best_from
+from ...kernels.rules.loads import Loads
+from ...kernels.tables.timetable_making import ServiceLimits
+from ...legs.connection_finder import ConnectionFinder
+from ...legs.service_limits import limits_of, removal_times
+from ...plan.cargo import loads_of, most_left_m_s, most_targets
+from ...plan.leg_kinds import leg_kinds
+from ...plan.plan import Leg
+from ...problem.instance import Instance
+from ...problem.tour_rules import refuse_tour_rules
+
+FloatArray = npt.NDArray[np.float64]
+
+MATCH_S = 1e-3
+"""Tolerance of arrivals when a leg of a plan is looked for among connections [s]."""
+
+
+class Hop(NamedTuple):
+    """A connection that a chaser may fly next, at its planned cost.
+
+    Attributes
+    ----------
+    destination : int
+    departure, arrival : float
+        [s].
+    delta_v : float
+        As planned [m/s].
+    family, revolutions : int
+    """
+
+    destination: int
+    departure: float
+    arrival: float
+    delta_v: float
+    family: int
+    revolutions: int
+
+
+class Rows(NamedTuple):
+    """The connections of a pair, and the best of each and all later ones.
+
+    Attributes
+    ----------
+    departure, arrival, delta_v : (connections,) float64
+        [s], [s], [m/s].
+    family, revolutions : (connections,) int8
+    best : (connections,) int64
+        By the value of time of the instance.
+    """
+
+    departure: FloatArray
+    arrival: FloatArray
+    delta_v: FloatArray
+    family: npt.NDArray[np.int8]
+    revolutions: npt.NDArray[np.int8]
+    best: npt.NDArray[np.int64]
+
+
+class ChaserLimits(NamedTuple):
+    """Limits of a chaser.
+
+    Attributes
+    ----------
+    name : str
+    start : int
+        Body at which it begins.
+    limits : ServiceLimits
+    loads : Loads or None
+    budget : float
+        ΔV of a full tank without cargo, with the slack [m/s].
+    spent : float
+        ΔV that its tank lacks at the start, other than by mass [m/s].
+    most_targets : int or None
+    is_launched : bool
+    """
+
+    name: str
+    start: int
+    limits: ServiceLimits
+    loads: Loads | None
+    budget: float
+    spent: float
+    most_targets: int | None
+    is_launched: bool
+
+
+class Ground:
+    """Everything about an instance that rehearsals share.
+
+    Parameters
+    ----------
+    instance : Instance
+
+    Attributes
+    ----------
+    prospect : tuple or None
+        What policies expect that plan, for what (:func:`.prospect.prospect_of`).
+
+    Raises
+    ------
+    InputError
+        It has a rule that rehearsals do not follow.
+    """
+
+    def __init__(self, instance: Instance) -> None:
+        refuse(instance)
+        self.instance, self.names = instance, instance.names
+        self.number = {name: body for body, name in enumerate(self.names)}
+        self.first_target, self.stations = instance.first_target, len(instance.stations)
+        self.finder = ConnectionFinder(instance)
+        self.tow_s = removal_times(instance, range(len(instance.chasers)))
+        self._visited = self.finder
+        if self.tow_s:
+            targets = tuple(target.replace(removal="visit") for target in instance.targets)
+            mission = instance.mission.replace(disposal_altitude_m=None)
+            self._visited = ConnectionFinder(instance.replace(targets=targets, mission=mission))
+        self.prizes = {
+            body: target.prize
+            for body, target in enumerate(instance.targets, start=self.first_target)
+        }
+        self.required = frozenset(
+            body
+            for body, target in enumerate(instance.targets, start=self.first_target)
+            if target.required
+        )
+        self.chasers = tuple(map(self._limits, range(len(instance.chasers))))
+        self.prospect: tuple[Any, Any, Any] | None = None
+        self._rows: dict[tuple[int, int, bool], Rows] = {}
+
+    def _limits(self, chaser: int) -> ChaserLimits:
+        what = self.instance.chasers[chaser]
+        loads = loads_of(self.instance, what, 0.0)
+        budget = what.tank.delta_v_m_s + SLACK_M_S if loads is None else most_left_m_s(loads)
+        start = self.instance.starts[chaser]
+        return ChaserLimits(
+            what.name, start, limits_of(self.instance, chaser), loads, budget,
+            self.finder.spent_m_s(start), most_targets(self.instance, what), what.is_launched,
+        )  # fmt: skip
+
+    @cached_property
+    def without_required(self) -> Instance:
+        """The instance in which no target is required."""
+        targets = tuple(target.replace(required=False) for target in self.instance.targets)
+        return self.instance.replace(targets=targets)
+
+    def takes_kit(self, body: int) -> bool:
+        """Whether a body is a target that takes a kit."""
+        at = body - self.first_target
+        return at >= 0 and self.instance.targets[at].service.takes_kit
+
+    def rows(self, i: int, j: int, *, towed: bool) -> Rows:
+        """Connections of a pair at their own cost; from a disposal orbit if towed."""
+        key = i, j, towed and i in self.tow_s
+        if key not in self._rows:
+            finder = self.finder if key[2] or i not in self.tow_s else self._visited
+            found = finder.of_pair(i, j, finder.planning_resolution_m_s)
+            value = self.instance.time_value_m_s_per_h / HOUR_S
+            best = best_from(found.departure, found.arrival, found.delta_v, 1.0, value)
+            cost = found.delta_v - finder.spent_m_s(i)
+            self._rows[key] = Rows(
+                found.departure, found.arrival, cost, found.family, found.revolutions, best
+            )
+        return self._rows[key]
+
+    def best(self, i: int, j: int, ready_s: float, *, towed: bool) -> Hop | None:
+        """The connection that a chaser takes that is ready: best by the value of time."""
+        rows = self.rows(i, j, towed=towed)
+        first = int(np.searchsorted(rows.departure, ready_s - SLACK_S))
+        return None if first == rows.best.size else _hop(j, rows, int(rows.best[first]))
+
+    def of_leg(self, leg: Leg, i: int, *, towed: bool) -> Hop:
+        """The connection that a leg of a plan flies; the leg itself where it is none of them.
+
+        That of a leg between times of a grid leaves earlier than the leg states.
+        """
+        j = self.number[leg.destination]
+        family = [kind.name for kind in leg_kinds()].index(leg.kind)
+        if leg.traits.on_time_grid:
+            rows = self.rows(i, j, towed=towed)
+            near = (rows.family == family) & (np.abs(rows.arrival - leg.arrival_s) < MATCH_S)
+            for row in np.flatnonzero(near & (rows.departure <= leg.departure_s + SLACK_S))[::-1]:
+                if abs(rows.delta_v[row] - leg.delta_v_m_s) < SLACK_M_S:
+                    return _hop(j, rows, int(row))
+        return Hop(
+            j, leg.departure_s, leg.arrival_s, leg.delta_v_m_s, family, leg.phasing_revolutions
+        )
+
+
+def _hop(j: int, rows: Rows, row: int) -> Hop:
+    return Hop(
+        j, float(rows.departure[row]), float(rows.arrival[row]), float(rows.delta_v[row]),
+        int(rows.family[row]), int(rows.revolutions[row]),
+    )  # fmt: skip
+
+
+def refuse(instance: Instance) -> None:
+    """Refuse an instance with a rule that rehearsals do not follow.
+
+    Raises
+    ------
+    InputError
+        It has one.
+    """
+    refuse_tour_rules(instance, "rehearse")
+    for wrong, what in (
+        (any(chaser.max_exceptions is not None for chaser in instance.chasers),
+         "chasers[].max_exceptions"),
+        (instance.has_low_thrust, "chasers[].thrust_n"),
+        (any(station.is_limited for station in instance.stations), "limited stations"),
+        (instance.given is not None and instance.given.functions is not None,
+         "functions of time as connections"),
+    ):  # fmt: skip
+        if wrong:
+            raise InputError(f"rehearse does not follow {what} yet, which {instance.name!r} has")

@@ -1,0 +1,67 @@
+"""Policies that keep to a plan."""
+
+from __future__ import annotations
+
+from ...problem.uncertainty import Uncertainty
+from .crafts import FINISHED, refused
+from .flight import Halt, Situation
+from .ground import Ground, Hop
+from .intended import Intended, Route
+
+
+class Follow:
+    """Keeps to the plan: its connections, or the next ones where the chaser is late.
+
+    A chaser that is late takes the best connection to the same body by the value of time. Its
+    route ends before the first leg that it cannot pay or that would end too late.
+    """
+
+    def __init__(
+        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
+    ) -> None:
+        self._routes = intended.routes
+        self._next = [0] * len(intended.routes)
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """The planned leg, or a later connection to the same body."""
+        chaser = now.craft.chaser
+        at = self._next[chaser]
+        if at == len(self._routes[chaser]):
+            return Halt(FINISHED)
+        self._next[chaser] = at + 1
+        found = planned_hop(now, self._routes[chaser], at)
+        return Halt("duration") if found is None else found
+
+    def tries_again(self, now: Situation, target: int, tries: int) -> bool:
+        """As often as it is allowed."""
+        return True
+
+
+class Skip(Follow):
+    """Keeps to the plan, and leaves out what it cannot pay or reach in time."""
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """The leg to the first planned body that can still be visited."""
+        craft, chaser = now.craft, now.craft.chaser
+        reason = FINISHED
+        for at in range(self._next[chaser], len(self._routes[chaser])):
+            self._next[chaser] = at + 1
+            found = planned_hop(now, self._routes[chaser], at)
+            if found is None:
+                reason = "duration"
+            elif found.destination != craft.body:
+                why = refused(now.ground, craft, found)
+                if not why:
+                    return found
+                reason = why
+        return Halt(reason)
+
+
+def planned_hop(now: Situation, route: Route, at: int) -> Hop | None:
+    """A planned leg if the chaser is where it begins and in time, else the best one there is."""
+    craft, planned = now.craft, route[at]
+    if craft.body == planned.origin and craft.towed == planned.towed:
+        launches = now.ground.chasers[craft.chaser].is_launched and not craft.made
+        if launches or planned.departs(craft.free_s):
+            return planned.hop
+    return now.ground.best(craft.body, planned.hop.destination, craft.free_s, towed=craft.towed)

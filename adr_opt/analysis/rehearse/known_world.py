@@ -1,0 +1,277 @@
+"""A world as a deterministic mission: what a clairvoyant plans (docs/model.md section 13).
+
+A target with several tries is two bodies where the first try fails: one at which the chaser goes on
+to the end, and one at which it gives up. Each relaxation is in favour of the clairvoyant, so that a
+bound on this mission holds for every policy in that world:
+
+* a leg to a station costs what the cheapest of its visits by any chaser does;
+* a tank holds as much as the best of its fillings;
+* who gives up has tried once, at the worth of all tries that failed; both bodies may be visited,
+  and where connections are given, to go on takes no longer than one try;
+* a target without success takes no kit, is not towed, and counts towards no maximum;
+* no target is required, and a chaser may end anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from ...common.constants import SLACK_S
+from ...common.errors import InputError
+from ...legs.connection_finder import ConnectionFinder
+from ...legs.corrections import Corrections
+from ...mission.problem import Problem
+from ...plan.leg_kinds import leg_kinds
+from ...problem.bodies import Target
+from ...problem.chasers import AnyTank, AtStation, Chaser, TankByMass
+from ...problem.instance import Instance
+from ...problem.settings import Objective
+from ...problem.uncertainty import Uncertainty
+from ...problem.world import DrawnWorld
+from .ground import Ground
+from .tries import TryWorths
+
+PRIZE_DIGITS = 9
+"""Digits of prizes, which are rounded up."""
+
+GIVEN_UP = " (given up)"
+"""Added to the name of a target for the body at which a chaser gives up."""
+
+
+class Counted(NamedTuple):
+    """What a clairvoyant counts for a target.
+
+    Attributes
+    ----------
+    going_on, giving_up : float
+        With all tries that it takes, and with fewer.
+    """
+
+    going_on: float
+    giving_up: float = 0.0
+
+
+Worth = Callable[[Target], Counted]
+
+
+class Part(NamedTuple):
+    """A body that stands for a target in a known world.
+
+    Attributes
+    ----------
+    target : Target
+    of : str
+        Name of the target that it stands for.
+    took_s : float
+        Time of its service, without a tow [s].
+    planned_s : float
+        What that was planned to be [s].
+    uncounted : int
+        Services that count towards no maximum.
+    """
+
+    target: Target
+    of: str
+    took_s: float
+    planned_s: float
+    uncounted: int
+
+
+def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
+    """Refuse what cannot be bounded.
+
+    Raises
+    ------
+    InputError
+        A target that takes a kit or is towed may be tried several times, and connections are given,
+        of which there are none for the body at which a chaser gives up.
+    """
+    for target in instance.targets:
+        several = uncertainty.tries_of(target.name) > 1 and uncertainty.success_of(target) < 1.0
+        if several and target.removal != "visit" and instance.transfer.given is not None:
+            raise InputError(
+                f"target {target.name!r}: with given connections policies are not bounded where "
+                "targets that take a kit or are towed have several tries; give them one"
+            )
+
+
+def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: int = 1) -> Problem:
+    """The mission of a clairvoyant in a world.
+
+    Parameters
+    ----------
+    ground : Ground
+    world : DrawnWorld
+    worth : callable
+        What each target counts.
+    threads : int
+        Of the timetable.
+    """
+    parts = [
+        part for target in ground.instance.targets for part in _parts(ground, world, worth, target)
+    ]
+    instance = _known_instance(ground, world, parts)
+    corrections = _corrections(ground, world, parts)
+    is_same = instance.names == ground.names and not ground.tow_s
+    if not is_same:  # there are bodies, or orbits that are left, of which nothing is known yet
+        finder = ConnectionFinder(instance, corrections)
+    elif corrections:
+        finder = ground.finder.corrected(corrections).shortened(instance)
+    else:
+        finder = ground.finder.shortened(instance)
+    return Problem(instance, threads=threads, connecting=finder)
+
+
+def _parts(ground: Ground, world: DrawnWorld, worth: Worth, target: Target) -> Iterator[Part]:
+    """The bodies that stand for a target."""
+    name, number = target.name, ground.number[target.name]
+    planned = float(ground.chasers[0].limits.service[number]) - ground.tow_s.get(number, 0.0)
+    counted = worth(target)
+    going_on = target.replace(prize=rounded_up(counted.going_on), required=False)
+    if world.is_gone(name):
+        yield Part(going_on.replace(removal="visit"), name, 0.0, planned, 1)
+        return
+    took, first = world.service_s(name, planned), world.first_success(name)
+    if first is None:
+        going_on = going_on.replace(removal="visit")
+    tries = world.uncertainty.tries_of(name) if first is None else first
+    splits = tries > 1 and ground.instance.transfer.given is None
+    if splits and first is None and counted.going_on == 0.0:
+        splits, tries = False, 1  # there is no reason to go on
+    longest = tries * took if splits else took
+    yield Part(going_on, name, longest, planned, int(first is None))
+    if splits:
+        giving_up = target.replace(
+            name=name + GIVEN_UP, prize=rounded_up(counted.giving_up), required=False,
+            removal="visit",
+        )  # fmt: skip
+        yield Part(giving_up, name, took, planned, 1)
+
+
+def _known_instance(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Instance:
+    instance = ground.instance
+    uncounted = sum(part.uncounted for part in parts)
+    chasers = tuple(
+        _known_chaser(ground, world, number, uncounted) for number in range(len(instance.chasers))
+    )
+    targets = tuple(part.target for part in parts)
+    mission = instance.mission.replace(launch_separation_s=None)
+    if not any(target.removal == "tow" for target in targets):
+        mission = mission.replace(disposal_altitude_m=None)
+    objective = instance.objective
+    if objective.cost == "expense":  # it is the prizes that count
+        objective = Objective()
+    return instance.replace(targets=targets, chasers=chasers, mission=mission, objective=objective)
+
+
+def _known_chaser(ground: Ground, world: DrawnWorld, number: int, uncounted: int) -> Chaser:
+    chaser = ground.instance.chasers[number]
+    since, until = ground.instance.available_s[number]
+    if chaser.is_launched:
+        since += world.slip_s(chaser.name)
+        since = since if until is None else min(since, until)
+    most = None if chaser.max_targets is None else chaser.max_targets + uncounted
+    return chaser.replace(
+        end="anywhere", available_s=(since, until), max_targets=most,
+        tank=_known_tank(ground, world, chaser),
+    )  # fmt: skip
+
+
+def _known_tank(ground: Ground, world: DrawnWorld, chaser: Chaser) -> AnyTank:
+    """The tank at the best of its fillings."""
+    if world.uncertainty.tanks is None:
+        return chaser.tank
+    fillings = range(1, 2 + (most_refuellings(ground) if ground.stations else 0))
+    share = max(world.usable_share(chaser.name, filling) for filling in fillings)
+    tank = chaser.tank
+    if isinstance(tank, TankByMass):
+        # A share of the ΔV, whatever is aboard, so that less propellant might hold less.
+        return tank
+    if tank.initial_delta_v_m_s is not None:
+        return tank
+    full = tank.delta_v_m_s
+    if isinstance(chaser.start, AtStation) or not ground.stations:
+        return tank.replace(delta_v_m_s=share * full)
+    first = world.usable_share(chaser.name, 1) * full
+    return tank.replace(delta_v_m_s=share * full, initial_delta_v_m_s=first)
+
+
+def _corrections(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Corrections:
+    """Drawn costs of connections and times of services."""
+    instance, uncertainty = ground.instance, world.uncertainty
+    origins = (*ground.names[: ground.first_target], *(part.target.name for part in parts))
+    factors: dict[tuple[str, str], float] = {}
+    known = uncertainty.legs.delta_v_factor is not None or bool(uncertainty.legs.kinds)
+    known |= any(each.delta_v_factor is not None for each in uncertainty.targets.values())
+    for kind in (each.name for each in leg_kinds()) if known else ():
+        for name in ground.names[: ground.stations]:
+            factors[name, kind] = min(
+                world.station_factor(kind, chaser.name, name, visit)
+                for chaser in instance.chasers
+                for visit in range(1, most_refuellings(ground) + 1)
+            )
+        for part in parts:
+            factors[part.target.name, kind] = world.leg_factor(kind, part.of)
+    shares = {
+        (origin, name, kind): factor
+        for (name, kind), factor in factors.items()
+        if factor != 1.0
+        for origin in origins
+        if origin != name
+    }
+    services = {part.target.name: part.took_s for part in parts if part.took_s != part.planned_s}
+    return Corrections(shares=shares, services_s=services)
+
+
+def most_refuellings(ground: Ground) -> int:
+    """Maximum number of legs of one chaser to one station, by its targets and its time."""
+    instance = ground.instance
+    targets = len(instance.targets)
+    if not targets or not ground.stations:
+        return 1
+    limits = ground.chasers[0].limits
+    # Every refuelling follows a target: each takes at least the refuelling.
+    least = float(limits.service[: ground.stations].min())
+    if least <= SLACK_S:
+        return targets
+    return max(1, min(targets, math.ceil(instance.mission.duration_s / least)))
+
+
+def rounded_up(prize: float) -> float:
+    """A prize of few digits, no less than the one that is given."""
+    if prize <= 0.0:
+        return 0.0
+    digits = PRIZE_DIGITS - 1 - math.floor(math.log10(prize))
+    scaled = prize * 10.0**digits
+    near = round(scaled)
+    whole = near if abs(scaled - near) < 1e-3 else math.ceil(scaled)
+    return float(whole / 10**digits) if digits >= 0 else float(whole * 10**-digits)
+
+
+def can_be_serviced(world: DrawnWorld, target: Target) -> bool:
+    """Whether a target is there, and one of its tries succeeds."""
+    return not world.is_gone(target.name) and world.first_success(target.name) is not None
+
+
+def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
+    """The prize of each target that can be serviced in a world."""
+    return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
+
+
+def penalised_worth(ground: Ground, world: DrawnWorld) -> Worth:
+    """The mean prize of going to each target, and what of it is left to who gives up."""
+    worths = TryWorths(ground.instance, world.uncertainty)
+
+    def worth(target: Target) -> Counted:
+        number, first = ground.number[target.name], world.first_success(target.name)
+        tries = world.uncertainty.tries_of(target.name) if first is None else first
+        return Counted(worths.most(number), max(worths.after_failures(number, tries - 1), 0.0))
+
+    return worth
+
+
+def required_worth(ground: Ground, world: DrawnWorld) -> Worth:
+    """1 for each required target that can be serviced in a world."""
+    return lambda target: Counted(float(target.required and can_be_serviced(world, target)))

@@ -1,0 +1,134 @@
+"""What policies that plan expect of an uncertain mission: mean prizes, and a reserve of ΔV."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...plan.leg_kinds import leg_kinds
+from ...problem.chasers import Chaser, Tank
+from ...problem.instance import Instance
+from ...problem.uncertainty import Uncertainty
+from .ground import Ground, Hop
+from .intended import Intended
+from .known_world import rounded_up
+from .tries import TryWorths
+
+CAUTION = 2.5
+"""Reserve of a tank, in standard deviations of what its legs take."""
+
+
+class Prospect:
+    """The uncertainty of a mission as a planner of what is left takes it into account.
+
+    Prizes are what going to a target is worth on average; tanks in ΔV that will be filled again
+    keep a reserve for what their legs may cost more, since a chaser that runs dry is lost.
+
+    Parameters
+    ----------
+    ground : Ground
+    intended : Intended
+    uncertainty : Uncertainty
+
+    Attributes
+    ----------
+    reserve_m_s : float
+        Of a full tank [m/s].
+    """
+
+    def __init__(self, ground: Ground, intended: Intended, uncertainty: Uncertainty) -> None:
+        self._ground, self._uncertainty = ground, uncertainty
+        self._worths = self._mean_worths()
+        self.reserve_m_s = self._reserve(intended)
+
+    @property
+    def differs(self) -> bool:
+        """Whether more is to be expected than what is planned."""
+        return self.reserve_m_s > 0.0 or bool(self._worths)
+
+    def expected(self, instance: Instance, *, reserve: bool) -> Instance:
+        """What is left of the mission, as it is to be expected.
+
+        Parameters
+        ----------
+        instance : Instance
+            A remaining instance of the mission.
+        reserve : bool
+            Whether tanks keep one.
+        """
+        targets, chasers = instance.targets, instance.chasers
+        if self._worths:
+            targets = tuple(
+                target.replace(prize=self._worths[target.name])
+                if target.prize > 0.0 and self._worths[target.name] > 0.0
+                else target
+                for target in targets
+            )
+        if reserve and self.reserve_m_s > 0.0:
+            chasers = tuple(map(self._careful, chasers))
+        return instance.replace(targets=targets, chasers=chasers)
+
+    def spread_m_s(self, hops: Sequence[Hop]) -> float:
+        """Reserve for the legs of a chaser up to its next refuelling [m/s]."""
+        squares = 0.0
+        for hop in hops:
+            squares += (self._sigma(hop) * hop.delta_v) ** 2
+            if hop.destination < self._ground.stations:
+                return CAUTION * math.sqrt(squares)
+        return 0.0  # nothing comes after this tank that could be lost
+
+    def _careful(self, chaser: Chaser) -> Chaser:
+        """The chaser with a reserve in its tank, if that is one in ΔV."""
+        tank = chaser.tank
+        if not isinstance(tank, Tank) or tank.delta_v_m_s <= self.reserve_m_s:
+            return chaser
+        full = tank.delta_v_m_s - self.reserve_m_s
+        initial = tank.initial_delta_v_m_s
+        if initial is not None:
+            share = math.sqrt(initial / tank.delta_v_m_s) if tank.delta_v_m_s > 0.0 else 0.0
+            initial = min(max(initial - share * self.reserve_m_s, 0.0), full)
+        return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
+
+    def _sigma(self, hop: Hop) -> float:
+        """Spread of the factor on a leg."""
+        ground, kind = self._ground, leg_kinds()[hop.family].name
+        is_station = hop.destination < ground.stations
+        name = None if is_station else ground.names[hop.destination]
+        model = self._uncertainty.factor_of(kind, name)
+        return 0.0 if model is None else model.lognormal_sigma
+
+    def _reserve(self, intended: Intended) -> float:
+        """Reserve of a full tank: as much as half of the planned tanks need that are refilled."""
+        needed = []
+        for route in intended.routes:
+            squares = 0.0
+            for each in route:
+                squares += (self._sigma(each.hop) * each.hop.delta_v) ** 2
+                if each.hop.destination < self._ground.stations:
+                    needed.append(CAUTION * math.sqrt(squares))
+                    squares = 0.0
+        return float(np.median(needed)) if needed else 0.0
+
+    def _mean_worths(self) -> dict[str, float]:
+        """Mean worth of each target; empty where all are worth the same share of their prizes."""
+        instance = self._ground.instance
+        worths = TryWorths(instance, self._uncertainty)
+        found = {
+            target.name: (target.prize, worths.most(body))
+            for body, target in enumerate(instance.targets, start=instance.first_target)
+        }
+        shares = [worth / prize for prize, worth in found.values() if prize > 0.0]
+        if not shares or max(shares) - min(shares) < 1e-12:
+            return {}
+        return {name: rounded_up(worth) for name, (_, worth) in found.items()}
+
+
+def prospect_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Prospect:
+    """The prospect of a mission, which its rehearsals share."""
+    known = ground.prospect
+    if known is None or known[0] is not intended or known[1] is not uncertainty:
+        known = ground.prospect = intended, uncertainty, Prospect(ground, intended, uncertainty)
+    made: Prospect = known[2]
+    return made

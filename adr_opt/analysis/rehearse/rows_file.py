@@ -1,0 +1,113 @@
+"""Files of JSON lines, one for each rehearsal or bound, so that a run can be resumed.
+
+The first line says what they belong to. Of a line that was cut off nothing is read.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+from ...common.errors import InputError
+from ...common.files import check_writable, read_text
+
+FORMAT = "adr-opt-rehearsals/1"
+
+
+class AsData(Protocol):
+    """What a line holds."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """As JSON data."""
+        ...
+
+
+R = TypeVar("R", bound=AsData)
+
+
+class RowsFile(Generic[R]):
+    """Rows in a file, written as they come.
+
+    Parameters
+    ----------
+    path : path
+        It may be there from an earlier call.
+    digest : str
+        Of everything that rows depend on.
+    read : callable
+        A row from JSON data; raises KeyError or TypeError for others.
+
+    Attributes
+    ----------
+    found : tuple of rows
+        What was there.
+
+    Raises
+    ------
+    InputError
+        It is there and is not such a file, or one of another mission, plan, policy or uncertainty.
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], digest: str, read: Callable[[dict[str, Any]], R]
+    ) -> None:
+        self._path, self._digest, self._row = Path(path), digest, read
+        check_writable(path)
+        self.found: tuple[R, ...] = self._read() if self._path.exists() else ()
+
+    def append(self, rows: Sequence[R]) -> None:
+        """Write rows at once.
+
+        Raises
+        ------
+        InputError
+            The file cannot be written.
+        """
+        text = "".join(json.dumps(each.to_dict()) + "\n" for each in rows)
+        try:
+            with self._path.open("ab+") as file:
+                size = file.tell()
+                if size == 0:
+                    text = json.dumps({"format": FORMAT, "of": self._digest}) + "\n" + text
+                else:
+                    file.seek(size - 1)
+                    if file.read(1) != b"\n":
+                        text = "\n" + text
+                file.write(text.encode())
+        except OSError as error:
+            raise InputError(
+                f"{self._path}: cannot be written ({error.strerror or error}); choose another place"
+            ) from error
+
+    def _read(self) -> tuple[R, ...]:
+        lines = read_text(self._path).splitlines()
+        if not lines:
+            return ()
+        try:
+            head = json.loads(lines[0])
+            known = isinstance(head, dict) and head.get("format") == FORMAT
+        except json.JSONDecodeError:
+            known = False
+        if not known:
+            raise InputError(f"{self._path}: not a file of rehearsals; name another file")
+        if head.get("of") != self._digest:
+            raise InputError(
+                f"{self._path}: has rehearsals of another mission, plan, policy or uncertainty; "
+                "name another file"
+            )
+        found = []
+        for number, line in enumerate(lines[1:], start=2):
+            try:
+                content = json.loads(line)
+            except json.JSONDecodeError:
+                continue  # cut off
+            try:
+                found.append(self._row(content))
+            except (KeyError, TypeError, ValueError):
+                raise InputError(
+                    f"{self._path}: line {number} is no rehearsal; name another file"
+                ) from None
+        return tuple(found)

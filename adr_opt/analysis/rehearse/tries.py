@@ -1,0 +1,53 @@
+"""Worth of tries at targets on average, and the penalties that take the luck out of captures."""
+
+from __future__ import annotations
+
+from ...problem.instance import Instance
+from ...problem.uncertainty import Uncertainty
+
+
+def worths_of_tries(prize: float, success: float, tries: int) -> tuple[float, ...]:
+    """What a target is worth on average before each try, and after the last one that failed.
+
+    W_k = p r + (1 − p) W_{k+1}, and 0 after the last: the value of going on to the end.
+    """
+    worths = [0.0]
+    for _ in range(tries):
+        worths.append(success * prize + (1.0 - success) * worths[-1])
+    return tuple(reversed(worths))
+
+
+class TryWorths:
+    """Prizes less penalties whose mean is zero (docs/model.md section 13).
+
+    Parameters
+    ----------
+    instance : Instance
+    uncertainty : Uncertainty
+    """
+
+    def __init__(self, instance: Instance, uncertainty: Uncertainty) -> None:
+        self._worths: dict[int, tuple[float, ...]] = {}
+        self._gone: dict[int, float] = {}
+        for body, target in enumerate(instance.targets, start=instance.first_target):
+            success = uncertainty.success_of(target)
+            tries = uncertainty.tries_of(target.name)
+            self._worths[body] = worths_of_tries(target.prize, success, tries)
+            self._gone[body] = uncertainty.gone_of(target.name)
+
+    def most(self, target: int) -> float:
+        """Mean worth of a target to which a chaser goes, with all tries."""
+        return (1.0 - self._gone[target]) * self._worths[target][0]
+
+    def after_failures(self, target: int, tries: int) -> float:
+        """What a target counts that is there and is given up after some tries that failed."""
+        return self.most(target) - self._worths[target][tries]
+
+    def on_arrival(self, target: int, *, gone: bool) -> float:
+        """What an arrival counts: nothing on average."""
+        return self.most(target) if gone else self.most(target) - self._worths[target][0]
+
+    def of_try(self, target: int, attempt: int, *, caught: bool) -> float:
+        """What the n-th try counts, if it ends in time: its chance times the prize on average."""
+        before, after = self._worths[target][attempt - 1 : attempt + 1]
+        return before if caught else before - after

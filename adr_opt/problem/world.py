@@ -1,0 +1,109 @@
+"""Draws of one world: what legs cost, services take, and captures come to in it.
+
+A draw is a function of the seed, the kind of event, the target (or the chaser and the station), and
+a count alone: never of a connection, of a time, or of the order in which it is asked for. So all
+policies meet the same world, and that of a clairvoyant is one deterministic mission
+(docs/model.md section 13).
+"""
+
+from __future__ import annotations
+
+import hashlib
+from functools import lru_cache
+
+from .instance import Instance
+from .uncertainty import LognormalFactor, Uncertainty
+
+MASK = (1 << 64) - 1
+
+
+@lru_cache(maxsize=100_000)
+def _key(*parts: str | int) -> int:
+    """64 bits of a tuple of names and counts."""
+    text = "\x00".join(f"{type(part).__name__[0]}{part}" for part in parts)
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
+
+
+def _mixed(state: int) -> int:
+    """The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014)."""
+    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & MASK
+    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & MASK
+    return state ^ (state >> 31)
+
+
+def uniform(seed: int, *parts: str | int) -> float:
+    """A number from (0, 1) that is a function of its arguments alone.
+
+    Parameters
+    ----------
+    seed : int
+        Of the world.
+    *parts : str or int
+        Kind of event, names, count.
+    """
+    mixed = _mixed((_key(*parts) + _mixed((seed * 0x9E3779B97F4A7C15 + 1) & MASK)) & MASK)
+    return ((mixed >> 12) + 0.5) * 2.0**-52
+
+
+class DrawnWorld:
+    """One world of an uncertainty model.
+
+    Parameters
+    ----------
+    instance : Instance
+    uncertainty : Uncertainty
+    seed : int
+        Number of the world.
+    """
+
+    def __init__(self, instance: Instance, uncertainty: Uncertainty, seed: int) -> None:
+        self.instance, self.uncertainty, self.seed = instance, uncertainty, seed
+        self._targets = {target.name: target for target in instance.targets}
+
+    def leg_factor(self, kind: str, target: str, visit: int = 1) -> float:
+        """Factor on the ΔV of a leg to a target on its n-th visit."""
+        return self._factor(self.uncertainty.factor_of(kind, target), "leg", target, visit)
+
+    def station_factor(self, kind: str, chaser: str, station: str, visit: int) -> float:
+        """Factor on the ΔV of a chaser's n-th leg to a station."""
+        model = self.uncertainty.factor_of(kind, None)
+        return self._factor(model, "station", chaser, station, visit)
+
+    def _factor(self, model: LognormalFactor | None, *parts: str | int) -> float:
+        return 1.0 if model is None else model.at(uniform(self.seed, *parts))
+
+    def service_s(self, target: str, planned_s: float, visit: int = 1) -> float:
+        """Time that a try at a target takes on its n-th visit [s]."""
+        model, took_s = self.uncertainty.service_of(target), planned_s
+        if model.factor is not None:
+            took_s *= model.factor.at(uniform(self.seed, "service", target, visit))
+        if model.added is not None:
+            took_s += model.added.at(uniform(self.seed, "service-delay", target, visit))
+        return took_s
+
+    def succeeds(self, target: str, attempt: int) -> bool:
+        """Whether the n-th try at a target succeeds."""
+        chance = self.uncertainty.success_of(self._targets[target])
+        return chance >= 1.0 or uniform(self.seed, "capture", target, attempt) < chance
+
+    def first_success(self, target: str) -> int | None:
+        """Number of the first try that succeeds, of those allowed; None if none does."""
+        for attempt in range(1, self.uncertainty.tries_of(target) + 1):
+            if self.succeeds(target, attempt):
+                return attempt
+        return None
+
+    def is_gone(self, target: str) -> bool:
+        """Whether a target turns out to be gone."""
+        chance = self.uncertainty.gone_of(target)
+        return chance > 0.0 and uniform(self.seed, "gone", target) < chance
+
+    def slip_s(self, chaser: str) -> float:
+        """Slip of the launch of a chaser [s]."""
+        model = self.uncertainty.slip_of(chaser)
+        return 0.0 if model is None else model.at(uniform(self.seed, "launch", chaser))
+
+    def usable_share(self, chaser: str, filling: int) -> float:
+        """Share of a chaser's n-th full tank that can be used, the first at the start."""
+        model = self.uncertainty.tanks
+        return 1.0 if model is None else model.at(uniform(self.seed, "tank", chaser, filling))

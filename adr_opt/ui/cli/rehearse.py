@@ -1,0 +1,189 @@
+"""``rehearse``: fly a mission many times in drawn worlds, by a policy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...common.errors import InputError
+from ...common.wording import counted
+from . import complete, take
+from .output import emit, emit_json, emit_rich, say
+from .parameters import check_out
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.rehearse.bounds import Bounds
+    from ...analysis.rehearse.rehearsals import Rehearsals
+    from ...analysis.rehearse.sampling import Setting
+    from ...common.stop import Stop
+
+
+@click.command("rehearse", short_help="Fly a mission many times as it may happen.")
+@take.instance
+@click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
+@take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
+@take.word(
+    "--policy", "NAME", "follow, skip, replan, beam, or an installed one.", default="follow",
+    show_default=True,
+)  # fmt: skip
+@take.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")
+@take.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
+@take.word(
+    "--bound-method", "NAME", "Bound to prove with; exact.", default="exact",
+    shell_complete=complete.bounds,
+)  # fmt: skip
+@take.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
+@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@take.cluster
+@take.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
+@take.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
+@take.file("--out", "HTML file to write; with --replay a plan file.")
+@take.file("--out-instance", "With --replay: instance file of the world to write.")
+@take.as_json
+@take.quiet
+def command(
+    instance_path: str,
+    plan_path: str | None,
+    uncertainty_path: str,
+    policy: str,
+    samples: int,
+    seed: int,
+    bounds: int,
+    bound_method: str,
+    bound_time_limit: float,
+    jobs: int,
+    cluster: str | None,
+    resume_path: str | None,
+    replay: int | None,
+    out: str | None,
+    out_instance: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
+    """Fly INSTANCE many times in drawn worlds, beginning with PLAN.
+
+    Legs cost more or less, services take longer, captures fail, launches slip. The policy decides
+    whenever a chaser is free. Without PLAN a policy that plans makes one. Exit status 1: no
+    rehearsal services all required targets.
+    """
+    from ...analysis.rehearse import bounds as bounding
+    from ...analysis.rehearse.sampling import rehearse, setting_of
+    from ...common.stop import MaxRuntime
+    from ...plan.plan import load_plan
+    from ...problem.instance import load
+    from ...problem.uncertainty import Uncertainty
+    from ..report.plain import check_page, write_page
+    from ..report.rehearsed import rehearsed_page
+    from .bars import counting_bar
+    from .live import wanted
+    from .work import work
+
+    instance = load(instance_path)
+    plan = None if plan_path is None else load_plan(plan_path)
+    uncertainty = Uncertainty.load(uncertainty_path)
+    read = (instance_path, plan_path, uncertainty_path)
+    check_out(out, *read, results=(resume_path, out_instance))
+    check_out(resume_path, *read, results=(out_instance,))
+    check_out(out_instance, *read)
+    if bounds < 0:
+        raise InputError(f"--bounds {bounds}: must be 0, for none, or more")
+    MaxRuntime(bound_time_limit)
+    if replay is not None:
+        setting = setting_of(instance, plan, uncertainty, policy)
+        return _replay(setting, replay, out, out_instance, as_json, quiet)
+    if out_instance is not None:
+        raise InputError("--out-instance: only --replay writes an instance; give both")
+    if out is not None:
+        check_page(out)
+
+    def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
+        made = rehearse(
+            instance, plan, uncertainty, policy=policy, samples=samples, seed=seed, jobs=jobs,
+            cluster=cluster, path=resume_path, stop=stop, told=show,
+        )  # fmt: skip
+        if not bounds:
+            return made, None
+        path = None if resume_path is None else f"{resume_path}.bounds"
+        return made, bounding.bounds(
+            instance, uncertainty, samples=bounds, seed=seed, method=bound_method,
+            time_limit=bound_time_limit, jobs=jobs, cluster=cluster, path=path, stop=stop,
+            told=show,
+        )  # fmt: skip
+
+    with counting_bar(wanted(as_json, quiet), "rehearsals and bounds") as show:
+        made, bounded = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
+    if not made.outcomes:
+        raise InputError("interrupted before the first rehearsal")
+    told: dict[str, Any] = made.to_dict()
+    if bounded is not None:
+        told |= {"bounds": bounded.to_dict(), "gaps": bounded.gaps(made)}
+    if out is not None:
+        write_page(out, rehearsed_page(made, told))
+        say(f"wrote {out}", unless=quiet)
+    if as_json:
+        emit_json(told)
+    else:
+        _tell(told)
+    return 0 if any(each.required_met for each in made.outcomes) else 1
+
+
+def _replay(
+    setting: Setting, seed: int, out: str | None, out_instance: str | None, as_json: bool,
+    quiet: bool,
+) -> int:  # fmt: skip
+    from ...analysis.rehearse.replay import replay
+
+    if out is None or out_instance is None:
+        raise InputError("--replay: give --out for the plan and --out-instance for its world")
+    made = replay(setting, seed)
+    made.instance.save(out_instance)
+    made.plan.save(out)
+    for path in (out_instance, out):
+        say(f"wrote {path}", unless=quiet)
+    told = made.outcome.to_dict()
+    if as_json:
+        emit_json(told)
+    else:
+        lost = [f"{name} ({reason})" for name, reason in told["losses"].items()]
+        emit(f"world {seed}: prize {told['prize']:g}; lost: {', '.join(lost) or 'nothing'}")
+    return 0 if made.outcome.required_met else 1
+
+
+def _tell(told: dict[str, Any]) -> None:
+    from ..report.rehearsed import REASONS
+
+    emit(
+        f"{counted(told['samples'], 'rehearsal')} by {told['policy']}: prize "
+        f"{told['prize']['mean']:.4g} on average, {told['planned_prize']:g} planned"
+    )
+    if told["required_met"] is not None:
+        emit(f"all required targets serviced in {told['required_met']['share']:.1%}")
+    for name, of in told.get("bounds", {}).items():
+        if name in ("perfect", "penalised") and of["mean"] is not None:
+            gap = told["gaps"][name]
+            within = "" if gap["low"] is None else f" ({gap['low']:.1%} to {gap['high']:.1%})"
+            share = "" if gap["gap"] is None else f", gap {gap['gap']:.1%}{within}"
+            emit(f"{name} bound {of['mean']:.4g}{share}")
+    emit_rich(_table(told))
+    for reason, mean in told["losses"].items():
+        emit(f"{mean:.3g} lost: {REASONS.get(reason, reason)}")
+
+
+def _table(told: dict[str, Any]) -> Table:
+    from .tables import number_table
+
+    rows = [("prize", told["prize"]), ("last day", told["last_day"])]
+    rows += [
+        (f"left in tank {each['tank']} of {each['chaser']}, m/s", each["left_m_s"])
+        for each in told["tanks"]
+    ]
+    headings = ("", "mean", "5 %", "25 %", "median", "75 %", "95 %")
+    cells = (
+        (name, *(f"{value:.4g}" for value in (of["mean"], *of["quantiles"].values())))
+        for name, of in rows
+    )
+    return number_table("Distributions", headings, cells)

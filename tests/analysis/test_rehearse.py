@@ -1,0 +1,274 @@
+"""Rehearsals: policies in drawn worlds."""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from itertools import pairwise, product
+from pathlib import Path
+
+import launched
+import numpy as np
+import pytest
+import towed_fields
+import two_chasers
+from drawn_worlds import drawn_uncertainty
+from random_rules import random_campaign, random_mission
+
+import adr_opt
+from adr_opt.analysis.rehearse.ground import Ground
+from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.replay import replay
+from adr_opt.analysis.rehearse.sampling import Setting, flown_in, rehearse, setting_of
+from adr_opt.common.errors import InputError
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.chasers import Tank
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
+
+CERTAIN = Uncertainty()
+
+
+@cache
+def tiny() -> tuple[Instance, Plan]:
+    instance = adr_opt.generate("tiny", 0, targets=12)
+    instance = instance.replace(chasers=(instance.chaser.replace(tank=Tank(delta_v_m_s=1000.0)),))
+    return instance, adr_opt.solve(instance, "beam").plan
+
+
+@cache
+def towed() -> tuple[Instance, Plan]:
+    instance = towed_fields.field()
+    return instance, adr_opt.solve(instance, time_limit=5.0).plan
+
+
+def flown(instance: Instance, plan: Plan, policy: str, uncertainty: Uncertainty, seed: int = 0):  # type: ignore[no-untyped-def]
+    ground = Ground(instance)
+    return flown_in(
+        ground, intended(ground, plan), Setting(instance, plan, uncertainty, policy), seed
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "policy"),
+    [
+        ("single", "beam"),  # of the others it may find a better plan
+        *product(("single", "campaign", "launched", "towed"), ("follow", "skip", "replan")),
+    ],
+)
+def test_without_uncertainty_every_policy_flies_the_plan(kind: str, policy: str) -> None:
+    """In a world where nothing differs all legs are flown when and at what they were planned."""
+    instance, plan = {
+        "single": tiny,
+        "campaign": lambda: (two_chasers.campaign(), two_chasers.planned()),
+        "launched": lambda: (launched.campaign(), launched.planned()),
+        "towed": towed,
+    }[kind]()
+    made, outcome = flown(instance, plan, policy, CERTAIN)
+    names = instance.names
+    own = {
+        instance.chasers[craft.chaser].name: [
+            (names[leg.hop.destination], leg.hop.arrival, leg.delta_v, leg.end_s)
+            for leg in craft.made
+        ]
+        for craft in made.crafts
+    }
+    for route in plan.routes:
+        for leg, (name, *figures) in zip(route.legs, own[route.chaser], strict=True):
+            assert name == leg.destination
+            assert figures == pytest.approx(
+                [leg.arrival_s, leg.delta_v_m_s, leg.end_s], rel=1e-9, abs=1e-6
+            )
+    assert outcome.prize == outcome.expected == plan.objective
+    assert not outcome.losses
+    assert outcome.last_s == pytest.approx(max(leg.done_s for leg in plan.legs))
+
+
+def test_follow_stops_before_a_leg_that_it_cannot_pay() -> None:
+    """Where many legs cost thrice as much the tank lasts for a part of the plan, and no more."""
+    instance, plan = tiny()
+    factor = {"lognormal_sigma": 3.0, "least": 1.0, "most": 3.0}  # one of both, nearly always
+    dear = Uncertainty(legs={"delta_v_factor": factor})
+    made, outcome = flown(instance, plan, "follow", dear)
+    (craft,) = made.crafts
+    assert craft.ended in ("delta-v", "dry")
+    assert 0 < outcome.prize < plan.objective
+    spent = 0.0
+    for leg in craft.made:
+        assert leg.delta_v <= 3.0 * leg.hop.delta_v + 1e-9
+        spent = 0.0 if leg.outcome == "refuelled" else spent + leg.delta_v
+        assert spent <= instance.chaser.tank.delta_v_m_s + 1e-3
+    assert set(outcome.losses.values()) <= {"delta-v", "dry"}
+
+
+def test_a_late_chaser_takes_the_next_connection_to_the_same_body() -> None:
+    """After long services `follow` keeps the order of the plan, and leaves when it is free."""
+    instance, plan = tiny()
+    long = Uncertainty(service_s={"added": {"mean_s": 6000.0}})
+    late = 0
+    for seed in range(5):
+        made, _ = flown(instance, plan, "follow", long, seed)
+        (craft,) = made.crafts
+        legs = craft.made
+        assert [instance.names[leg.hop.destination] for leg in legs] == list(
+            plan.destinations[: len(legs)]
+        )
+        for before, leg in pairwise(legs):
+            assert leg.hop.departure >= before.free_s - 1e-3
+            assert leg.ready_s == before.free_s
+        late += any(
+            leg.hop.departure > planned.departure_s
+            for leg, planned in zip(legs, plan.legs, strict=False)
+        )
+    assert late
+
+
+def test_skip_collects_what_follow_stops_before() -> None:
+    """On average `skip` collects no less than `follow` where services are long."""
+    instance, plan = tiny()
+    long = Uncertainty(service_s={"added": {"mean_s": 9000.0}})
+    means = {
+        policy: rehearse(instance, plan, long, policy=policy, samples=60).to_dict()["prize"]["mean"]
+        for policy in ("follow", "skip")
+    }
+    assert means["skip"] >= means["follow"]
+
+
+def test_targets_gone_and_failed_captures_are_lost_for_that_reason() -> None:
+    """A target that is gone takes no service; one whose tries all fail takes all of them."""
+    instance, plan = tiny()
+    targets = [name for name in plan.destinations if name not in instance.station_names]
+    first, second = targets[:2]
+    uncertainty = Uncertainty(targets={first: {"gone": 1.0}, second: {"success": 0.0, "tries": 2}})
+    made, outcome = flown(instance, plan, "follow", uncertainty)
+    assert (outcome.losses[first], outcome.losses[second]) == ("gone", "capture")
+    by_name = {
+        instance.names[leg.hop.destination]: leg for craft in made.crafts for leg in craft.made
+    }
+    service_s = Ground(instance).chasers[0].limits.service[instance.names.index(second)]
+    gone, failed = by_name[first], by_name[second]
+    assert gone.end_s == gone.hop.arrival
+    assert failed.tries == 2
+    assert failed.end_s == pytest.approx(failed.hop.arrival + 2 * service_s)
+
+
+def test_a_launch_that_slips_begins_later() -> None:
+    """The first leg of a launched chaser is put off by the slip, with all that follows."""
+    instance, plan = launched.campaign(), launched.planned()
+    slips = Uncertainty(launches={"slip_s": {"mean_s": 86400.0}})
+    made, _ = flown(instance, plan, "follow", slips, 3)
+    ground = Ground(instance)
+    for craft in made.crafts:
+        if craft.made:
+            since = ground.chasers[craft.chaser].limits.ready
+            assert craft.made[0].hop.arrival > since
+
+
+def test_expected_prizes_have_the_mean_of_prizes_and_less_variance() -> None:
+    """Without the luck of captures rehearsals differ less, and are worth as much on average."""
+    instance, plan = tiny()
+    uncertainty = Uncertainty(capture={"success": 0.6, "tries": 2}, gone=0.1)
+    made = rehearse(instance, plan, uncertainty, samples=1500)
+    prizes = np.array([each.prize for each in made.outcomes])
+    expected = np.array([each.expected for each in made.outcomes])
+    differ = prizes - expected
+    assert abs(differ.mean()) < 3.5 * differ.std() / math.sqrt(differ.size)
+    assert expected.std() < 0.7 * prizes.std()
+
+
+def test_rehearsals_are_the_same_on_several_cores_and_resumed(tmp_path: Path) -> None:
+    """What a file has is not flown again, and processes fly the same worlds."""
+    instance, plan = tiny()
+    uncertainty = drawn_uncertainty(instance, 1)
+    path = tmp_path / "rehearsals.jsonl"
+    whole = rehearse(instance, plan, uncertainty, samples=12)
+    rehearse(instance, plan, uncertainty, samples=5, path=path)
+    path.write_text(path.read_text() + '{"seed": 5, "pri')  # cut off
+    resumed = rehearse(instance, plan, uncertainty, samples=12, path=path)
+    assert resumed.outcomes == whole.outcomes
+    told: list[int] = []
+    rehearse(
+        instance, plan, uncertainty, samples=12, path=path, told=lambda done, of: told.append(done)
+    )
+    assert not told
+    with pytest.raises(InputError, match="another mission"):
+        rehearse(instance, plan, CERTAIN, samples=12, path=path)
+
+
+@pytest.mark.slow
+def test_processes_fly_the_same_worlds() -> None:
+    """Two processes give what one gives."""
+    instance, plan = tiny()
+    uncertainty = drawn_uncertainty(instance, 1)
+    one = rehearse(instance, plan, uncertainty, samples=12)
+    assert rehearse(instance, plan, uncertainty, samples=12, jobs=2).outcomes == one.outcomes
+
+
+@pytest.mark.parametrize("draw", [random_mission, random_campaign])
+def test_check_accepts_replays(draw) -> None:  # type: ignore[no-untyped-def]
+    """A rehearsal as a plan of its world has its prize, and `check` finds nothing."""
+    flown_some = 0
+    for number in range(4):
+        instance = draw(number)
+        plan = adr_opt.solve(instance, time_limit=5.0).plan
+        if plan is None:
+            continue
+        uncertainty = drawn_uncertainty(instance, number)
+        for policy in ("follow", "replan"):
+            made = replay(Setting(instance, plan, uncertainty, policy), number)
+            assert adr_opt.check(made.instance, made.plan) == ()
+            assert made.plan.objective == pytest.approx(made.outcome.prize)
+            flown_some += bool(made.plan.legs)
+    assert flown_some
+
+
+def test_a_replay_with_tows_and_kits_is_accepted() -> None:
+    """Masses towed and kits brought back are in what a replay says of tanks."""
+    for instance, plan in (towed(), (launched.campaign(), launched.planned())):
+        uncertainty = Uncertainty(
+            capture={"success": 0.6}, legs={"delta_v_factor": {"lognormal_sigma": 0.03}}
+        )
+        for seed in range(3):
+            made = replay(Setting(instance, plan, uncertainty, "follow"), seed)
+            assert adr_opt.check(made.instance, made.plan) == ()
+            assert made.plan.objective == pytest.approx(made.outcome.prize)
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    """Unknown policies, plans of other instances, and policies without a plan are refused."""
+    instance, plan = tiny()
+    with pytest.raises(InputError, match="unknown; use one of: beam, follow, replan, skip"):
+        rehearse(instance, plan, CERTAIN, policy="none", samples=1)
+    with pytest.raises(InputError, match="keeps to a plan; give one"):
+        setting_of(instance, None, CERTAIN, "follow")
+    other = adr_opt.generate("tiny", seed=1)
+    with pytest.raises(InputError, match="another instance"):
+        rehearse(other, plan, CERTAIN, samples=1)
+    with pytest.raises(InputError, match="samples = 0"):
+        rehearse(instance, plan, CERTAIN, samples=0)
+    limited = instance.replace(
+        stations=tuple(each.replace(max_refuellings=1) for each in instance.stations)
+    )
+    with pytest.raises(InputError, match="limited stations"):
+        setting_of(limited, None, CERTAIN, "replan")
+
+
+def test_a_policy_that_plans_begins_without_a_plan() -> None:
+    """`replan` makes a plan of its own where none is given."""
+    instance, _ = tiny()
+    made = rehearse(instance, None, CERTAIN, policy="replan", samples=1)
+    assert made.outcomes[0].prize == made.plan.objective > 0.0
+
+
+def test_answers_have_the_fields_of_the_contract() -> None:
+    """The JSON answer has means, standard errors and quantiles of prize, tanks and last day."""
+    instance, plan = tiny()
+    told = rehearse(instance, plan, drawn_uncertainty(instance, 1), samples=20).to_dict()
+    json.dumps(told)
+    for summary in (told["prize"], told["last_day"], told["tanks"][0]["left_m_s"]):
+        assert set(summary) == {"mean", "standard_error", "quantiles"}
+        values = list(summary["quantiles"].values())
+        assert values == sorted(values)
+    lost = sum(each["share"] for each in told["lost_targets"])
+    assert lost == pytest.approx(sum(told["losses"].values()))

@@ -1,0 +1,77 @@
+"""Uncertainty models drawn at random, and a policy that decides at random."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from adr_opt.analysis.rehearse.crafts import refused
+from adr_opt.analysis.rehearse.flight import Halt, Situation
+from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
+
+ROWS = 3
+"""Number of connections of a pair among which is chosen."""
+
+
+def drawn_uncertainty(instance: Instance, seed: int) -> Uncertainty:
+    """A model in which each kind of event is there or not."""
+    rng = np.random.default_rng([77, seed])
+    content: dict[str, object] = {}
+    if rng.random() < 0.6:
+        factor = {"lognormal_sigma": float(rng.choice([0.05, 0.4])), "least": 0.4, "most": 3.0}
+        content["legs"] = {"delta_v_factor": factor}
+    if rng.random() < 0.6:
+        content["service_s"] = {
+            "factor": {"lognormal_sigma": 0.5},
+            "added": {"chance": 0.3, "mean_s": 0.1 * instance.mission.duration_s},
+        }
+    if rng.random() < 0.7:
+        given = instance.transfer.given is not None
+        tries = 1 if given else int(rng.integers(1, 4))
+        content["capture"] = {"success": float(rng.choice([0.5, 0.8])), "tries": tries}
+    if rng.random() < 0.4:
+        content["gone"] = 0.2
+    if rng.random() < 0.5:
+        content["launches"] = {"slip_s": {"mean_s": 0.1 * instance.mission.duration_s}}
+    if rng.random() < 0.4:
+        content["tanks"] = {"least": 0.7}
+    own = instance.targets[0].name
+    if rng.random() < 0.3:
+        content["targets"] = {own: {"success": 0.3, "gone": 0.1}}
+    return Uncertainty(**content)
+
+
+class AtRandom:
+    """A policy that flies anywhere at random, at once or a little later, and gives up at random."""
+
+    def __init__(self, ground: Ground, rng: np.random.Generator) -> None:
+        self._ground, self._rng = ground, rng
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """Some leg that may begin."""
+        ground, craft, rng = self._ground, now.craft, self._rng
+        start = ground.chasers[craft.chaser].start
+        hops = []
+        for j in range(len(ground.names)):
+            is_target = j >= ground.first_target and j not in now.closed
+            if j == craft.body or not (is_target or j < ground.stations):
+                continue
+            rows = ground.rows(craft.body, j, towed=craft.towed)
+            first = int(np.searchsorted(rows.departure, craft.free_s - 1e-6))
+            if ground.chasers[craft.chaser].is_launched and craft.body == start:
+                first = 0
+            for row in range(first, min(first + ROWS, rows.departure.size)):
+                hop = Hop(
+                    j, float(rows.departure[row]), float(rows.arrival[row]),
+                    float(rows.delta_v[row]), int(rows.family[row]), int(rows.revolutions[row]),
+                )  # fmt: skip
+                if not refused(ground, craft, hop):
+                    hops.append(hop)
+        if not hops or rng.random() < 0.02:
+            return Halt("finished")
+        return hops[int(rng.integers(len(hops)))]
+
+    def tries_again(self, now: Situation, target: int, tries: int) -> bool:
+        """Now and then."""
+        return bool(self._rng.random() < 0.7)

@@ -1,0 +1,112 @@
+"""``rehearse``: answers, page, replays, and bad input in one sentence."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from conftest import Cli
+
+import adr_opt
+
+UNCERTAIN = '{"legs": {"delta_v_factor": {"lognormal_sigma": 0.2}}, "capture": {"success": 0.7}}'
+
+
+@pytest.fixture
+def rehearsed(cli: Cli, tiny_file: Path):
+    """`rehearse` of a small plan, with more options."""
+    assert cli("solve", tiny_file, "--method", "beam", "--out", "p.json").status == 0
+    Path("u.json").write_text(UNCERTAIN, encoding="utf-8")
+    return lambda *more: cli("rehearse", tiny_file, "p.json", "--uncertainty", "u.json", *more)
+
+
+def test_the_answer_has_distributions_bounds_and_gaps(rehearsed) -> None:
+    """The JSON answer has what the contract names; the penalised gap is the smaller one."""
+    outcome = rehearsed("--samples", 40, "--bounds", 4, "--json")
+    assert outcome.status == 0, outcome
+    told = json.loads(outcome.out)
+    assert set(told["prize"]) == {"mean", "standard_error", "quantiles"}
+    assert told["samples"] == 40
+    assert told["bounds"]["samples"] == told["bounds"]["proven"] == 4
+    assert told["bounds"]["required_met"] is told["required_met"] is None
+    assert told["bounds"]["perfect"]["mean"] <= told["planned_prize"]
+    for gap in told["gaps"].values():
+        assert gap["low"] <= gap["gap"] <= gap["high"]
+
+
+def test_the_page_needs_nothing_from_elsewhere(rehearsed) -> None:
+    """The page has fans, losses and tanks, no scripts, and no addresses."""
+    outcome = rehearsed("--samples", 30, "--bounds", 2, "--out", "fan.html")
+    assert outcome.status == 0, outcome
+    page = Path("fan.html").read_text("utf-8")
+    for words in ("Prize over time", "5% to 95% of rehearsals", "Bounds on every policy", "Tanks"):
+        assert words in page
+    assert "<script" not in page
+    assert "http" not in page.replace("http-equiv", "")
+    assert "by follow: prize" in outcome.out
+
+
+def test_a_replay_is_a_plan_of_its_world(rehearsed, cli: Cli) -> None:
+    """`check` finds nothing against the plan of a replay."""
+    outcome = rehearsed("--replay", 2, "--out", "r.json", "--out-instance", "w.json", "--json")
+    assert outcome.status == 0, outcome
+    assert cli("check", "w.json", "r.json").status == 0
+    assert adr_opt.load_plan("r.json").objective == json.loads(outcome.out)["prize"]
+
+
+def test_a_required_target_that_is_gone_is_an_answer_of_no(cli: Cli) -> None:
+    """Where no rehearsal services all required targets the exit status is 1."""
+    instance = adr_opt.generate("tiny", 0)
+    first, *others = instance.targets
+    instance.replace(targets=(first.replace(required=True), *others)).save("i.json")
+    assert cli("solve", "i.json", "--method", "beam", "--out", "p.json").status == 0
+    Path("u.json").write_text(json.dumps({"targets": {first.name: {"gone": 1.0}}}))
+    outcome = cli("rehearse", "i.json", "p.json", "--uncertainty", "u.json", "--samples", 3)
+    assert outcome.status == 1
+    assert "all required targets serviced in 0.0%" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--policy", "none"), "policy 'none' is unknown"),
+        (("--samples", 0), "samples = 0"),
+        (("--bounds", -1), "--bounds -1"),
+        (("--seed", -1), "seed = -1"),
+        (("--out", "fan.json"), "the page is HTML"),
+        (("--out", "u.json"), "this is the input"),
+        (("--out-instance", "w.json"), "only --replay writes an instance"),
+        (("--replay", 1), "give --out for the plan and --out-instance"),
+        (("--resume", "u.json"), "this is the input"),
+        (("--jobs", -1), "jobs = -1"),
+    ],
+)
+def test_a_wrong_call_is_one_sentence(rehearsed, more: tuple[object, ...], said: str) -> None:
+    """Bad input ends with status 2, one sentence, and nothing written."""
+    before = set(Path().iterdir())
+    outcome = rehearsed(*more)
+    assert outcome.status == 2
+    assert said in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert set(Path().iterdir()) == before
+
+
+def test_a_wrong_uncertainty_file_is_one_sentence(rehearsed) -> None:
+    """The sentence names the file and the field."""
+    Path("u.json").write_text('{"capture": {"success": 2}}', encoding="utf-8")
+    outcome = rehearsed()
+    assert outcome.status == 2
+    assert "u.json" in outcome.err
+    assert "capture.success" in outcome.err
+    Path("u.json").write_text('{"targets": {"nobody": {"gone": 0.5}}}', encoding="utf-8")
+    assert "'nobody' is not a target" in rehearsed().err
+
+
+def test_another_file_is_no_file_of_rehearsals(rehearsed) -> None:
+    """A file that is there and has something else is refused, and stays as it is."""
+    Path("other.jsonl").write_text("{}\n")
+    outcome = rehearsed("--samples", 2, "--resume", "other.jsonl")
+    assert outcome.status == 2
+    assert "not a file of rehearsals" in outcome.err
+    assert Path("other.jsonl").read_text() == "{}\n"
