@@ -252,6 +252,10 @@ def test_what_does_not_fit_is_refused() -> None:
     )
     with pytest.raises(InputError, match="limited stations"):
         setting_of(limited, None, CERTAIN, "replan")
+    first, *others = instance.targets
+    falls = first.replace(prize_until=((1e4, first.prize),))
+    with pytest.raises(InputError, match="prize_until"):
+        setting_of(instance.replace(targets=(falls, *others)), None, CERTAIN, "replan")
 
 
 def test_a_policy_that_plans_begins_without_a_plan() -> None:

@@ -218,6 +218,8 @@ def refuse(instance: Instance) -> None:
         (any(chaser.max_exceptions is not None for chaser in instance.chasers),
          "chasers[].max_exceptions"),
         (instance.has_low_thrust, "chasers[].thrust_n"),
+        (any(target.prize_until is not None for target in instance.targets),
+         "targets[].prize_until"),
         (any(station.is_limited for station in instance.stations), "limited stations"),
         (instance.given is not None and instance.given.functions is not None,
          "functions of time as connections"),
