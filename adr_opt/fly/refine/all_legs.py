@@ -171,6 +171,7 @@ def refined_again(
     bodies = ends.bodies
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
+    vented_kg = {number: leg.vented_kg for number, leg in legs}
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, Missing] = {}
     made_of = {
@@ -208,8 +209,9 @@ def refined_again(
                     continue
                 try:
                     done[number] = calls.result(future).replace(
-                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number)
-                    )
+                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number),
+                        vented_kg=vented_kg.get(number),
+                    )  # fmt: skip
                 except ArithmeticError as error:
                     tow = error.name if isinstance(error, NoSpiral) else None
                     missing[number] = Missing(leg=number, reason=str(error), tow=tow)

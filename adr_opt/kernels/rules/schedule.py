@@ -16,6 +16,7 @@ least such mass, and at the greatest one that the second has it does not need it
 second does.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -97,6 +98,10 @@ def undominated(ready, left, cost, count):
     return order, kept
 
 
+NO_CAPS = np.empty(0)
+"""No caps on what is left."""
+
+
 class Visit(NamedTuple):
     """The next body of an order, as a stop.
 
@@ -112,6 +117,9 @@ class Visit(NamedTuple):
         Whether it is at a station, where the tank is filled.
     budget : float
         As in :class:`.rules.Rules` [m/s].
+    caps : (connections,) float64
+        Most ΔV that may be left before each connection, as it is for lighter chasers alone; what is
+        left beyond that is vented. Without connections where nothing is capped [m/s].
     """
 
     body: int
@@ -121,6 +129,7 @@ class Visit(NamedTuple):
     closes: float
     refuels: bool
     budget: float
+    caps: np.ndarray = NO_CAPS
 
 
 @kernel
@@ -146,7 +155,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
-    body, kits, service, opens, closes, refuels, budget = visit
+    body, kits, service, opens, closes, refuels, budget, caps = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
@@ -155,14 +164,17 @@ def follow(ready, left, cost, weight, connections, visit, loads):
     front_left, front_cost = np.empty(ready.size), np.empty(ready.size)
     front = np.empty(ready.size, np.int64)
     size, label = 0, 0
+    cap = math.inf
     for c in range(departure.size):
+        if caps.size > 0:
+            cap = caps[c]
         while label < ready.size and earliest_taken(ready[label]) <= departure[c]:
             grown = _into(front_left, front_cost, front, size, left[label], cost[label], label)
             if grown >= 0:
                 size = grown
             label += 1
         end = service_end(arrival[c], opens, service)
-        if end > closes:
+        if end > closes or delta_v[c] > cap:
             continue
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
         # all pay as much.
@@ -175,7 +187,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
                 high = middle
         last = min(low + 1, size) if refuels and alike else size
         for stair in range(low, last):
-            here = Resources(departure[c], front_left[stair], 0, 0, kits)
+            here = Resources(departure[c], min(front_left[stair], cap), 0, 0, kits)
             rest = extend(here, body, refuels, delta_v[c], end, loads, budget).left
             if rest < 0.0:
                 continue
@@ -189,6 +201,10 @@ def follow(ready, left, cost, weight, connections, visit, loads):
             costs[count] = front_cost[stair] + paid
             parents[count], takens[count] = front[stair], c
             count += 1
+            # Of those that have to vent down to as much, the first is the cheapest, if all pay
+            # as much.
+            if alike and front_left[stair] >= cap:
+                break
     order, kept = undominated(ends, lefts, costs, count)
     return (
         chosen(ends, order, kept),

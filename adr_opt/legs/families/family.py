@@ -119,11 +119,15 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """Times [s] and phasing revolutions of a leg as stated in a plan."""
+    """Times [s] and phasing revolutions of a leg as stated in a plan.
+
+    ``mass_kg`` is that of the class that a leg of low thrust is of; None for the heaviest.
+    """
 
     departure: float
     arrival: float
     revolutions: int
+    mass_kg: float | None = None
 
 
 class RecomputedLeg(NamedTuple):
@@ -187,6 +191,23 @@ class LegFamily(ABC):
     def claims(self, ends: PairEnds) -> bool:
         """Whether a pair is reached only by legs of this family."""
         return False
+
+    def of_class(
+        self, ends: PairEnds, heavier: ConnectionArrays, mass_kg: float, resolution_m_s: float
+    ) -> ConnectionArrays:
+        """Connections for a class of lighter chasers alone; none by default.
+
+        Parameters
+        ----------
+        ends : PairEnds
+        heavier : ConnectionArrays
+            Of all heavier chasers, in order of departure; what they dominate is left out.
+        mass_kg : float
+            Largest mass of the class [kg].
+        resolution_m_s : float
+            A connection that saves no more than this is dominated [m/s].
+        """
+        return ConnectionArrays(*(column[:0] for column in heavier))
 
     @abstractmethod
     def connections(
