@@ -26,6 +26,9 @@ from adr_opt.problem.instance import Instance, instance_of
 
 DRY_KG, PROPELLANT_KG, ISP_S, DUTY = 300.0, 20.0, 1500.0, 0.9
 
+ONE_CLASS = 1000.0
+"""Width of classes of mass with which there is one: accelerations are as drawn."""
+
 
 def node_rate(axis_m: float, inclination_deg: float) -> float:
     """Secular rate of the node of a circle [rad/s]."""
@@ -67,7 +70,7 @@ def drawn(rng: np.random.Generator, eccentricity: float) -> Instance:
                 }
             ],
             "mission": {"duration_s": span + DAY_S, "service_s": DAY_S},
-            "transfer": {"max_drift_s": span, "drift_step_s": span},
+            "transfer": {"max_drift_s": span, "drift_step_s": span, "mass_class": ONE_CLASS},
         }
     )  # fmt: skip
 

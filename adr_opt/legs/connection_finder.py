@@ -20,13 +20,13 @@ from ..plan.leg_kinds import leg_kinds
 from ..problem.drives import drive_of
 from ..problem.given_functions import Function
 from ..problem.instance import Instance
-from . import mass_classes
 from .connection_cache import ConnectionCache, Pair
 from .connections import Connections
 from .corrections import NO_CORRECTIONS, Corrections
 from .families import registry
 from .families.ends import AllEnds, is_regular
 from .families.family import FlownLeg, StatedLeg
+from .mass_classes import by_departure, lighter, of_mass
 from .timetable_size import Size
 
 FloatArray = npt.NDArray[np.float64]
@@ -165,16 +165,19 @@ class ConnectionFinder:
         return found
 
     def flown(
-        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None
-    ) -> FlownLeg:
+        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None,
+        class_kg: float | None = None,
+    ) -> FlownLeg:  # fmt: skip
         """Flight of a connection of a pair by a family, given by its number.
+
+        Of low thrust for a class of chasers with a largest mass, by default the heaviest.
 
         Raises
         ------
         InputError
             It cannot be flown.
         """
-        known, ends = registry.families()[family], self.ends.of(i, j)
+        known, ends = registry.families()[family], of_mass(self.ends.of(i, j), class_kg)
         if delta_v_m_s is None:
             return known.flown(ends, stated)
         return known.flown_at(ends, stated, delta_v_m_s)
@@ -376,10 +379,8 @@ class ConnectionFinder:
         heaviest = self.kept_of_model(i, j)
         found = [(math.inf, heaviest)]
         for family in self.families:
-            found += mass_classes.lighter(family, ends, heaviest, classes_kg, resolution)
-        return mass_classes.by_departure(
-            (mass_kg, self.charged(i, j, of_class)) for mass_kg, of_class in found
-        )
+            found += lighter(family, ends, heaviest, classes_kg, resolution)
+        return by_departure((mass_kg, self.charged(i, j, of_class)) for mass_kg, of_class in found)
 
     def choose(
         self,

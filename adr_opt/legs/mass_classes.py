@@ -11,6 +11,13 @@ from .connections import Connections
 from .families.family import LegFamily, PairEnds
 
 
+def of_mass(ends: PairEnds, mass_kg: float | None) -> PairEnds:
+    """The ends of a pair for chasers of a class with a largest mass [kg]; None for the heaviest."""
+    if ends.drive is None or mass_kg is None:
+        return ends
+    return ends._replace(drive=ends.drive._replace(heaviest_kg=mass_kg))
+
+
 def lighter(
     family: LegFamily,
     ends: PairEnds,
@@ -34,7 +41,7 @@ def lighter(
     """
     known = ConnectionArrays(*(column[heaviest.family == family.number] for column in heaviest))
     for mass_kg in classes_kg:
-        found = family.of_class(ends, known, mass_kg, resolution_m_s)
+        found = family.of_class(of_mass(ends, mass_kg), known, resolution_m_s)
         yield mass_kg, found
         known = _joined((known, found))
 

@@ -141,8 +141,8 @@ def transfer_leg(
     delta_v_m_s = connecting.modelled(*ends, family, float(found.delta_v[row]))
     largest = math.inf if found.mass_kg is None else float(found.mass_kg[row])
     mass_kg = largest if math.isfinite(largest) else None
-    stated = StatedLeg(departure, arrival, revolutions, mass_kg)
-    flown = connecting.flown(*ends, family, stated, delta_v_m_s)
+    stated = StatedLeg(departure, arrival, revolutions)
+    flown = connecting.flown(*ends, family, stated, delta_v_m_s, mass_kg)
     return Leg(
         kind=kind.name,
         origin=mission.names[ends[0]],

@@ -119,15 +119,11 @@ class FlownLeg(NamedTuple):
 
 
 class StatedLeg(NamedTuple):
-    """Times [s] and phasing revolutions of a leg as stated in a plan.
-
-    ``mass_kg`` is that of the class that a leg of low thrust is of; None for the heaviest.
-    """
+    """Times [s] and phasing revolutions of a leg as stated in a plan."""
 
     departure: float
     arrival: float
     revolutions: int
-    mass_kg: float | None = None
 
 
 class RecomputedLeg(NamedTuple):
@@ -193,17 +189,16 @@ class LegFamily(ABC):
         return False
 
     def of_class(
-        self, ends: PairEnds, heavier: ConnectionArrays, mass_kg: float, resolution_m_s: float
+        self, ends: PairEnds, heavier: ConnectionArrays, resolution_m_s: float
     ) -> ConnectionArrays:
         """Connections for a class of lighter chasers alone; none by default.
 
         Parameters
         ----------
         ends : PairEnds
+            With the class as the heaviest chaser of the drive.
         heavier : ConnectionArrays
             Of all heavier chasers, in order of departure; what they dominate is left out.
-        mass_kg : float
-            Largest mass of the class [kg].
         resolution_m_s : float
             A connection that saves no more than this is dominated [m/s].
         """

@@ -59,15 +59,15 @@ class LowThrustLegs(LegFamily):
         return merged(found, made, ends.latest_s, 0.0 if ends.relaxed else resolution_m_s)
 
     def of_class(
-        self, ends: PairEnds, heavier: ConnectionArrays, mass_kg: float, resolution_m_s: float
+        self, ends: PairEnds, heavier: ConnectionArrays, resolution_m_s: float
     ) -> ConnectionArrays:
         assert ends.drive is not None
         assert ends.times is not None
         since, step = since_j2000_s(ends.instance.epoch), ends.times.step
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
         drive = ends.drive
-        thrust = Thrust(drive.thrust_n / mass_kg, drive.exhaust_m_s)
-        holds = drive.exhaust_m_s * math.log(mass_kg / drive.lightest_kg) + SLACK_M_S
+        thrust = Thrust(drive.least_acceleration, drive.exhaust_m_s)
+        holds = drive.exhaust_m_s * math.log(drive.heaviest_kg / drive.lightest_kg) + SLACK_M_S
         times = ends.times._replace(most=min(ends.times.most, holds))
         known = heavier.departure / step, heavier.arrival / step
         leaves, lands = (np.rint(each).astype(np.int32) for each in known)
@@ -96,8 +96,7 @@ class LowThrustLegs(LegFamily):
             return FlownLeg(stated.departure)
         since = since_j2000_s(ends.instance.epoch)
         pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
-        mass = ends.drive.heaviest_kg if stated.mass_kg is None else stated.mass_kg
-        thrust = Thrust(ends.drive.thrust_n / mass, ends.drive.exhaust_m_s)
+        thrust = Thrust(ends.drive.least_acceleration, ends.drive.exhaust_m_s)
         times = stated.departure, stated.arrival
         if delta_v_m_s is None:
             leg = low_thrust.leg_between(pair, thrust, *times)
