@@ -3,9 +3,9 @@
     python bench/low_thrust_masses.py
 
 Missions are drawn of five targets on sun-synchronous orbits up to some 4° of node apart, in 60 to
-200 days, with a dry mass of 150 to 300 kg, 10 to 40 % of it as propellant, 30 to 150 mN and 1,500 s;
-a second set has tows, and a third kits of 10 kg. Each is planned with one class; the order of that
-plan is then timed at least ΔV for each width of classes, the narrowest of which stands for exact
+200 days, with a dry mass of 150 to 300 kg, propellant of 10 to 40 % of that, 30 to 150 mN and
+1,500 s; a second set has tows, and a third kits of 10 kg. Each is planned with one class; the order
+of that plan is then timed at least ΔV for each width of classes; the narrowest stands for exact
 masses. Lists have a resolution of 0.1 m/s.
 """
 
@@ -72,7 +72,7 @@ def print_set(name: str, removal: str, missions: int) -> None:
     for seed in range(missions):
         instance = drawn(seed, removal)
         one = with_width(instance, ONE)
-        plan = adr_opt.solve(one, method="beam", time_limit=600.0, iterations=20).plan
+        plan = adr_opt.solve(one, time_limit=600.0, iterations=20).plan
         if plan is None or not plan.legs:
             continue
         legs += len(plan.legs)

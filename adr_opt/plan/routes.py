@@ -59,6 +59,12 @@ class Flown:
         """Cargo at the start and after each leg."""
         return followed(instance, self.chaser, self.spent, vented_kg=self.vented_kg)
 
+    def departing_kg(self, instance: Instance) -> list[float]:
+        """Mass at the departure of each leg; 0 where it is not known."""
+        vented = [0.0, *self.vented_kg[1:]]  # the first is not loaded
+        stages = self.aboard(instance)
+        return [(stage.mass_kg or 0.0) - lost for stage, lost in zip(stages, vented, strict=False)]
+
     def carried(self, instance: Instance) -> Carried:
         """Cargo along the route and at its end."""
         return carried(instance, self.chaser, self.spent, self.vented_kg)

@@ -67,11 +67,10 @@ def _propelled(instance: Instance, plan: Plan) -> dict[int, tuple[Propelled, Pro
             most = drive.heaviest_kg if class_kg is None else class_kg
             return Propelled(drive, max(mass, drive.lightest_kg), since, most)
 
-        stages = flown.aboard(instance)
-        for (number, leg), before, after in zip(flown.legs, stages, stages[1:], strict=False):
-            begins, ends = before.mass_kg or 0.0, after.mass_kg or 0.0
-            found[number] = (
-                of(begins - (leg.vented_kg or 0.0), leg.mass_class_kg),
-                of(ends + after.removal_kg, None),
-            )
+        stages = flown.aboard(instance)[1:]
+        for (number, leg), begins_kg, after in zip(
+            flown.legs, flown.departing_kg(instance), stages, strict=False
+        ):
+            ends_kg = (after.mass_kg or 0.0) + after.removal_kg
+            found[number] = of(begins_kg, leg.mass_class_kg), of(ends_kg, None)
     return found
