@@ -198,11 +198,11 @@ class Scheduler:
             return False
         return self._weighs or self._reserve_m_s > SLACK_M_S
 
-    def _caps(self, found: Connections, i: int, aboard: int) -> FloatArray:
+    def _caps(self, found: Connections, i: int, aboard: int) -> FloatArray | None:
         """Most ΔV that may be left before each of some connections, as labels count it [m/s]."""
         tank = self._chaser.tank
         if found.mass_kg is None or not isinstance(tank, TankByMass):
-            return kernels.NO_CAPS
+            return None
         empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
         kept = SLACK_M_S + self._spent_m_s(i) - self._reserve_m_s
         return tank.exhaust_m_s * np.log(found.mass_kg / empty_kg) + kept

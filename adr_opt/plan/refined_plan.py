@@ -174,7 +174,8 @@ class RefinedLeg(Record):
     stand-off; its ΔV counts in ``flown_delta_v_m_s``, and its ``burns`` are those of the approach
     alone. ``holding_delta_v_m_s`` is an estimate of what holding beside bodies takes that move by
     their ephemerides, while the leg waits and during its service; it counts in no sum of a leg,
-    but in tanks. ``vented_kg`` is the propellant vented before it, as in the plan.
+    but in tanks. ``vented_kg`` is the propellant vented before it, or not loaded at the launch
+    before it, as in the plan.
     """
 
     leg: Annotated[int, Field(ge=1)]

@@ -41,9 +41,8 @@ def vented(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> Iterator[
     starts = True
     for leg, stage, most in zip(legs, stages, most_kg, strict=False):
         excess = (stage.mass_kg or 0.0) - most if starts else 0.0
-        is_launch = leg.traits.from_nowhere  # its tank is that of the leg after it
-        yield leg.replace(vented_kg=excess) if excess > LEAST_KG and not is_launch else leg
-        starts = leg.destination in instance.station_names or (starts and is_launch)
+        yield leg.replace(vented_kg=excess) if excess > LEAST_KG else leg
+        starts = leg.destination in instance.station_names
 
 
 def _most_kg(

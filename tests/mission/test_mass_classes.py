@@ -19,6 +19,7 @@ from adr_opt.legs.families.ends import AllEnds
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import Plan
+from adr_opt.plan.routes import routes_of
 from adr_opt.plan.tows import removals_of
 from adr_opt.problem.drives import drive_of, since_j2000_s
 from adr_opt.problem.instance import Instance, instance_of
@@ -222,3 +223,17 @@ def test_one_class_is_that_of_the_heaviest():
     assert '"mass_class": 10.0' in wide.to_json()
     with pytest.raises(adr_opt.InputError, match="mass_class"):
         instance_of(instance.model_dump(mode="json") | {"transfer": {"mass_class": 0.0}})
+
+
+def test_launched_chasers_are_not_loaded_with_what_they_would_vent():
+    """Before a launch propellant is left out, and all masses after it are as checked, with tows."""
+    instance = adr_opt.generate("electric", 0, targets=4, chasers=1)
+    fine_lists = instance.transfer.replace(delta_v_resolution_m_s=1.0)
+    instance = instance.replace(transfer=fine_lists)
+    plan = adr_opt.solve(instance, time_limit=600.0, iterations=5, prove=False).plan
+    assert plan is not None
+    assert plan.legs[0].vented_kg is not None
+    assert not list(check(instance, plan))
+    load = routes_of(instance, plan)[0].carried(instance)
+    assert load.propellant_kg == pytest.approx(300.0 - plan.legs[0].vented_kg)
+    assert load.used_kg == pytest.approx((load.propellant_kg or 0.0) - (load.left_kg or 0.0))

@@ -77,7 +77,8 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
             *((leg.destination, leg.flown_delta_v_m_s + leg.holding_m_s) for leg in legs),
         ]
         towing = _towing_m_s(legs)
-        vented = [*(0.0 for _ in launch), *(leg.vented_kg or 0.0 for leg in legs)]
+        first, *others = (leg.vented_kg or 0.0 for leg in legs)
+        vented = [first, *(0.0 for _ in launch), *others]
         worths = tank_worths(instance, chaser, flown, towing, vented)
         stages = followed(instance, chaser, flown, towing, vented)
         filled, after = 0, len(launch)

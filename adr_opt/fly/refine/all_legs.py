@@ -171,7 +171,8 @@ def refined_again(
     bodies = ends.bodies
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
-    vented_kg = {number: leg.vented_kg for number, leg in legs}
+    # What is not loaded at a launch stands with the leg after it, as a launch is none.
+    vented_kg = {n + leg.traits.from_nowhere: leg.vented_kg for n, leg in numbered if leg.vented_kg}
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, Missing] = {}
     made_of = {

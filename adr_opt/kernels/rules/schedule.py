@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.compile import kernel
+from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
 from ..core.windows import service_end
@@ -98,10 +98,6 @@ def undominated(ready, left, cost, count):
     return order, kept
 
 
-NO_CAPS = np.empty(0)
-"""No caps on what is left."""
-
-
 class Visit(NamedTuple):
     """The next body of an order, as a stop.
 
@@ -117,9 +113,9 @@ class Visit(NamedTuple):
         Whether it is at a station, where the tank is filled.
     budget : float
         As in :class:`.rules.Rules` [m/s].
-    caps : (connections,) float64
+    caps : (connections,) float64 or None
         Most ΔV that may be left before each connection, as it is for lighter chasers alone; what is
-        left beyond that is vented. Without connections where nothing is capped [m/s].
+        left beyond that is vented [m/s]. None, and kernels without them, where nothing is capped.
     """
 
     body: int
@@ -129,7 +125,23 @@ class Visit(NamedTuple):
     closes: float
     refuels: bool
     budget: float
-    caps: np.ndarray = NO_CAPS
+    caps: np.ndarray | None = None
+
+
+@inlined
+def _capped(caps, c, left):
+    """What is left before a connection, after venting [m/s]."""
+    if caps is None:
+        return left
+    return min(left, caps[c])
+
+
+@inlined
+def _has_vented(caps, c, left):
+    """Whether some had to be vented before a connection, or nothing was to spare."""
+    if caps is None:
+        return False
+    return left >= caps[c]
 
 
 @kernel
@@ -164,17 +176,14 @@ def follow(ready, left, cost, weight, connections, visit, loads):
     front_left, front_cost = np.empty(ready.size), np.empty(ready.size)
     front = np.empty(ready.size, np.int64)
     size, label = 0, 0
-    cap = math.inf
     for c in range(departure.size):
-        if caps.size > 0:
-            cap = caps[c]
         while label < ready.size and earliest_taken(ready[label]) <= departure[c]:
             grown = _into(front_left, front_cost, front, size, left[label], cost[label], label)
             if grown >= 0:
                 size = grown
             label += 1
         end = service_end(arrival[c], opens, service)
-        if end > closes or delta_v[c] > cap:
+        if end > closes or delta_v[c] > _capped(caps, c, math.inf):
             continue
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
         # all pay as much.
@@ -187,7 +196,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
                 high = middle
         last = min(low + 1, size) if refuels and alike else size
         for stair in range(low, last):
-            here = Resources(departure[c], min(front_left[stair], cap), 0, 0, kits)
+            here = Resources(departure[c], _capped(caps, c, front_left[stair]), 0, 0, kits)
             rest = extend(here, body, refuels, delta_v[c], end, loads, budget).left
             if rest < 0.0:
                 continue
@@ -203,7 +212,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
             count += 1
             # Of those that have to vent down to as much, the first is the cheapest, if all pay
             # as much.
-            if alike and front_left[stair] >= cap:
+            if alike and _has_vented(caps, c, front_left[stair]):
                 break
     order, kept = undominated(ends, lefts, costs, count)
     return (
