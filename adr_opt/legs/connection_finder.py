@@ -360,9 +360,11 @@ class ConnectionFinder:
     def lighter_classes_kg(self) -> tuple[float, ...]:
         """Largest mass of each class of its chaser, without the heaviest class [kg].
 
-        None where legs do not depend on the mass, and for lower bounds, which hold for any.
+        None where legs do not depend on the mass, for lower bounds, which hold for any, and where
+        costs are corrected: what is vented by the model would be missing from a tank whose legs
+        take more.
         """
-        if self.drive is None or self.relaxed:
+        if self.drive is None or self.relaxed or self.corrections:
             return ()
         return self.drive.classes_kg(self.instance.transfer.mass_class)[1:]
 
