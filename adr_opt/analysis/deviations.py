@@ -9,7 +9,6 @@ from ..common.constants import SLACK_M_S, SLACK_S
 from ..common.errors import InputError
 from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S
 from ..legs.service_limits import service_begins
-from ..plan.cargo import followed
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown
 from ..problem.instance import Instance
@@ -203,7 +202,7 @@ def weighed_anew(instance: Instance, flown: Flown, fixed: int) -> Flown:
     InputError
         They took more than there was.
     """
-    stages = followed(instance, flown.chaser, flown.spent)[1 : fixed + 1]
+    stages = flown.aboard(instance)[1 : fixed + 1]
     legs = list(flown.legs)
     for at, stage in enumerate(stages):
         number, leg = legs[at]

@@ -270,7 +270,8 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
         return flown
     kits_kg = chaser.kit_mass_kg * kits_of(instance, (name for name, _ in flown.spent))
     least_kg = (carried_kg(instance, chaser, flown.spent) or 0.0) - kits_kg
-    holds_kg = min(least_kg, tank.propellant_kg)
+    never_kg = flown.vented_kg[0] if flown.legs else 0.0  # is taken off once more
+    holds_kg = min(least_kg + never_kg, tank.propellant_kg)
     return replace(flown, chaser=chaser.replace(tank=_tank(chaser, None, holds_kg)))
 
 

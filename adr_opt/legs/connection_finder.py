@@ -26,6 +26,7 @@ from .corrections import NO_CORRECTIONS, Corrections
 from .families import registry
 from .families.ends import AllEnds, is_regular
 from .families.family import FlownLeg, StatedLeg
+from .mass_classes import by_departure, lighter, of_mass
 from .timetable_size import Size
 
 FloatArray = npt.NDArray[np.float64]
@@ -129,9 +130,9 @@ class ConnectionFinder:
 
     def find(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
         """Compute all connections of two bodies."""
-        return self._charged(i, j, self._of_model(i, j, resolution_m_s))
+        return self.charged(i, j, self._of_model(i, j, resolution_m_s))
 
-    def _charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
+    def charged(self, i: int, j: int, found: ConnectionArrays) -> ConnectionArrays:
         """Connections at the ΔV they take from a tank: corrected, and with earlier expenditure.
 
         A chaser whose tank is not full at the start pays for what is lacking with its first leg:
@@ -164,16 +165,19 @@ class ConnectionFinder:
         return found
 
     def flown(
-        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None
-    ) -> FlownLeg:
+        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None,
+        class_kg: float | None = None,
+    ) -> FlownLeg:  # fmt: skip
         """Flight of a connection of a pair by a family, given by its number.
+
+        Of low thrust for a class of chasers with a largest mass, by default the heaviest.
 
         Raises
         ------
         InputError
             It cannot be flown.
         """
-        known, ends = registry.families()[family], self.ends.of(i, j)
+        known, ends = registry.families()[family], of_mass(self.ends.of(i, j), class_kg)
         if delta_v_m_s is None:
             return known.flown(ends, stated)
         return known.flown_at(ends, stated, delta_v_m_s)
@@ -182,7 +186,7 @@ class ConnectionFinder:
         """The connections of a pair that planning needs: cached, or computed."""
         if not self._is_kept:
             return self.find(i, j, self.planning_resolution_m_s)
-        return self._charged(i, j, self.kept_of_model(i, j))
+        return self.charged(i, j, self.kept_of_model(i, j))
 
     def kept_of_model(self, i: int, j: int) -> ConnectionArrays:
         """The cached connections of a pair by the model."""
@@ -315,7 +319,7 @@ class ConnectionFinder:
             np.zeros(count, dtype=np.int8), np.arange(count, dtype=np.int32),
             np.full(count, GIVEN, dtype=np.int8),
         )  # fmt: skip
-        found = self._charged(i, j, found)
+        found = self.charged(i, j, found)
         return Connections(
             found.departure, found.arrival, found.delta_v, found.revolutions, found.family
         )
@@ -351,6 +355,34 @@ class ConnectionFinder:
         return Connections(
             found.departure, found.arrival, found.delta_v, found.revolutions, found.family
         )
+
+    @property
+    def lighter_classes_kg(self) -> tuple[float, ...]:
+        """Largest mass of each class of its chaser, without the heaviest class [kg].
+
+        None where legs do not depend on the mass, for lower bounds, which hold for any, and where
+        costs are corrected: what is vented by the model would be missing from a tank whose legs
+        take more.
+        """
+        if self.drive is None or self.relaxed or self.corrections:
+            return ()
+        return self.drive.classes_kg(self.instance.transfer.mass_class)[1:]
+
+    def by_class(self, i: int, j: int) -> Connections:
+        """The connections of a pair for planning, with those that are for lighter chasers alone.
+
+        A chaser flies those of its own class of mass and of all heavier ones. What connections are
+        for, :attr:`.Connections.mass_kg` says if that depends on the mass.
+        """
+        resolution, ends = self.planning_resolution_m_s, self.ends.of(i, j)
+        classes_kg = self.lighter_classes_kg
+        if i == j or not classes_kg or any(family.claims(ends) for family in self.families):
+            return self.of_pair(i, j, resolution)
+        heaviest = self.kept_of_model(i, j)
+        found = [(math.inf, heaviest)]
+        for family in self.families:
+            found += lighter(family, ends, heaviest, classes_kg, resolution)
+        return by_departure((mass_kg, self.charged(i, j, of_class)) for mass_kg, of_class in found)
 
     def choose(
         self,

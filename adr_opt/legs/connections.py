@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,9 @@ class Connections(Shown):
         an exception.
     family : (connections,) int8
         Number of the family of legs that each is of, in the order of :func:`.leg_kinds`.
+    mass_kg : (connections,) float64 or None
+        Largest mass of the chaser at departure, +inf for any; None where none of them depends on
+        it [kg].
     """
 
     departure: FloatArray
@@ -45,11 +48,14 @@ class Connections(Shown):
     delta_v: FloatArray
     revolutions: npt.NDArray[np.int8]
     family: npt.NDArray[np.int8]
+    mass_kg: FloatArray | None = None
 
     def at(self, rows: slice | npt.NDArray[Any]) -> Connections:
         """The connections at some rows."""
-        columns = (getattr(self, field.name) for field in fields(self))
-        return Connections(*(column[rows] for column in columns))
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(
+            self, **{name: each[rows] for name, each in columns.items() if each is not None}
+        )
 
     def after(self, ready: float) -> Connections:
         """The connections available to a chaser that is ready at a time [s]."""

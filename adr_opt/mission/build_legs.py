@@ -18,6 +18,7 @@ from ..plan.plan import Burn, Leg, LowThrustArc, Reason, Unvisited, burns_of
 from ..plan.plan import Tow as TowFlown
 from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
+from ..plan.venting import vented
 from .mission import Mission
 from .schedule import Schedule, left_at_start
 
@@ -48,7 +49,7 @@ def legs(
         A move is illegal; the sentence says which.
     """
     moves = [int(j) for j in sequence]
-    timing = mission.time(moves) if timing is None else timing
+    timing = mission.time_by_class(moves) if timing is None else timing
     if timing.made < len(moves):
         raise InputError(
             f"move {timing.made + 1} of the sequence, to {mission.names[moves[timing.made]]!r}, "
@@ -70,7 +71,9 @@ def legs(
         i, ready = j, free
     last_stay_s = stays_s[-1] if stays_s else 0.0
     towing = _towing(mission, tows, moves, priced, last_stay_s)
-    return weighed(mission.instance, mission.chaser, towing)
+    return weighed(
+        mission.instance, mission.chaser, vented(mission.instance, mission.chaser, towing)
+    )
 
 
 def _towing(
@@ -136,8 +139,10 @@ def transfer_leg(
     departure, arrival = float(found.departure[row]), float(found.arrival[row])
     connecting = mission.connecting
     delta_v_m_s = connecting.modelled(*ends, family, float(found.delta_v[row]))
+    largest = math.inf if found.mass_kg is None else float(found.mass_kg[row])
+    mass_kg = largest if math.isfinite(largest) else None
     stated = StatedLeg(departure, arrival, revolutions)
-    flown = connecting.flown(*ends, family, stated, delta_v_m_s)
+    flown = connecting.flown(*ends, family, stated, delta_v_m_s, mass_kg)
     return Leg(
         kind=kind.name,
         origin=mission.names[ends[0]],
@@ -152,6 +157,7 @@ def transfer_leg(
         eccentricity_delta_v_m_s=flown.eccentricity_m_s,
         burns=burns_of(*flown.manoeuvres),
         manoeuvres=tuple(map(_arc, flown.arcs)) or None,
+        mass_class_kg=mass_kg,
     )
 
 

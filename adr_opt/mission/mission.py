@@ -414,6 +414,14 @@ class Mission(Shown, Prizes):
         moves = tuple(self.numbers(sequence).tolist())
         return self.schedules.of(moves[: self.in_order(moves)])
 
+    def time_by_class(self, sequence: Iterable[int | str]) -> Schedule:
+        """The same as plans have it: where legs depend on the mass, with those of lighter chasers.
+
+        Planners look for orders with :meth:`time`, which takes the legs of the heaviest chaser.
+        """
+        moves = tuple(self.numbers(sequence).tolist())
+        return self.schedules.by_class.of(moves[: self.in_order(moves)])
+
     def in_order(self, moves: tuple[int, ...]) -> int:
         """Number of leading moves within the rules of orders: no repeats, refuelling earned."""
         rules = self.rules

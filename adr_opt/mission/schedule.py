@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ..common.constants import SLACK_M_S
 from ..common.tolerance import common_step
 from ..kernels.rules import schedule as kernels
 from ..kernels.rules.falls import Falls, lost_at
@@ -54,6 +55,8 @@ class Schedule:
         that a tank may be overdrawn by [m/s].
     revolutions, families : (made,) int8
         Phasing revolutions of each leg, and the number of its family.
+    masses : (made,) float64
+        Largest mass at the departure of each leg, +inf for any [kg].
     """
 
     made: int
@@ -67,13 +70,15 @@ class Schedule:
     lefts: FloatArray
     revolutions: npt.NDArray[np.int8]
     families: npt.NDArray[np.int8]
+    masses: FloatArray
 
     @property
     def connections(self) -> Connections:
         """The connection flown by each leg, in order."""
         return Connections(
-            self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families
-        )
+            self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families,
+            self.masses,
+        )  # fmt: skip
 
 
 def left_at_start(rules: Rules, kits: int) -> float:
@@ -156,6 +161,13 @@ class Scheduler:
                 return function.cost + connecting.spent_m_s(i)
             return float(self.connections(i, j).delta_v.min(initial=math.inf))
 
+        self._of_class: Callable[[int, int], Connections] | None = None
+        weighs = any(
+            station.max_propellant_kg is not None for station in connecting.instance.stations
+        )
+        if connecting.lighter_classes_kg and not weighs:
+            self._of_class = lru_cache(PAIRS_KEPT)(connecting.by_class)
+        self._has_lighter = False
         self._spent_m_s = connecting.spent_m_s
         self._by_function = connecting.by_function
         self.connections: Callable[[int, int], Connections] = lru_cache(PAIRS_KEPT)(of_pair)
@@ -176,7 +188,20 @@ class Scheduler:
     def over(self, connections: Callable[[int, int], Connections]) -> Scheduler:
         """A scheduler over other connections, from a function of origin and destination."""
         made = copy(self)
-        made.connections = connections
+        made.connections, made._of_class = connections, None
+        made._last = ((), 0, ())
+        return made
+
+    @property
+    def by_class(self) -> Scheduler:
+        """A scheduler with the connections of lighter chasers as well; itself if there are none.
+
+        Searches do without them: these lists take several times as long.
+        """
+        if self._of_class is None:
+            return self
+        made = copy(self)
+        made._has_lighter = True
         made._last = ((), 0, ())
         return made
 
@@ -187,6 +212,39 @@ class Scheduler:
         """
         found = self._by_function(i, j, ready)
         return self.connections(i, j) if found is None else found
+
+    def _flyable(self, i: int, j: int, ready: FloatArray) -> Connections:
+        """The same with those that are for lighter chasers alone."""
+        if self._of_class is None or not self._has_lighter or self._keeps_to_heaviest:
+            return self.from_ready(i, j, ready)
+        return self._of_class(i, j)
+
+    @property
+    def _reserve_m_s(self) -> float:
+        """ΔV that is kept back in each tank, of one without kits [m/s]."""
+        rules = self._rules()
+        full = rules.budget if rules.loads is None else float(rules.loads.full[0])
+        return self._chaser.tank.delta_v_m_s + SLACK_M_S - full
+
+    @property
+    def _keeps_to_heaviest(self) -> bool:
+        """Whether only connections of the heaviest chaser are flown: venting is not exact.
+
+        Where kits are left or objects towed, a reserve changes, and of two labels the one that has
+        vented may be the one that needs less at the start.
+        """
+        if self._rules().loads is None:
+            return False
+        return self._weighs or self._reserve_m_s > SLACK_M_S
+
+    def _caps(self, found: Connections, i: int, aboard: int) -> FloatArray | None:
+        """Most ΔV that may be left before each of some connections, as labels count it [m/s]."""
+        tank = self._chaser.tank
+        if found.mass_kg is None or not isinstance(tank, TankByMass):
+            return None
+        empty_kg = tank.dry_mass_kg + aboard * self._chaser.kit_mass_kg
+        kept = SLACK_M_S + self._spent_m_s(i) - self._reserve_m_s
+        return tank.exhaust_m_s * np.log(found.mass_kg / empty_kg) + kept
 
     def kits_for(self, order: tuple[int, ...]) -> int:
         """Number of kits that the services of an order need, all taken along."""
@@ -260,7 +318,7 @@ class Scheduler:
         refuelled : bool
             Whether it has refuelled before.
         """
-        most, found = self._chaser.max_exceptions, self.from_ready(i, j, here.ready)
+        most, found = self._chaser.max_exceptions, self._flyable(i, j, here.ready)
         if most is None:
             return self._followed(here, (i, j), found, aboard, refuelled=refuelled)
 
@@ -274,13 +332,13 @@ class Scheduler:
         refuelled: bool,
     ) -> Front:  # fmt: skip
         """The labels after a move by some connections, exceptions or not."""
-        rules, j = self._rules(), pair[1]
+        rules, (i, j) = self._rules(), pair
         loads = rules.loads
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
         visit = kernels.Visit(
             j, aboard, rules.service[j], rules.opens[j], rules.closes[j], rules.is_station[j],
-            rules.budget, self._losses.falls,
+            rules.budget, self._losses.falls, self._caps(found, i, aboard),
         )  # fmt: skip
         front = Front(
             *kernels.follow(
@@ -408,15 +466,16 @@ class Scheduler:
             cost = float(last.ready[label]) if made else 0.0
         elif self._by_expense:
             cost = self._chaser.priced.of(float(spent[label])) if made else 0.0
-        departures, arrivals, ends, delta_vs, lefts = np.empty((5, made))
+        departures, arrivals, ends, delta_vs, lefts, masses = np.empty((6, made))
         revolutions, families = np.empty((2, made), dtype=np.int8)
         for at in range(made - 1, -1, -1):
             front = fronts[at + 1]
             i = order[at - 1] if at else rules.start
-            found, taken = self.from_ready(i, order[at], fronts[at].ready), front.taken[label]
+            found, taken = self._flyable(i, order[at], fronts[at].ready), front.taken[label]
             departures[at], arrivals[at] = found.departure[taken], found.arrival[taken]
             delta_vs[at], revolutions[at] = found.delta_v[taken], found.revolutions[taken]
             families[at] = found.family[taken]
+            masses[at] = math.inf if found.mass_kg is None else found.mass_kg[taken]
             ends[at], lefts[at] = front.ready[label], front.left[label]
             label = front.parent[label]
         objective = math.fsum(rules.prize[j] for j in order[:made])
@@ -441,4 +500,5 @@ class Scheduler:
             lefts,
             revolutions,
             families,
+            masses,
         )

@@ -131,6 +131,7 @@ def followed(
     chaser: Chaser,
     legs: Sequence[tuple[str, float]],
     towing_m_s: Mapping[str, float] = NOTHING,
+    vented_kg: Sequence[float] = (),
 ) -> tuple[Aboard, ...]:
     """Cargo of a chaser at the start and after each leg.
 
@@ -142,14 +143,21 @@ def followed(
         Destination and ΔV [m/s] of each.
     towing_m_s : mapping of str to float
         ΔV of tows that cost something else than in plans, by name of the object [m/s].
+    vented_kg : sequence of float
+        Propellant vented before each leg; empty for none [kg]. What is vented before the first one
+        is not there at the start.
     """
     tank, kits = chaser.tank, kits_of(instance, (destination for destination, _ in legs))
     takers = {target.name for target in instance.targets if target.service.takes_kit}
     tows = removals_by_name(instance, drive_of(chaser, instance.targets))
     cargo_kg = kits * chaser.kit_mass_kg
-    left = tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg)
+    left = _less(
+        chaser, kits, tank.full_m_s(cargo_kg) - tank.spent_with_m_s(cargo_kg), vented_kg, 0
+    )
     found = [Aboard(left, _mass_kg(chaser, kits, left), kits, left)]
-    for destination, delta_v in legs:
+    for at, (destination, delta_v) in enumerate(legs):
+        if at:
+            left = _less(chaser, kits, left, vented_kg, at)
         arrived = left = left - delta_v
         removal_kg = removal_m_s = 0.0
         if destination in instance.station_names:
@@ -177,7 +185,8 @@ class Carried(NamedTuple):
     Attributes
     ----------
     mass_kg, propellant_kg : float or None
-        At the start, with all that is aboard; None where the tank is not one by mass.
+        At the start, with all that is aboard and without what is vented before the first leg; None
+        where the tank is not one by mass.
     kits : int
         At the start; each of them is left behind.
     used_kg, left_kg : float or None
@@ -195,21 +204,31 @@ class Carried(NamedTuple):
     end_mass_kg: float | None
 
 
-def carried(instance: Instance, chaser: Chaser, legs: Sequence[tuple[str, float]]) -> Carried:
+def carried(
+    instance: Instance,
+    chaser: Chaser,
+    legs: Sequence[tuple[str, float]],
+    vented_kg: Sequence[float] = (),
+) -> Carried:
     """Cargo of a chaser along its route; see :func:`followed`."""
-    stages, tank = followed(instance, chaser, legs), chaser.tank
+    stages, tank = followed(instance, chaser, legs, vented_kg=vented_kg), chaser.tank
+    gone = vented_kg or (0.0,) * len(legs)
+    later = (0.0, *gone[1:])
     start, end = stages[0], stages[-1]
+    never = gone[0] if gone else 0.0
     if not isinstance(tank, TankByMass) or start.mass_kg is None or end.mass_kg is None:
         return Carried(None, None, start.kits, None, None, None)
     used = sum(
-        (stage.mass_kg or 0.0) * -math.expm1(-delta_v / tank.exhaust_m_s)
-        for stage, (_, delta_v) in zip(stages, legs, strict=False)
+        ((stage.mass_kg or 0.0) - lost) * -math.expm1(-delta_v / tank.exhaust_m_s)
+        for stage, lost, (_, delta_v) in zip(stages, later, legs, strict=False)
     )
     used += sum(stage.removal_kg for stage in stages)
     without = tank.dry_mass_kg + end.kits * chaser.kit_mass_kg
     initial = tank.initial_propellant_kg
     aboard = tank.propellant_kg if initial is None else initial
-    return Carried(start.mass_kg, aboard, start.kits, used, end.mass_kg - without, end.mass_kg)
+    return Carried(
+        start.mass_kg, aboard - never, start.kits, used, end.mass_kg - without, end.mass_kg
+    )
 
 
 def what_counts(instance: Instance) -> str:
@@ -230,17 +249,18 @@ def tank_worths(
     chaser: Chaser,
     legs: Sequence[tuple[str, float]],
     towing_m_s: Mapping[str, float] = NOTHING,
+    vented_kg: Sequence[float] = (),
 ) -> tuple[float, ...]:
     """ΔV of each tank of a chaser over the legs and tows flown from it [m/s].
 
     That of a tank by mass goes with what is left behind or towed meanwhile, and when. Tows cost
-    ``towing_m_s`` as in :func:`followed`.
+    ``towing_m_s``, and ``vented_kg`` is missing, as in :func:`followed`.
     """
     if not isinstance(chaser.tank, TankByMass):
         refuellings = sum(destination in instance.station_names for destination, _ in legs)
         full = chaser.tank.delta_v_m_s
         return (full - chaser.tank.spent_m_s, *(full,) * refuellings)
-    stages = followed(instance, chaser, legs, towing_m_s)
+    stages = followed(instance, chaser, legs, towing_m_s, vented_kg)
     worths, used = [], 0.0
     for (destination, delta_v), stage in zip(legs, stages[1:], strict=True):
         used += delta_v
@@ -249,6 +269,15 @@ def tank_worths(
             used = 0.0
         used += stage.removal_m_s
     return (*worths, used + stages[-1].left_m_s)
+
+
+def _less(chaser: Chaser, kits: int, left_m_s: float, vented_kg: Sequence[float], at: int) -> float:
+    """Remaining ΔV after what is vented before a leg, by its place [m/s]."""
+    if not vented_kg or not vented_kg[at]:
+        return left_m_s
+    mass = _mass_kg(chaser, kits, left_m_s)
+    assert mass is not None
+    return _left_m_s(chaser, kits, mass - vented_kg[at])
 
 
 def _mass_kg(chaser: Chaser, kits: int, left_m_s: float) -> float | None:

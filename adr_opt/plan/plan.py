@@ -15,7 +15,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..common.card import Shown
 from ..common.files import read_model, to_text, write_text
-from ..common.records import DeltaV, Name, Record, Time, without
+from ..common.records import DeltaV, Name, NonNegative, Positive, Record, Time, without
 from ..problem.instance import Instance
 from ..problem.settings import Objective
 from .leg_kinds import DRIFT, SHORT, KindName, LegKind, OneOf, leg_kind
@@ -36,6 +36,9 @@ Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Reason = Literal["duration", "delta-v", "no-transfer", "capacity", "not-worth-it", "not-considered"]
 
 Vector = tuple[DeltaV, DeltaV, DeltaV]
+
+OMITTED = "mass_kg", "tow", "manoeuvres", "mass_class_kg", "vented_kg"
+"""Fields of a leg omitted from the file if None."""
 
 
 class InstanceReference(Record):
@@ -126,6 +129,9 @@ class Leg(Shown, Record):
     where the destination is towed. It is no part of ``delta_v_m_s``, but what is left, and the
     mass, are those after it; the next leg is ready as long after ``end_s`` as it takes.
     ``manoeuvres`` are the arcs of a leg of low thrust, which has no burns; None of any other.
+    ``mass_class_kg`` is the largest mass at departure with which such a leg can be flown, its arcs
+    being those of a chaser of that mass; None for any mass. ``vented_kg`` is the propellant that is
+    vented before the departure, or not loaded before the first leg; None for nothing.
     """
 
     kind: KindName = SHORT.name
@@ -143,15 +149,12 @@ class Leg(Shown, Record):
     eccentricity_delta_v_m_s: DeltaV = 0.0
     burns: Annotated[tuple[Burn, ...], Field(strict=False)]
     manoeuvres: Annotated[tuple[LowThrustArc, ...], Field(strict=False)] | None = None
+    mass_class_kg: Positive | None = None
+    vented_kg: NonNegative | None = None
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        content: dict[str, Any] = write(self)
-        return {
-            name: value
-            for name, value in content.items()
-            if not (name in ("mass_kg", "tow", "manoeuvres") and value is None)
-        }
+        return without(write(self), *OMITTED)
 
     @property
     def traits(self) -> LegKind:

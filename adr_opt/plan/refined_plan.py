@@ -174,7 +174,8 @@ class RefinedLeg(Record):
     stand-off; its ΔV counts in ``flown_delta_v_m_s``, and its ``burns`` are those of the approach
     alone. ``holding_delta_v_m_s`` is an estimate of what holding beside bodies takes that move by
     their ephemerides, while the leg waits and during its service; it counts in no sum of a leg,
-    but in tanks.
+    but in tanks. ``vented_kg`` is the propellant vented before it, or not loaded at the launch
+    before it, as in the plan.
     """
 
     leg: Annotated[int, Field(ge=1)]
@@ -199,6 +200,7 @@ class RefinedLeg(Record):
     tow: RefinedTow | None = None
     thrust: RefinedThrust | None = None
     holding_delta_v_m_s: DeltaV | None = None
+    vented_kg: NonNegative | None = None
 
     @property
     def spent_m_s(self) -> float:
@@ -252,6 +254,7 @@ class RefinedLeg(Record):
         content: dict[str, Any] = plainly(self)
         for name in (
             "chaser", "tow_before", "after_launch", "tow", "thrust", "holding_delta_v_m_s",
+            "vented_kg",
         ):  # fmt: skip
             if getattr(self, name) is None:
                 content.pop(name, None)

@@ -50,17 +50,28 @@ class Flown:
         """Destination and ΔV [m/s] of each leg."""
         return [(leg.destination, leg.delta_v_m_s) for _, leg in self.legs]
 
+    @property
+    def vented_kg(self) -> list[float]:
+        """Propellant vented before each leg [kg]."""
+        return [leg.vented_kg or 0.0 for _, leg in self.legs]
+
     def aboard(self, instance: Instance) -> tuple[Aboard, ...]:
         """Cargo at the start and after each leg."""
-        return followed(instance, self.chaser, self.spent)
+        return followed(instance, self.chaser, self.spent, vented_kg=self.vented_kg)
+
+    def departing_kg(self, instance: Instance) -> list[float]:
+        """Mass at the departure of each leg; 0 where it is not known."""
+        vented = [0.0, *self.vented_kg[1:]]  # the first is not loaded
+        stages = self.aboard(instance)
+        return [(stage.mass_kg or 0.0) - lost for stage, lost in zip(stages, vented, strict=False)]
 
     def carried(self, instance: Instance) -> Carried:
         """Cargo along the route and at its end."""
-        return carried(instance, self.chaser, self.spent)
+        return carried(instance, self.chaser, self.spent, self.vented_kg)
 
     def tank_worths(self, instance: Instance) -> tuple[float, ...]:
         """ΔV of each of its tanks over the legs flown from it [m/s]."""
-        return tank_worths(instance, self.chaser, self.spent)
+        return tank_worths(instance, self.chaser, self.spent, vented_kg=self.vented_kg)
 
     def refuellings(self, instance: Instance) -> int:
         """Number of refuellings."""
@@ -72,7 +83,9 @@ def weighed(instance: Instance, chaser: Chaser, legs: Iterable[Leg]) -> tuple[Le
     legs = tuple(legs)
     if not isinstance(chaser.tank, TankByMass):
         return legs
-    stages = followed(instance, chaser, [(leg.destination, leg.delta_v_m_s) for leg in legs])[1:]
+    spent = [(leg.destination, leg.delta_v_m_s) for leg in legs]
+    vented_kg = [leg.vented_kg or 0.0 for leg in legs]
+    stages = followed(instance, chaser, spent, vented_kg=vented_kg)[1:]
     return tuple(
         leg.replace(delta_v_left_m_s=stage.left_m_s, mass_kg=stage.mass_kg)
         for leg, stage in zip(legs, stages, strict=True)

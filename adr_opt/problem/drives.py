@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import NamedTuple
 
 from .bodies import Target
 from .chasers import Chaser, TankByMass
+
+CLASS_WIDTH = 0.035
+"""Width of a class of masses, as a share, where a mission states none."""
 
 J2000 = datetime(2000, 1, 1, 12, tzinfo=UTC)
 
@@ -40,6 +44,17 @@ class Drive(NamedTuple):
     def largest_acceleration(self) -> float:
         """Acceleration of the lightest chaser [m/s²]."""
         return self.thrust_n / self.lightest_kg
+
+    def classes_kg(self, width: float | None = None) -> tuple[float, ...]:
+        """Largest mass of each class of masses, the heaviest first [kg].
+
+        The classes share the range of masses evenly, and none is wider than a share ``width``,
+        :data:`CLASS_WIDTH` by default.
+        """
+        ratio = self.heaviest_kg / self.lightest_kg
+        width = CLASS_WIDTH if width is None else width
+        count = max(1, math.ceil(math.log(ratio) / math.log1p(width)))
+        return tuple(self.heaviest_kg * ratio ** (-at / count) for at in range(count))
 
 
 def drive_of(chaser: Chaser, targets: Sequence[Target]) -> Drive | None:

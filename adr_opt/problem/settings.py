@@ -31,6 +31,9 @@ NOT_WRITTEN = (
 )  # fmt: skip
 """Fields omitted from the file if None."""
 
+LARGEST_MASS_CLASS = 1e6
+"""Largest width of classes of mass: one class for any tank."""
+
 
 class MissionSettings(Record):
     """Duration of the mission, and time spent at bodies.
@@ -147,15 +150,18 @@ class TransferSettings(SequenceSettings):
     Beside those of the co-elliptic sequence: a connection that another one dominates up to
     ``delta_v_resolution_m_s`` is left out, and departures of a pair lie no closer than
     ``departure_spacing_s``. Then come the grid of transfers that drift and the longest time that
-    one may take, 0 for none. From the arrival at one body to that at the next no more than
-    ``max_leg_s`` may pass, waiting and service included; it is not in the file if None. Where
-    connections are ``given``, they are those; the field is not in files of other instances.
+    one may take, 0 for none. Classes of the mass of chasers with low thrust are no wider than a
+    share ``mass_class`` (:data:`.drives.CLASS_WIDTH` if None, and then not in the file). From the
+    arrival at one body to that at the next no more than ``max_leg_s`` may pass, waiting and service
+    included; it is not in the file if None. Where connections are ``given``, they are those; the
+    field is not in files of other instances.
     """
 
     delta_v_resolution_m_s: NonNegative = 0.1
     departure_spacing_s: NonNegative = 0.0
     drift_step_s: Positive = DAY_S
     max_drift_s: NonNegative = 0.0
+    mass_class: Annotated[float, Field(gt=0.0, le=LARGEST_MASS_CLASS)] | None = None
     max_leg_s: Annotated[float, Field(gt=0.0, le=LARGEST_DURATION_S)] | None = None
     given: GivenFile | None = None
 
@@ -169,7 +175,7 @@ class TransferSettings(SequenceSettings):
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "max_leg_s", "given")
+        return without(write(self), "mass_class", "max_leg_s", "given")
 
 
 class Objective(Record):

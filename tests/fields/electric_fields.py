@@ -70,25 +70,38 @@ def electric(
 
 
 @kernel
-def _cost(pair, thrust, exhaust, heaviest, mass, departure, arrival):
+def _cost(pair, drive, classes, mass, departure, arrival):
     """Least ΔV of a chaser of a mass, which may fly a leg as one of several larger masses [m/s]."""
+    thrust, exhaust, _, heaviest = drive
     least = math.inf
-    for share in range(MASSES):
-        flown_as = mass + (heaviest - mass) * share / (MASSES - 1)
+    for share in range(MASSES + classes.size):
+        if share < MASSES:
+            flown_as = mass + (heaviest - mass) * share / (MASSES - 1)
+        else:
+            flown_as = classes[share - MASSES]
+        if flown_as < mass:
+            continue
         found = low_thrust.delta_v(pair, Thrust(thrust / flown_as, exhaust), departure, arrival)
         least = min(least, found)
     return least
 
 
 @kernel
-def _after(pair, drive, empty, mass, departure, arrival):
-    """Largest mass after a leg, propellant vented before it; less than empty if there is none."""
-    thrust, exhaust, _, heaviest = drive
+def after(pair, drive, classes, empty, mass, departure, arrival):
+    """Largest mass after a leg, propellant vented before it; less than empty if there is none.
+
+    Down to one of several masses, those of the classes among them.
+    """
     best = 0.0
-    for share in range(MASSES):
-        vented = mass - (mass - empty) * share / MASSES
-        cost = _cost(pair, thrust, exhaust, heaviest, vented, departure, arrival)
-        best = max(best, vented * math.exp(-cost / exhaust))
+    for share in range(MASSES + classes.size):
+        if share < MASSES:
+            vented = mass - (mass - empty) * share / MASSES
+        else:
+            vented = classes[share - MASSES]
+        if not empty <= vented <= mass:
+            continue
+        cost = _cost(pair, drive, classes, vented, departure, arrival)
+        best = max(best, vented * math.exp(-cost / drive[1]))
     return best
 
 
@@ -136,6 +149,7 @@ class Enumerated:
         step, service = instance.transfer.drift_step_s, instance.mission.service_s
         assert service is not None
         tows = removals_of(instance, drive)
+        classes = np.array(drive.classes_kg(instance.transfer.mass_class))
         start = tank.dry_mass_kg + tank.propellant_kg + kits * chaser.kit_mass_kg
         states: dict[tuple[frozenset[int], int, int], float] = {
             (frozenset(), instance.starts[number], 0): start
@@ -153,9 +167,10 @@ class Enumerated:
                         end = lands * step + service
                         if end > instance.mission.duration_s + 1e-6:
                             break
-                        left = _after(
-                            pairs[body, j], drive, empty, mass, leaves * step, lands * step
-                        )
+                        left = after(
+                            pairs[body, j], drive, classes, empty, mass, leaves * step,
+                            lands * step,
+                        )  # fmt: skip
                         if left < empty:
                             continue
                         left -= chaser.kit_mass_kg if j in takers else 0.0

@@ -80,7 +80,8 @@ def test_legs_keep_the_plan_and_the_chaser(seed: int) -> None:
         assert made.arrival_s == leg.arrival_s
         assert {burn.phase for burn in made.burns} == {"approach"}
         assert made.thrust.force_n <= drive.thrust_n
-        assert made.thrust.mass_kg <= drive.heaviest_kg + 1e-9
+        assert made.thrust.mass_kg <= (leg.mass_class_kg or drive.heaviest_kg) + 1e-9
+        assert made.vented_kg == leg.vented_kg
         spent = drive.exhaust_m_s * math.log(
             made.thrust.mass_kg / (made.thrust.mass_kg - made.thrust.propellant_kg)
         )

@@ -50,7 +50,7 @@ def _of_route(
         (leg.destination, leg.delta_v_m_s + (extra or 0.0))
         for (_, leg), extra in zip(route.legs, extras, strict=True)
     ]
-    worths = iter(tank_worths(instance, chaser, spent))
+    worths = iter(tank_worths(instance, chaser, spent, vented_kg=route.vented_kg))
     tank, first, planned, extra, known = 1, 0, 0.0, 0.0, True
     for (number, leg), more in zip(route.legs, extras, strict=True):
         first = first or number

@@ -77,8 +77,10 @@ def legs_by_tank(instance: Instance, refined: RefinedPlan) -> list[TankLegs]:
             *((leg.destination, leg.flown_delta_v_m_s + leg.holding_m_s) for leg in legs),
         ]
         towing = _towing_m_s(legs)
-        worths = tank_worths(instance, chaser, flown, towing)
-        stages = followed(instance, chaser, flown, towing)
+        first, *others = (leg.vented_kg or 0.0 for leg in legs)
+        vented = [first, *(0.0 for _ in launch), *others]
+        worths = tank_worths(instance, chaser, flown, towing, vented)
+        stages = followed(instance, chaser, flown, towing, vented)
         filled, after = 0, len(launch)
         for number, of_tank in enumerate(by_tank(legs, instance.station_names)):
             full_m_s = stages[filled].left_m_s

@@ -171,6 +171,8 @@ def refined_again(
     bodies = ends.bodies
     propelled = propelled_by_leg(instance, plan)
     tows = _tows(instance, plan, after_launch)
+    # What is not loaded at a launch stands with the leg after it, as a launch is none.
+    vented_kg = {n + leg.traits.from_nowhere: leg.vented_kg for n, leg in numbered if leg.vented_kg}
     done: dict[int, RefinedLeg] = {}
     missing: dict[int, Missing] = {}
     made_of = {
@@ -208,8 +210,9 @@ def refined_again(
                     continue
                 try:
                     done[number] = calls.result(future).replace(
-                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number)
-                    )
+                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number),
+                        vented_kg=vented_kg.get(number),
+                    )  # fmt: skip
                 except ArithmeticError as error:
                     tow = error.name if isinstance(error, NoSpiral) else None
                     missing[number] = Missing(leg=number, reason=str(error), tow=tow)

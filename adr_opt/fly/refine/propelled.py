@@ -21,11 +21,14 @@ class Propelled:
     mass_kg : float
     since_j2000_s : float
         The epoch of the mission.
+    class_kg : float
+        Largest mass of its class, by which the leg is planned.
     """
 
     drive: Drive
     mass_kg: float
     since_j2000_s: float
+    class_kg: float
 
     def towing(self, object_kg: float) -> Push:
         """All of its thrust, with an object attached."""
@@ -34,9 +37,9 @@ class Propelled:
         return Push(drive.thrust_n, drive.exhaust_m_s, both, self.since_j2000_s)
 
     def pushes(self) -> tuple[Push, ...]:
-        """Its thrust: with the acceleration of the heaviest chaser, as planned, or all of it."""
+        """Its thrust: with the acceleration of its class, as planned, or all of it."""
         drive = self.drive
-        shares = dict.fromkeys((min(1.0, self.mass_kg / drive.heaviest_kg), 1.0))
+        shares = dict.fromkeys((min(1.0, self.mass_kg / self.class_kg), 1.0))
         return tuple(
             Push(share * drive.thrust_n, drive.exhaust_m_s, self.mass_kg, self.since_j2000_s)
             for share in shares
@@ -60,12 +63,14 @@ def _propelled(instance: Instance, plan: Plan) -> dict[int, tuple[Propelled, Pro
         if drive is None:
             continue
 
-        def of(mass: float | None, drive: Drive = drive) -> Propelled:
-            least = drive.lightest_kg
-            return Propelled(drive, least if mass is None else max(mass, least), since)
+        def of(mass: float, class_kg: float | None, drive: Drive = drive) -> Propelled:
+            most = drive.heaviest_kg if class_kg is None else class_kg
+            return Propelled(drive, max(mass, drive.lightest_kg), since, most)
 
-        stages = flown.aboard(instance)
-        for (number, _), before, after in zip(flown.legs, stages, stages[1:], strict=False):
-            done = None if after.mass_kg is None else after.mass_kg + after.removal_kg
-            found[number] = of(before.mass_kg), of(done)
+        stages = flown.aboard(instance)[1:]
+        for (number, leg), begins_kg, after in zip(
+            flown.legs, flown.departing_kg(instance), stages, strict=False
+        ):
+            ends_kg = (after.mass_kg or 0.0) + after.removal_kg
+            found[number] = of(begins_kg, leg.mass_class_kg), of(ends_kg, None)
     return found

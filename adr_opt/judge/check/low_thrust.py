@@ -51,7 +51,7 @@ def check_low_thrust(
     leg: Leg,
     free: float,
 ) -> Generator[Violation, None, tuple[float, float]]:
-    """Check that the arcs of a low-thrust leg lead to its target, for the heaviest chaser.
+    """Check that the arcs of a low-thrust leg lead to its target, for the heaviest of its class.
 
     A leg need not be the cheapest of all laps; it has to take what its arcs do.
 
@@ -179,4 +179,5 @@ def _steered(
     )
     places, part = places_of(whole, rates, (rule.min_radius, rule.max_radius))
     turn, shares, shape = steered_in(math.radians(window_deg), whole, places, part, shadows)
-    return Steered(turn, shares, shape, drive.thrust_n / drive.heaviest_kg, drive.exhaust_m_s, 0.0)
+    mass_kg = drive.heaviest_kg if leg.mass_class_kg is None else leg.mass_class_kg
+    return Steered(turn, shares, shape, drive.thrust_n / mass_kg, drive.exhaust_m_s, 0.0)

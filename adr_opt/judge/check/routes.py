@@ -149,6 +149,7 @@ def _check_route(
                 "ready",
                 f"ready_s = {leg.ready_s!r}, but the chaser is free at {now.free!r}",
             )
+        yield from _check_mass(now.tank, number, leg)
         i, j = bodies.number[leg.origin], bodies.number[leg.destination]
         arrival, delta_v = yield from check_transfer(
             instance, physics, now.chaser, number, leg, (i, j), now.free
@@ -199,6 +200,26 @@ def _check_order(
     elif leg.destination in visited:
         yield Violation(number, "order", f"{leg.destination!r} was visited before")
     return True
+
+
+def _check_mass(tank: TankLevel, number: int, leg: Leg) -> Iterator[Violation]:
+    """Vent what a leg says, and check that the chaser is then no heavier than the leg allows."""
+    if leg.vented_kg is not None:
+        if leg.vented_kg > tank.propellant_kg + MASS_TOLERANCE * (tank.mass_kg or 0.0):
+            yield Violation(
+                number,
+                "vented",
+                f"vents {leg.vented_kg!r} kg of propellant, but has {tank.propellant_kg!r}",
+            )
+        tank.vent(leg.vented_kg)
+    most = leg.mass_class_kg
+    if most is not None and not (tank.mass_kg or math.inf) <= (1.0 + MASS_TOLERANCE) * most:
+        truth = "unknown" if tank.mass_kg is None else f"{tank.mass_kg!r} kg"
+        yield Violation(
+            number,
+            "mass-class",
+            f"can be flown with a mass of up to {most!r} kg at departure, but it is {truth}",
+        )
 
 
 def _check_leg_time(

@@ -40,6 +40,11 @@ class TankLevel:
         return self._tank.dry_mass_kg + self._kits * self._kit_kg
 
     @property
+    def propellant_kg(self) -> float:
+        """Propellant aboard; 0 of a tank that is not one by mass."""
+        return 0.0 if self.mass_kg is None else self.mass_kg - self._empty_kg
+
+    @property
     def left_m_s(self) -> float:
         """Remaining ΔV, by the rocket equation if the tank is one by mass.
 
@@ -64,6 +69,11 @@ class TankLevel:
             self._left_m_s -= delta_v_m_s
         else:
             self.mass_kg *= math.exp(-delta_v_m_s / self._tank.exhaust_m_s)
+
+    def vent(self, propellant_kg: float) -> None:
+        """Lose propellant without thrust; nothing from a tank that is not one by mass."""
+        if self.mass_kg is not None:
+            self.mass_kg -= propellant_kg
 
     def tow(self, delta_v_m_s: float, object_kg: float) -> None:
         """Spend ΔV from the tank, towing an object that is released afterwards."""

@@ -9,9 +9,12 @@ from ..core.lists import wider
 from .drift_grid import first_to_last
 from .low_thrust import bound_below, leg_below
 
+NONE_KNOWN = np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0)
+"""No legs of heavier chasers."""
+
 
 @kernel
-def of_pair(pair, thrust, times, duration, resolution, relaxed):
+def of_pair(pair, thrust, times, duration, resolution, relaxed, known):
     """Undominated low-thrust legs of a pair.
 
     Parameters
@@ -27,6 +30,9 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed):
         A leg that saves no more than this is dominated [m/s].
     relaxed : bool
         Whether to take lower bounds for all masses in place of costs with the largest.
+    known : tuple of (legs,) int32, (legs,) int32, (legs,) float64
+        Departures and arrivals in steps, and ΔV [m/s], of legs that are there already, in order of
+        departure: those of heavier chasers. They are not found again, and dominate.
 
     Returns
     -------
@@ -41,7 +47,12 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed):
     departures, arrivals = np.empty(room, np.int32), np.empty(room, np.int32)
     costs = np.empty(room)
     count = 0
+    leaves, lands, paid = known
+    before = leaves.size
     for begin in range(points - 2, -1, -1):
+        while before > 0 and leaves[before - 1] >= begin:
+            before -= 1
+            stair[lands[before]] = min(stair[lands[before]], paid[before])
         cheapest = most + resolution
         for t in range(begin + 1, min(begin + furthest, points - 1) + 1):
             cheapest = min(cheapest, stair[t])

@@ -18,11 +18,12 @@ second does.
 Where prizes fall, what is lost of them comes before the cost, in one number: see :class:`Visit`.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ..core.compile import kernel
+from ..core.compile import inlined, kernel
 from ..core.events import earliest_taken
 from ..core.lists import chosen, rising, wider
 from ..core.windows import service_end
@@ -117,6 +118,9 @@ class Visit(NamedTuple):
         As in :class:`.rules.Rules` [m/s].
     falls : Falls or None
         Losses of prizes, in units that exceed any cost, so that added to it they come first.
+    caps : (connections,) float64 or None
+        Most ΔV that may be left before each connection, as it is for lighter chasers alone; what is
+        left beyond that is vented [m/s]. None, and kernels without them, where nothing is capped.
     """
 
     body: int
@@ -126,7 +130,24 @@ class Visit(NamedTuple):
     closes: float
     refuels: bool
     budget: float
-    falls: Falls | None
+    falls: Falls | None = None
+    caps: np.ndarray | None = None
+
+
+@inlined
+def _capped(caps, c, left):
+    """What is left before a connection, after venting [m/s]."""
+    if caps is None:
+        return left
+    return min(left, caps[c])
+
+
+@inlined
+def _has_vented(caps, c, left):
+    """Whether some had to be vented before a connection, or nothing was to spare."""
+    if caps is None:
+        return False
+    return left >= caps[c]
 
 
 @kernel
@@ -152,7 +173,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
         Label before, and connection.
     """
     departure, arrival, delta_v, price = connections
-    body, kits, service, opens, closes, refuels, budget, falls = visit
+    body, kits, service, opens, closes, refuels, budget, falls, caps = visit
     alike = weight.size == 0
     room = 256
     ends, lefts, costs = np.empty(room), np.empty(room), np.empty(room)
@@ -168,7 +189,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
                 size = grown
             label += 1
         end = service_end(arrival[c], opens, service)
-        if end > closes:
+        if end > closes or delta_v[c] > _capped(caps, c, math.inf):
             continue
         lost = lost_at(falls, body, end)
         # The stairs that can afford it; where the tank is filled the cheapest of them is enough, if
@@ -182,7 +203,7 @@ def follow(ready, left, cost, weight, connections, visit, loads):
                 high = middle
         last = min(low + 1, size) if refuels and alike else size
         for stair in range(low, last):
-            here = Resources(departure[c], front_left[stair], 0, 0, kits)
+            here = Resources(departure[c], _capped(caps, c, front_left[stair]), 0, 0, kits)
             rest = extend(here, body, refuels, delta_v[c], end, loads, budget).left
             if rest < 0.0:
                 continue
@@ -196,6 +217,10 @@ def follow(ready, left, cost, weight, connections, visit, loads):
             costs[count] = front_cost[stair] + paid + lost
             parents[count], takens[count] = front[stair], c
             count += 1
+            # Of those that have to vent down to as much, the first is the cheapest, if all pay
+            # as much.
+            if alike and _has_vented(caps, c, front_left[stair]):
+                break
     order, kept = undominated(ends, lefts, costs, count)
     return (
         chosen(ends, order, kept),

@@ -188,6 +188,22 @@ class LegFamily(ABC):
         """Whether a pair is reached only by legs of this family."""
         return False
 
+    def of_class(
+        self, ends: PairEnds, heavier: ConnectionArrays, resolution_m_s: float
+    ) -> ConnectionArrays:
+        """Connections for a class of lighter chasers alone; none by default.
+
+        Parameters
+        ----------
+        ends : PairEnds
+            With the class as the heaviest chaser of the drive.
+        heavier : ConnectionArrays
+            Of all heavier chasers, in order of departure; what they dominate is left out.
+        resolution_m_s : float
+            A connection that saves no more than this is dominated [m/s].
+        """
+        return ConnectionArrays(*(column[:0] for column in heavier))
+
     @abstractmethod
     def connections(
         self, ends: PairEnds, found: ConnectionArrays | None, resolution_m_s: float

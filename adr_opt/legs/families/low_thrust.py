@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from ...common.constants import TURN_RAD
+from ...common.constants import SLACK_M_S, TURN_RAD
 from ...common.errors import InputError
 from ...kernels.legs import low_thrust, low_thrust_grid, low_thrust_windows
+from ...kernels.legs.drift_grid import LongTransfers
 from ...kernels.legs.drift_pair import DriftPair
 from ...kernels.legs.found import ConnectionArrays
 from ...kernels.legs.low_thrust import LowThrustLeg
@@ -17,7 +18,7 @@ from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.leg_kinds import LOW_THRUST
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
-from .family import FlownLeg, LegFamily, PairEnds, StatedLeg, ThrustArc
+from .family import FloatArray, FlownLeg, LegFamily, PairEnds, StatedLeg, ThrustArc
 from .merging import merged, of_family
 
 FINER = 0.2
@@ -48,16 +49,40 @@ class LowThrustLegs(LegFamily):
         if ends.relaxed:
             resolution_m_s *= FINER
         legs = low_thrust_grid.of_pair(
-            pair, thrust, ends.times, ends.latest_s, resolution_m_s, ends.relaxed
-        )
+            pair, thrust, ends.times, ends.latest_s, resolution_m_s, ends.relaxed,
+            low_thrust_grid.NONE_KNOWN,
+        )  # fmt: skip
         delta_v = legs.delta_v
         if ends.relaxed:  # also of the legs that are left out, as they save no more than that
             delta_v = np.maximum(delta_v - resolution_m_s, 0.0)
-        made = of_family(
+        made = self._arrays(legs, step, delta_v)
+        return merged(found, made, ends.latest_s, 0.0 if ends.relaxed else resolution_m_s)
+
+    def of_class(
+        self, ends: PairEnds, heavier: ConnectionArrays, resolution_m_s: float
+    ) -> ConnectionArrays:
+        assert ends.drive is not None
+        assert ends.times is not None
+        since, step = since_j2000_s(ends.instance.epoch), ends.times.step
+        pair = low_thrust_windows.prepare(ends.leaving, ends.arriving, ends.rule, since, EPOCH_S)
+        drive = ends.drive
+        thrust = Thrust(drive.least_acceleration, drive.exhaust_m_s)
+        holds = drive.exhaust_m_s * math.log(drive.heaviest_kg / drive.lightest_kg) + SLACK_M_S
+        times = ends.times._replace(most=min(ends.times.most, holds))
+        known = heavier.departure / step, heavier.arrival / step
+        leaves, lands = (np.rint(each).astype(np.int32) for each in known)
+        legs = low_thrust_grid.of_pair(
+            pair, thrust, times, ends.latest_s, resolution_m_s, False,
+            (leaves, lands, heavier.delta_v),
+        )  # fmt: skip
+        return self._arrays(legs, step, legs.delta_v)
+
+    def _arrays(self, legs: LongTransfers, step: float, delta_v: FloatArray) -> ConnectionArrays:
+        """Legs on the grid as connections."""
+        return of_family(
             self.number, legs.departure * step, legs.arrival * step, delta_v,
             np.full(legs.departure.size, -1, dtype=np.int8),
         )  # fmt: skip
-        return merged(found, made, ends.latest_s, 0.0 if ends.relaxed else resolution_m_s)
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
         return self._flown(ends, stated, None)

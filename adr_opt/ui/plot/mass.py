@@ -40,8 +40,9 @@ def _knots(instance: Instance, flown: Flown) -> Iterator[Knot]:
     exhaust_m_s = flown.chaser.tank.exhaust_m_s
     number, first = flown.legs[0]
     yield number, first.ready_s, stages[0].mass_kg or 0.0
-    for (number, leg), before, after in zip(flown.legs, stages, stages[1:], strict=False):
-        for time_s, mass_kg in _of_leg(leg, exhaust_m_s, before.mass_kg or 0.0, after):
+    departing = flown.departing_kg(instance)
+    for (number, leg), before_kg, after in zip(flown.legs, departing, stages[1:], strict=False):
+        for time_s, mass_kg in _of_leg(leg, exhaust_m_s, before_kg, after):
             yield number, time_s, mass_kg
 
 

@@ -44,12 +44,13 @@ NO_THRUST = ThrustTimes(0.0, 0.0, 0.0, 0.0)
 
 def thrust_times(instance: Instance, flown: Flown) -> dict[int, ThrustTimes]:
     """Times of thrust of a chaser with low thrust, by number of the leg."""
-    chaser, stages = flown.chaser, flown.aboard(instance)
+    chaser, stages = flown.chaser, flown.aboard(instance)[1:]
     assert chaser.thrust_n is not None
     s_per_kg = chaser.tank.exhaust_m_s / chaser.thrust_n
     found = {}
-    for (at, leg), before, after in zip(flown.legs, stages, stages[1:], strict=False):
-        used_kg = -(before.mass_kg or 0.0) * math.expm1(-leg.delta_v_m_s / chaser.tank.exhaust_m_s)
+    departing = flown.departing_kg(instance)
+    for (at, leg), mass_kg, after in zip(flown.legs, departing, stages, strict=False):
+        used_kg = -mass_kg * math.expm1(-leg.delta_v_m_s / chaser.tank.exhaust_m_s)
         found[at] = ThrustTimes(
             math.fsum(arc.end_s - arc.start_s for arc in leg.manoeuvres or ()),
             0.0 if leg.tow is None else leg.tow.end_s - leg.tow.start_s,
