@@ -8,21 +8,20 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ..common.constants import SLACK_M_S
-from ..common.tolerance import common_step
 from ..kernels.rules import schedule as kernels
-from ..kernels.rules.falls import Falls, lost_at
+from ..kernels.rules.falls import lost_at
 from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
 from .exceptions import Front as Front
 from .exceptions import by_exceptions
+from .prize_losses import PrizeLosses
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -84,41 +83,6 @@ class Schedule:
 def left_at_start(rules: Rules, kits: int) -> float:
     """ΔV in the tank at the start with a number of kits aboard [m/s]."""
     return rules.budget if rules.loads is None else float(rules.loads.first[kits])
-
-
-class Losses(NamedTuple):
-    """Losses of prizes as costs of labels: so that less lost comes before less cost.
-
-    Attributes
-    ----------
-    falls : Falls or None
-        Of whole multiples of the unit; None if no prize falls.
-    unit : float
-        More than any cost, a power of two.
-    step : float
-        The prize that it stands for.
-    """
-
-    falls: Falls | None
-    unit: float
-    step: float
-
-    @classmethod
-    def of(cls, rules: Rules, most_cost: float) -> Losses:
-        """Losses under some rules, with an upper limit on costs."""
-        if rules.falls is None:
-            return cls(None, math.inf, 0.0)
-        lost = rules.falls.lost
-        unit = 2.0 ** math.ceil(math.log2(max(most_cost, 1.0)) + 1.0)
-        step = common_step(lost.tolist()) or 1.0
-        return cls(rules.falls._replace(lost=np.rint(lost / step) * unit), unit, step)
-
-    def apart(self, costs: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Losses of prizes, and costs, from the sums in labels."""
-        if self.falls is None:
-            return np.zeros(costs.size), costs
-        lost = np.floor(costs / self.unit)
-        return lost * self.step, costs - lost * self.unit
 
 
 class Scheduler:
@@ -409,10 +373,10 @@ class Scheduler:
         return last.cost + self._time_m_s_per_s * (last.ready - self._rules().ready)
 
     @cached_property
-    def _losses(self) -> Losses:
+    def _losses(self) -> PrizeLosses:
         """Losses of prizes as costs of labels."""
         rules = self._rules()
-        return Losses.of(rules, self._most_cost(rules))
+        return PrizeLosses.of(rules.falls, self._most_cost(rules))
 
     def _most_cost(self, rules: Rules) -> float:
         """Upper limit on the cost of a label."""
