@@ -188,7 +188,6 @@ def mission(program: list[str], folder: Path) -> None:
     assert {"auto", "exact", "ppo"} <= set(found["planners"])
 
 
-@pytest.mark.slow
 def test_its_commands_work(programs: Path, tmp_path: Path) -> None:
     """Its program draws, plans, checks, reports and finds all well, as a module too."""
     pytest.importorskip("plotly")
@@ -224,6 +223,9 @@ print(json.dumps([compiled, [str(file) for file in cache.folders()[0].glob("*")]
 """
 
 
+pytestmark = pytest.mark.slow
+
+
 @needs_level
 def test_the_wheel_brings_kernels(programs: Path, tmp_path: Path) -> None:
     """With an empty folder for kernels a plan is made, and nothing is compiled or written."""
@@ -233,7 +235,6 @@ def test_the_wheel_brings_kernels(programs: Path, tmp_path: Path) -> None:
     assert json.loads(said.splitlines()[-1]) == [[], []]
 
 
-@pytest.mark.slow
 @needs_level
 def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) -> None:
     """With it no planner and no bound compiles for eight kinds of missions."""
@@ -261,7 +262,6 @@ def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) 
         assert json.loads(ran.stdout.splitlines()[-1]) == [[], []], method
 
 
-@pytest.mark.slow
 def test_the_wheel_installs_what_it_needs(archives: Archives, tmp_path: Path) -> None:
     """With what pip finds a mission is planned in an empty environment, by `auto` too."""
     constraints = ("--constraint", str(ROOT / "constraints.txt"))

@@ -35,6 +35,8 @@ from adr_opt.plan.tows import leaving_orbits
 from adr_opt.problem.drives import drive_of
 from adr_opt.problem.instance import Instance
 
+pytestmark = pytest.mark.slow
+
 SEED = 3
 
 
@@ -64,7 +66,6 @@ def with_tow(leg: RefinedLeg, tow: RefinedTow) -> RefinedPlan:
     return refined().replace(legs=tuple(legs))
 
 
-@pytest.mark.slow
 def test_legs_and_spirals_are_flown() -> None:
     """Another integrator arrives, releases where it is stated, and stays out of the shadow."""
     instance, plan = mission()

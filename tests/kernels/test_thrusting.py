@@ -131,6 +131,7 @@ def test_thrust_is_off_in_the_shortest_shadows() -> None:
     assert grazes > 10
 
 
+@pytest.mark.slow
 def test_windows_of_half_a_revolution_end_in_sunlight() -> None:
     """A window that begins nearly half a revolution before the shadow ends before it, too."""
     rng = np.random.default_rng(2)

@@ -58,7 +58,7 @@ def rows_of(observation: Any, index: int) -> Any:
             pytest.param(SMALL, name, marks=[pytest.mark.slow] * (name != "lookahead"))
             for name in OBSERVATIONS
         ),
-        (DRIFTING, "lookahead"),
+        pytest.param(DRIFTING, "lookahead", marks=pytest.mark.slow),
         pytest.param(DRIFTING, "published", marks=pytest.mark.slow),
     ],
 )

@@ -378,10 +378,10 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
         end = chaser.end if isinstance(chaser.end, str) else chaser.end.station
         if (done & needed) != needed or end not in ("anywhere", instance.names[body]):
             continue
-        prizes = _most(instance, int(done)) - float(use[-1])
+        prizes = _collected(instance, int(done), float(use[-1]))
         by_time = instance.objective.cost == "duration"
         cost = (time if done else 0.0) if by_time else spent
-        best = max(best, (round(prizes, 9), -cost, label), key=lambda one: one[:2])
+        best = max(best, (prizes, -cost, label), key=lambda one: one[:2])
     sequence = []
     label = best[2]
     while label >= 0 and where[label, 2] >= 0:
@@ -390,10 +390,12 @@ def brute_force(mission: Mission) -> tuple[float, float, tuple[int, ...]]:
     return best[0], -best[1], tuple(reversed(sequence))
 
 
-def _most(instance: Instance, done: int) -> float:
-    """Sum of the prizes of a set of targets, each the greatest."""
+def _collected(instance: Instance, done: int, lost: float) -> float:
+    """Sum of the prizes of a set of targets, each the greatest, less what they have fallen by."""
     chosen = [target for n, target in enumerate(instance.targets) if done >> n & 1]
-    return math.fsum(t.prize_until[0][1] if t.prize_until else t.prize for t in chosen)
+    most = math.fsum(t.prize_until[0][1] if t.prize_until else t.prize for t in chosen)
+    # Sums of losses in another order are the same losses.
+    return round(most - lost, 9) if lost else most
 
 
 Ways = dict[int, list[tuple[float, tuple[float, ...]]]]
@@ -455,5 +457,5 @@ def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
     for done, known in together.items():
         if known and done & needed == needed:
             for cost, use in known:
-                best = max(best, (round(_most(instance, done) - use[-1], 9), -cost))
+                best = max(best, (_collected(instance, done, use[-1]), -cost))
     return best[0], -best[1]

@@ -127,7 +127,7 @@ def test_check_counts_what_stations_give(refuelled) -> None:
 
 
 @pytest.mark.parametrize(("refuellings", "propellant_kg"), [(0, None), (1, None), (None, 40.0)])
-@pytest.mark.parametrize("method", ["auto", "greedy-guarded"])
+@pytest.mark.parametrize("method", [pytest.param("auto", marks=pytest.mark.slow), "greedy-guarded"])
 def test_planners_keep_to_what_stations_have(refuelled, refuellings, propellant_kg, method) -> None:
     """With less at the station less is collected, by plans that pass, and bounds stay valid."""
     instance = with_limits(refuellings, propellant_kg)

@@ -46,7 +46,9 @@ def fields() -> dict[str, Instance]:
     }
 
 
-@pytest.mark.parametrize("which", ["one", "several", "drifting"])
+@pytest.mark.parametrize(
+    "which", ["one", "drifting", pytest.param("several", marks=pytest.mark.slow)]
+)
 def test_a_variant_is_planned_on_the_timetable_that_is_there(fields, which: str) -> None:
     """Prizes, requirements and exclusions build no timetable, and the table is that of the variant.
 

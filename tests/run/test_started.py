@@ -103,8 +103,8 @@ def test_what_is_impossible_is_known_at_once() -> None:
 @pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
 @over_kinds(
     "draw, seeds",
-    two_body=(of_two_bodies, range(100, 113), 7), j2=(of_drift, range(100, 108), 4),
-    given=(of_given, range(100, 108), 4),
+    two_body=(of_two_bodies, range(100, 113), 4), j2=(of_drift, range(100, 108), 2),
+    given=(of_given, range(100, 108), 2),
 )  # fmt: skip
 def test_planners_keep_to_the_tank(method: str, draw, seeds: range) -> None:
     """What a planner returns passes `check`, and is worth no more than the optimum."""

@@ -88,7 +88,7 @@ def waits(waiting: Waiting, body: int) -> set[int]:
 
 @pytest.mark.parametrize("what", ["nothing", "counts", "weights"])
 @pytest.mark.parametrize("whole", [True, False])
-@pytest.mark.parametrize("words", [1, 2])
+@pytest.mark.parametrize("words", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("tolled", [False, True])
 def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
     """A list holds the labels that no other one dominates by the memory compared, as it grows."""

@@ -11,6 +11,7 @@ from ...plan.palette import REASONS, chaser_colours
 from ...plan.plan import Leg, Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import by_tank, owners, routes_of
+from ...problem.bodies import Target
 from ...problem.chasers import AtStation, Chaser
 from ...problem.instance import Instance
 from ..plot.traffic import also_there, stays
@@ -72,7 +73,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     """
     flown = {} if refined is None else {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
     whose = owners(instance, plan)
-    prizes = {target.name: target.prize_at for target in instance.targets}
+    targets = {target.name: target for target in instance.targets}
     drifts = instance.nodes_drift
     lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
                for leg in plan.legs]  # fmt: skip
@@ -104,7 +105,7 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
             *([("n", _towing(leg))] if towed else []),
             ("n", fixed(leg.delta_v_left_m_s, 1)),
             *([("n", _kg(leg.mass_kg))] if weighed else []),
-            ("n", "refuels" if refuels else number(prizes[leg.destination](leg.free_s), 3)),
+            ("n", "refuels" if refuels else _prize(targets.get(leg.destination), leg)),
         )
         rows.append(row(cells, f'data-leg="{at}"{" class=refuels" if refuels else ""}'))
     unit = "d" if in_days else "h"
@@ -231,6 +232,11 @@ def _where(chaser: Chaser, since: float) -> str:
     if isinstance(chaser.start, AtStation):
         place = chaser.start_name
     return f"{place}, {clock(since)}" if since > 0.0 else place
+
+
+def _prize(target: Target | None, leg: Leg) -> str:
+    """Prize of the service at the end of a leg; nothing for an unknown destination."""
+    return number(0.0 if target is None else target.prize_at(leg.free_s), 3)
 
 
 def unvisited(instance: Instance, plan: Plan) -> str:
