@@ -28,6 +28,8 @@ PACKAGES = ("adr_opt", "solvers")
 METHOD = "beam"
 """Method whose kernels are in the archive of the wheel; all are in that of the slow test."""
 
+pytestmark = pytest.mark.slow
+
 needs_level = pytest.mark.skipif(
     not archive.serves_this_processor(), reason="no archive is for this processor"
 )
