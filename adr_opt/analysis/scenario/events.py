@@ -1,0 +1,141 @@
+"""Rates of a year, and its collisions and explosions as drawn (docs/scenarios.md)."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from ...common.constants import EARTH_RADIUS_M
+from ...common.errors import InputError
+from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
+from ...kernels.orbits.drawn_collisions import drawn_collisions
+from ...kernels.orbits.keyed_draws import keyed_draws
+from ...sources.worth.air import FLOAT
+from ...sources.worth.breakup import CATASTROPHIC_J_KG, FRAGMENTS
+from ...sources.worth.lifetimes import YEAR_S
+from ...sources.worth.pairs import block_ends, threads
+from ...sources.worth.speeds import mean_speeds
+from .population import Population
+from .settings import KINDS, ScenarioSettings
+
+COLLISIONS, EXPLOSIONS, EXPLOSION_TIMES, CAPTURES, CAMPAIGNS = 1, 2, 3, 4, 5
+"""Kinds of draws."""
+
+MOST_HITS = 1000
+"""Collisions that a block of pairs may have in a year."""
+
+
+class Collision(NamedTuple):
+    """A drawn collision.
+
+    Attributes
+    ----------
+    time : float
+        Within the year.
+    one, other : int
+        Numbers of the objects, the heavier one first.
+    altitude_m : float
+    fragments : float
+        Of 10 cm and more.
+    catastrophic : bool
+        Whether both break up; else only the lighter one does.
+    """
+
+    time: float
+    one: int
+    other: int
+    altitude_m: float
+    fragments: float
+    catastrophic: bool
+
+
+class Explosion(NamedTuple):
+    """A drawn explosion: when in the year, and of which object."""
+
+    time: float
+    one: int
+
+
+class YearRates(NamedTuple):
+    """Expected numbers of a year: encounters, catastrophic ones, fragments made."""
+
+    encounters: float
+    catastrophic: float
+    fragments: float
+
+
+def collisions_of(
+    population: Population, seed: int, year: int, jobs: int
+) -> tuple[YearRates, list[Collision]]:
+    """Rates of all pairs, and the collisions drawn for the year.
+
+    Parameters
+    ----------
+    population : Population
+    seed, year : int
+    jobs : int
+        Number of threads, 0 for all cores; results do not depend on it.
+
+    Raises
+    ------
+    InputError
+        So many collisions happen that the year cannot be taken as one step.
+    """
+    bodies = population.bodies
+    order = np.argsort(bodies.shells[:, 0], kind="stable")
+    count = len(order)
+    nothing = np.zeros(count)
+    objects = CollidingObjects(
+        *(
+            np.ascontiguousarray(column[order])
+            for column in (bodies.shells, bodies.tilts, 0.5 * bodies.sizes, bodies.masses)
+        ),
+        nothing,
+        nothing.astype(np.int64),
+        nothing.astype(np.int64),
+    )
+    tables = CollisionTables(
+        mean_speeds(), np.zeros((2, 2, 2)), 0.0, 1.0, 1.0, FRAGMENTS, CATASTROPHIC_J_KG, YEAR_S
+    )
+    numbers = np.ascontiguousarray(population.numbers[order])
+
+    def block(ends: tuple[int, int]) -> tuple[FLOAT, FLOAT]:
+        sums, hits = np.zeros(3), np.zeros((MOST_HITS, 6))
+        keys = (seed, year, COLLISIONS)
+        found = drawn_collisions(objects, tables, numbers, keys, *ends, sums, hits)
+        if found > MOST_HITS:
+            raise InputError(
+                f"year {year}: more than {MOST_HITS} collisions; the population is too dense for "
+                "steps of a year"
+            )
+        return sums, hits[:found]
+
+    with ThreadPoolExecutor(threads(jobs)) as pool:
+        parts = list(pool.map(block, block_ends(count)))
+    sums = np.sum([part for part, _ in parts], axis=0)
+    collisions = []
+    for _, hits in parts:
+        for i, j, time, radius, made, catastrophic in hits.tolist():
+            pair = sorted((int(i), int(j)), key=lambda at: (-objects.masses[at], numbers[at]))
+            collisions.append(
+                Collision(
+                    time, int(numbers[pair[0]]), int(numbers[pair[1]]), radius - EARTH_RADIUS_M,
+                    made, bool(catastrophic),
+                )
+            )  # fmt: skip
+    return YearRates(*sums.tolist()), sorted(collisions)
+
+
+def explosions_of(
+    population: Population, settings: ScenarioSettings, seed: int, year: int
+) -> list[Explosion]:
+    """Explosions drawn for a year; debris does not explode."""
+    if settings.explosions == 0.0:
+        return []
+    whole = population.numbers[population.kinds != KINDS.index("debris")]
+    drawn = keyed_draws(seed, year, EXPLOSIONS, whole)
+    exploding = whole[drawn < settings.explosions]
+    times = keyed_draws(seed, year, EXPLOSION_TIMES, exploding)
+    return sorted(map(Explosion, times.tolist(), exploding.tolist()))
