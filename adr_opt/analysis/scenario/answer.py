@@ -23,7 +23,13 @@ SUMS = (
     "objects", "fragments", "encounters", "catastrophic", "expected_fragments", "collisions",
     "explosions", "removed", "void", "decayed", "launched",
 )  # fmt: skip
-"""Numbers of a year that are told."""
+"""Numbers of a year."""
+
+RUNNING = {"catastrophic": "catastrophic_before", "expected_fragments": "expected_fragments_before"}
+"""Expected numbers of a year → names of their sums over all years before."""
+
+TOLD = (*SUMS, *RUNNING.values())
+"""Numbers that are told of each year."""
 
 REMOVALS = (
     "year", "species", "shell", "shell_low_km", "shell_high_km", "removed", "standard_error",
@@ -55,8 +61,10 @@ def mean_and_error(values: FLOAT) -> tuple[FLOAT, FLOAT | None]:
 
 
 def table_of(made: Scenario, case: str) -> FLOAT:
-    """Numbers of all futures, shape (seed, year + 1, number)."""
-    return np.array([[numbers_of(record) for record in each[case]] for each in made.futures])
+    """Numbers of all futures under :data:`TOLD`, shape (seed, year + 1, number)."""
+    table = np.array([[numbers_of(record) for record in each[case]] for each in made.futures])
+    running = table[..., [SUMS.index(name) for name in RUNNING]]
+    return np.concatenate((table, np.cumsum(running, axis=1) - running), axis=2)
 
 
 def scenario_answer(made: Scenario) -> dict[str, Any]:
@@ -92,7 +100,7 @@ def _told(table: FLOAT) -> dict[str, Any]:
             "mean": mean[:, at].tolist(),
             "standard_error": None if error is None else error[:, at].tolist(),
         }
-        for at, name in enumerate(SUMS)
+        for at, name in enumerate(TOLD)
     }
 
 

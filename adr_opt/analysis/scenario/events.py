@@ -83,6 +83,8 @@ def collisions_of(
     InputError
         So many collisions happen that the year cannot be taken as one step.
     """
+    if len(population) < 2:
+        return YearRates(0.0, 0.0, 0.0), []
     bodies = population.bodies
     order = np.argsort(bodies.shells[:, 0], kind="stable")
     count = len(order)
