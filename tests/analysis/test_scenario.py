@@ -26,12 +26,13 @@ from adr_opt.analysis.scenario import (
     yearly_csv,
 )
 from adr_opt.analysis.scenario.answer import outside
-from adr_opt.analysis.scenario.branch import Branch, ScenarioStart
+from adr_opt.analysis.scenario.branch import Branch
 from adr_opt.analysis.scenario.campaign import campaign
 from adr_opt.analysis.scenario.clouds import FragmentCloud, fragments_by_shell
 from adr_opt.analysis.scenario.events import collisions_of
+from adr_opt.analysis.scenario.futures import ScenarioStart
 from adr_opt.analysis.scenario.offer import drifted, offer
-from adr_opt.analysis.scenario.population import Population, population_of
+from adr_opt.analysis.scenario.population import ObjectPopulation, population_of
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.decay import after_drag, drag_time
@@ -44,7 +45,8 @@ from adr_opt.sources.worth.lifetimes import DRAG_COEFFICIENT, YEAR_S, lifetimes
 RECORDS = field(40)
 
 LARGE = {
-    at: worth.Measures(10.0 ** (1 + 2 * (at % 3)), 300.0 * (1 + at % 2)) for at in range(len(RECORDS))
+    at: worth.Measures(10.0 ** (1 + 2 * (at % 3)), 300.0 * (1 + at % 2))
+    for at in range(len(RECORDS))
 }
 """Sizes with which some of 40 objects collide every few years."""
 
@@ -60,7 +62,7 @@ def bodies() -> worth.Bodies:
 
 
 @pytest.fixture(scope="module")
-def people(bodies: worth.Bodies) -> Population:
+def people(bodies: worth.Bodies) -> ObjectPopulation:
     """The same at one epoch."""
     return population_of(bodies, max(record.epoch for record in RECORDS))[0]
 
@@ -115,7 +117,7 @@ def test_nothing_changes_without_drag_events_and_campaigns(bodies: worth.Bodies)
 
 
 def test_totals_add_up_and_removed_objects_never_return(
-    people: Population, template: adr_opt.Instance
+    people: ObjectPopulation, template: adr_opt.Instance
 ) -> None:
     """Objects by shell are the list; each year's changes add up; a number that is gone stays so."""
     launches = (Launch(1, 3, "payload", 500.0, 2.0, 700.0, 710.0, 98.0, 2),)
@@ -141,7 +143,7 @@ def test_totals_add_up_and_removed_objects_never_return(
     assert removals > 3
 
 
-def test_futures_share_their_draws(people: Population, template: adr_opt.Instance) -> None:
+def test_futures_share_their_draws(people: ObjectPopulation, template: adr_opt.Instance) -> None:
     """What collides with campaigns collides at the same time without, as long as both are there."""
     start = ScenarioStart(people, RECORDS[0].epoch, template, (), settings(years=8))
     both = [list(lived(start, 3, removes=removes)) for removes in (True, False)]
@@ -159,7 +161,7 @@ def test_futures_share_their_draws(people: Population, template: adr_opt.Instanc
     assert others != [record.collisions for _, _, record in both[0]]
 
 
-def test_rates_are_those_of_worth(people: Population) -> None:
+def test_rates_are_those_of_worth(people: ObjectPopulation) -> None:
     """Encounters and catastrophic ones of all pairs are the sums of `worth`, on any threads."""
     rates, hits = collisions_of(people, 0, 0, 1)
     made = worth.worth_of(people.bodies, 50.0)
@@ -169,7 +171,7 @@ def test_rates_are_those_of_worth(people: Population) -> None:
     assert collisions_of(people, 0, 0, 3) == (rates, hits)
 
 
-def test_collisions_are_drawn_as_often_as_their_rates_say(people: Population) -> None:
+def test_collisions_are_drawn_as_often_as_their_rates_say(people: ObjectPopulation) -> None:
     """Over many seeds and years the mean number and fragments of collisions are as expected."""
     years = [collisions_of(people, seed, year, 1) for seed in range(150) for year in range(4)]
     rates = years[0][0]
@@ -185,7 +187,7 @@ def test_collisions_are_drawn_as_often_as_their_rates_say(people: Population) ->
 
 
 def test_missed_captures_are_not_removed_and_the_rest_is_planned_anew(
-    people: Population, template: adr_opt.Instance
+    people: ObjectPopulation, template: adr_opt.Instance
 ) -> None:
     """If every capture fails nothing is removed; if some do, others follow, each object once."""
     given = settings(capture_failure=0.5)
@@ -206,7 +208,7 @@ def test_missed_captures_are_not_removed_and_the_rest_is_planned_anew(
 
 
 def test_targets_are_the_best_floors_that_no_campaign_under_way_takes(
-    people: Population, template: adr_opt.Instance
+    people: ObjectPopulation, template: adr_opt.Instance
 ) -> None:
     """Prizes are floors of the offered set in whole units; limits and objects taken are kept."""
     given = settings(altitude_km=(600.0, 900.0), targets=8)
@@ -228,7 +230,7 @@ def test_targets_are_the_best_floors_that_no_campaign_under_way_takes(
         assert target.orbit.semi_major_axis_m == pytest.approx(people.orbits[at, :2].mean())
 
 
-def test_what_breaks_up_before_its_removal_is_not_removed(people: Population) -> None:
+def test_what_breaks_up_before_its_removal_is_not_removed(people: ObjectPopulation) -> None:
     """Of removals and break-ups of one object, the first one takes place."""
     start = ScenarioStart(
         people, RECORDS[0].epoch, None, (), settings(explosions=1.0, collisions=False)
@@ -265,9 +267,7 @@ def resumed(bodies: worth.Bodies, template: adr_opt.Instance, tmp_path_factory: 
     launches = (Launch(1, 2, "rocket body", 1000.0, 4.0, 800.0, 810.0, 71.0),)
 
     def run(**more: Any) -> Scenario:
-        return scenario(
-            bodies, template, replace(given, **more), launches=launches, folder=folder
-        )
+        return scenario(bodies, template, replace(given, **more), launches=launches, folder=folder)
 
     return run(), folder, run
 
@@ -342,7 +342,9 @@ def test_tables_have_what_happened(resumed: Any) -> None:
     for case, year in itertools.product(("with", "without"), range(5)):
         its = [row for row in yearly if (row["case"], row["year"]) == (case, str(year))]
         for name, is_one in (("fragments", True), ("objects", False)):
-            numbers = [float(row["number"]) for row in its if (row["species"] == "fragment") == is_one]
+            numbers = [
+                float(row["number"]) for row in its if (row["species"] == "fragment") == is_one
+            ]
             assert sum(numbers) == pytest.approx(told[case][name]["mean"][year], rel=1e-6)
     less = told["difference"]["objects"]["mean"]
     assert less == pytest.approx(
@@ -370,7 +372,7 @@ def test_orbits_after_years_are_those_of_their_lifetimes() -> None:
             assert left == pytest.approx(life * (1.0 - step / steps), abs=0.02 * life)
 
 
-def test_planes_drift_by_their_nodal_rate(people: Population) -> None:
+def test_planes_drift_by_their_nodal_rate(people: ObjectPopulation) -> None:
     """A year later nodes are where the rate of the mean orbit takes them; stations likewise."""
     later, down = people.a_year_later("mean", drag=False)
     assert len(down) == 0

@@ -13,7 +13,9 @@ from conftest import Cli
 
 RECORDS = field(12)
 
-LAUNCHES = "year,count,kind,mass,size,perigee,apogee,inclination,every\n1,2,payload,500,2,700,710,98,2\n"
+LAUNCHES = (
+    "year,count,kind,mass,size,perigee,apogee,inclination,every\n1,2,payload,500,2,700,710,98,2\n"
+)
 
 
 @pytest.fixture

@@ -6,9 +6,10 @@ docs/scenarios.md.
 """
 
 from .answer import removals_csv, scenario_answer, yearly_csv
+from .futures import Scenario
 from .launches import Launch, read_launches
 from .settings import AltitudeShells, ScenarioSettings
-from .study import Scenario, scenario
+from .study import scenario
 
 __all__ = [
     "AltitudeShells",

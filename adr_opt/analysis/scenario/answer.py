@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from ...sources.worth.air import FLOAT
-from .branch import YearRecord
+from .futures import Scenario
+from .records import CASES, YearRecord
 from .settings import FRAGMENTS, KINDS
-from .study import Scenario
-from .years_file import CASES
 
 SPECIES = {"payload": "S", "rocket body": "B", "debris": "N"}
 """Names of species in the table of removals by default, as pySSEM's own examples have them."""
@@ -64,7 +63,9 @@ def table_of(made: Scenario, case: str) -> FLOAT:
     """Numbers of all futures under :data:`TOLD`, shape (seed, year + 1, number)."""
     table = np.array([[numbers_of(record) for record in each[case]] for each in made.futures])
     running = table[..., [SUMS.index(name) for name in RUNNING]]
-    return np.concatenate((table, np.cumsum(running, axis=1) - running), axis=2)
+    before = np.zeros_like(running)
+    before[:, 1:] = np.cumsum(running, axis=1)[:, :-1]
+    return np.concatenate((table, before), axis=2)
 
 
 def scenario_answer(made: Scenario) -> dict[str, Any]:

@@ -3,114 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from datetime import datetime, timedelta
-from typing import Any, NamedTuple
+from datetime import timedelta
+from typing import NamedTuple
 
 import numpy as np
 
 from ...common.errors import InputError
-from ...problem.instance import Instance
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.pairs import INDICES
-from .campaign import Campaign, campaign
+from .campaign import campaign
 from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell
-from .events import Collision, Explosion, YearRates, collisions_of, explosions_of
-from .launches import Launch, launched
+from .events import collisions_of, explosions_of
+from .futures import ScenarioStart
+from .launches import launched
 from .offer import offer
-from .population import Population
-from .settings import ScenarioSettings
-
-
-@dataclass(frozen=True)
-class ScenarioStart:
-    """What all futures of a scenario have in common.
-
-    Attributes
-    ----------
-    population : Population
-    epoch : datetime
-        Of year 0.
-    template : Instance or None
-        Of campaigns.
-    launches : tuple of Launch
-    settings : ScenarioSettings
-    """
-
-    population: Population
-    epoch: datetime
-    template: Instance | None
-    launches: tuple[Launch, ...]
-    settings: ScenarioSettings
-
-    def launched_before(self, year: int) -> int:
-        """Number of objects launched in earlier years."""
-        return sum(
-            launch.count
-            for before in range(year)
-            for launch in self.launches
-            if launch.is_in(before)
-        )
-
-
-@dataclass(frozen=True)
-class YearRecord:
-    """A year of one future.
-
-    Attributes
-    ----------
-    objects : (kind, shells + 2) nested tuple of int
-        At its beginning, by shell; the first below all, the last above.
-    fragments : tuple of float
-        Likewise, of drawn events.
-    rates : YearRates
-        Of the pairs that are there at its beginning.
-    campaign : Campaign or None
-        Launched at its beginning.
-    collisions, explosions : tuple
-        As drawn; those that find an object gone do not take place.
-    took_place : (int, int)
-        Numbers of collisions and explosions that did.
-    removed : tuple of (int, int, int)
-        Numbers of the objects, their kinds, and their shells.
-    void : int
-        Removals that found their object gone.
-    decayed, launched : int
-    """
-
-    objects: tuple[tuple[int, ...], ...]
-    fragments: tuple[float, ...]
-    rates: YearRates
-    campaign: Campaign | None = None
-    collisions: tuple[Collision, ...] = ()
-    explosions: tuple[Explosion, ...] = ()
-    took_place: tuple[int, int] = (0, 0)
-    removed: tuple[tuple[int, int, int], ...] = ()
-    void: int = 0
-    decayed: int = 0
-    launched: int = 0
-
-    def to_dict(self) -> dict[str, Any]:
-        """Itself as JSON data."""
-        return {
-            **{name: getattr(self, name) for name in self.__dataclass_fields__},
-            "campaign": None if self.campaign is None else self.campaign.to_list(),
-        }
-
-    @classmethod
-    def of(cls, content: dict[str, Any]) -> YearRecord:
-        """The record of :meth:`to_dict`."""
-        flown = content["campaign"]
-        return cls(
-            objects=tuple(tuple(row) for row in content["objects"]),
-            fragments=tuple(content["fragments"]),
-            rates=YearRates(*content["rates"]),
-            campaign=None if flown is None else Campaign.of(flown),
-            collisions=tuple(Collision(*row) for row in content["collisions"]),
-            explosions=tuple(Explosion(*row) for row in content["explosions"]),
-            took_place=tuple(content["took_place"]),
-            removed=tuple(tuple(row) for row in content["removed"]),
-            **{name: content[name] for name in ("void", "decayed", "launched")},
-        )
+from .population import ObjectPopulation
+from .records import Collision, Explosion, FlownCampaign, YearRates, YearRecord
 
 
 class YearDraws(NamedTuple):
@@ -132,7 +40,7 @@ class Branch:
     seed : int
     removes : bool
         Whether campaigns take place.
-    population : Population
+    population : ObjectPopulation
     clouds : list of FragmentCloud
     pending : list of (float, int)
         Removals under way: year of each, and number of the object.
@@ -146,7 +54,7 @@ class Branch:
     start: ScenarioStart
     seed: int
     removes: bool
-    population: Population
+    population: ObjectPopulation
     clouds: list[FragmentCloud] = field(default_factory=list)
     pending: list[tuple[float, int]] = field(default_factory=list)
     year: int = 0
@@ -181,9 +89,7 @@ class Branch:
         settings, year = self.start.settings, self.year
         last = year == settings.years
         new = self._launch()
-        counts = tuple(
-            tuple(row) for row in self.population.by_shell(settings.shells).tolist()
-        )
+        counts = tuple(tuple(row) for row in self.population.by_shell(settings.shells).tolist())
         fragments = fragments_by_shell(
             self.clouds, float(year), settings.shells, settings.activity, drag=settings.drag
         )
@@ -237,7 +143,7 @@ class Branch:
             [] if last else explosions,
         )  # fmt: skip
 
-    def _campaign(self, jobs: int) -> Campaign | None:
+    def _campaign(self, jobs: int) -> FlownCampaign | None:
         template, settings, year = self.start.template, self.start.settings, self.year
         if not self.removes or template is None or year < self.due or len(self.population) < 2:
             return None
@@ -246,7 +152,7 @@ class Branch:
         offered = offer(template, self.population, taken, settings, year, since, jobs)
         return campaign(offered, settings, self.seed, year)
 
-    def _take_on(self, flown: Campaign | None) -> None:
+    def _take_on(self, flown: FlownCampaign | None) -> None:
         """Removals of a campaign; one that was lost is repeated in the next year."""
         settings, year = self.start.settings, self.year
         if self.removes and year >= self.due:
@@ -272,6 +178,7 @@ class Branch:
             return (0, 0), (), 0
         now = [each for each in self.pending if each[0] < year + 1]
         self.pending = [each for each in self.pending if each[0] >= year + 1]
+        queue: list[tuple[float, int, int, Collision | None]]
         queue = [(time - year, 0, number, None) for time, number in now]
         queue += [(each.time, 1, each.one, each) for each in collisions]
         queue += [(each.time, 2, each.one, None) for each in explosions]
@@ -319,7 +226,9 @@ class Branch:
         return len(down)
 
 
-def _split(fragments: float, population: Population, places: list[int]) -> tuple[float, float]:
+def _split(
+    fragments: float, population: ObjectPopulation, places: list[int]
+) -> tuple[float, float]:
     """Fragments of rocket bodies and of spacecraft, each object's share by its mass."""
     masses = population.bodies.masses[places]
     stages = np.array([population.bodies.kinds[at] == "rocket body" for at in places])

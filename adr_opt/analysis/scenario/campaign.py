@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
 import numpy as np
 
 from ...kernels.orbits.keyed_draws import keyed_draws
@@ -14,67 +12,10 @@ from ..replan import replan
 from ..state import states_at
 from .events import CAMPAIGNS, CAPTURES
 from .offer import Offer
+from .records import Attempt, FlownCampaign
 from .settings import ScenarioSettings
 
-
 LEAST_S = 1e-3
-
-
-class Attempt(NamedTuple):
-    """A capture: its end within the mission, the object, and whether it succeeded.
-
-    Attributes
-    ----------
-    time_s : float
-        Since the epoch of the campaign.
-    number : int
-    name : str
-    prize : float
-        [fragment-years].
-    succeeded : bool
-    """
-
-    time_s: float
-    number: int
-    name: str
-    prize: float
-    succeeded: bool
-
-
-class Campaign(NamedTuple):
-    """A campaign of a scenario.
-
-    Attributes
-    ----------
-    failed : bool
-        Whether it was lost at its launch.
-    offered : int
-        Number of targets.
-    planned : int
-        Number of those that its first plan visits.
-    replanned : int
-        How often it was planned anew.
-    delta_v_m_s : float
-        Of the first plan.
-    attempts : tuple of Attempt
-        In order of time.
-    """
-
-    failed: bool
-    offered: int
-    planned: int
-    replanned: int
-    delta_v_m_s: float
-    attempts: tuple[Attempt, ...]
-
-    def to_list(self) -> list[Any]:
-        """Itself as JSON data."""
-        return [*self[:-1], [list(each) for each in self.attempts]]
-
-    @classmethod
-    def of(cls, row: list[Any]) -> Campaign:
-        """The campaign of :meth:`to_list`."""
-        return cls(*row[:-1], tuple(Attempt(*each) for each in row[-1]))
 
 
 def fails(seed: int, year: int, chance: float) -> bool:
@@ -82,7 +23,9 @@ def fails(seed: int, year: int, chance: float) -> bool:
     return chance > 0.0 and float(keyed_draws(seed, year, CAMPAIGNS, np.zeros(1, int))[0]) < chance
 
 
-def campaign(offered: Offer, settings: ScenarioSettings, seed: int, year: int) -> Campaign | None:
+def campaign(
+    offered: Offer, settings: ScenarioSettings, seed: int, year: int
+) -> FlownCampaign | None:
     """Plan and fly a campaign; None if nothing is offered to it.
 
     A capture that fails is found at the end of its service; the chaser goes on from there, and all
@@ -98,7 +41,7 @@ def campaign(offered: Offer, settings: ScenarioSettings, seed: int, year: int) -
     if instance is None:
         return None
     if fails(seed, year, settings.campaign_failure):
-        return Campaign(True, len(instance.targets), 0, 0, 0.0, ())
+        return FlownCampaign(True, len(instance.targets), 0, 0, 0.0, ())
     numbers = np.array(list(offered.numbers.values()))
     drawn = keyed_draws(seed, year, CAPTURES, numbers)
     failing = {
@@ -113,11 +56,9 @@ def campaign(offered: Offer, settings: ScenarioSettings, seed: int, year: int) -
         time_s = leg.end_s if failed else leg.done_s
         return Attempt(time_s, offered.numbers[name], name, prizes[name], not failed)
 
-    plan = solve(
-        instance, settings.method, time_limit=settings.time_limit_s, seed=seed % 2**31
-    ).plan
+    plan = solve(instance, settings.method, time_limit=settings.time_limit_s, seed=seed).plan
     if plan is None:
-        return Campaign(False, len(instance.targets), 0, 0, 0.0, ())
+        return FlownCampaign(False, len(instance.targets), 0, 0, 0.0, ())
     planned, delta_v_m_s = len(_services(plan, offered)), sum(leg.spent_m_s for leg in plan.legs)
     attempts: list[Attempt] = []
     replanned = 0
@@ -126,9 +67,7 @@ def campaign(offered: Offer, settings: ScenarioSettings, seed: int, year: int) -
         services = _services(plan, offered)
         # A leg has begun only after its departure, also where a service takes no time.
         wrong = [
-            max(leg.end_s, leg.leaves_s + LEAST_S)
-            for leg in services
-            if leg.destination in failing
+            max(leg.end_s, leg.leaves_s + LEAST_S) for leg in services if leg.destination in failing
         ]
         if not wrong:
             attempts += map(attempt, services)
@@ -138,14 +77,14 @@ def campaign(offered: Offer, settings: ScenarioSettings, seed: int, year: int) -
         missed = [leg.destination for leg in begun if leg.destination in failing]
         made = replan(
             left, plan, at_s, missed=missed, method=settings.method,
-            time_limit=settings.time_limit_s, seed=seed % 2**31,
+            time_limit=settings.time_limit_s, seed=seed,
         )  # fmt: skip
         for state in made.states:
             done = state.legs[:-1] if state.is_put else state.legs
             attempts += [attempt(leg) for leg in done if leg.destination in offered.numbers]
         left, plan, replanned = made.instance, made.plan, replanned + 1
     attempts = sorted(attempts)
-    return Campaign(
+    return FlownCampaign(
         False, len(instance.targets), planned, replanned, delta_v_m_s, tuple(attempts)
     )
 

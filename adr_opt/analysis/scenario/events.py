@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,8 @@ from ...sources.worth.breakup import CATASTROPHIC_J_KG, FRAGMENTS
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.pairs import block_ends, threads
 from ...sources.worth.speeds import mean_speeds
-from .population import Population
+from .population import ObjectPopulation
+from .records import Collision, Explosion, YearRates
 from .settings import KINDS, ScenarioSettings
 
 COLLISIONS, EXPLOSIONS, EXPLOSION_TIMES, CAPTURES, CAMPAIGNS = 1, 2, 3, 4, 5
@@ -27,53 +27,14 @@ MOST_HITS = 1000
 """Collisions that a block of pairs may have in a year."""
 
 
-class Collision(NamedTuple):
-    """A drawn collision.
-
-    Attributes
-    ----------
-    time : float
-        Within the year.
-    one, other : int
-        Numbers of the objects, the heavier one first.
-    altitude_m : float
-    fragments : float
-        Of 10 cm and more.
-    catastrophic : bool
-        Whether both break up; else only the lighter one does.
-    """
-
-    time: float
-    one: int
-    other: int
-    altitude_m: float
-    fragments: float
-    catastrophic: bool
-
-
-class Explosion(NamedTuple):
-    """A drawn explosion: when in the year, and of which object."""
-
-    time: float
-    one: int
-
-
-class YearRates(NamedTuple):
-    """Expected numbers of a year: encounters, catastrophic ones, fragments made."""
-
-    encounters: float
-    catastrophic: float
-    fragments: float
-
-
 def collisions_of(
-    population: Population, seed: int, year: int, jobs: int
+    population: ObjectPopulation, seed: int, year: int, jobs: int
 ) -> tuple[YearRates, list[Collision]]:
     """Rates of all pairs, and the collisions drawn for the year.
 
     Parameters
     ----------
-    population : Population
+    population : ObjectPopulation
     seed, year : int
     jobs : int
         Number of threads, 0 for all cores; results do not depend on it.
@@ -88,16 +49,12 @@ def collisions_of(
     bodies = population.bodies
     order = np.argsort(bodies.shells[:, 0], kind="stable")
     count = len(order)
-    nothing = np.zeros(count)
-    objects = CollidingObjects(
-        *(
-            np.ascontiguousarray(column[order])
-            for column in (bodies.shells, bodies.tilts, 0.5 * bodies.sizes, bodies.masses)
-        ),
-        nothing,
-        nothing.astype(np.int64),
-        nothing.astype(np.int64),
+    shells, tilts, widths, masses = (
+        np.ascontiguousarray(column[order])
+        for column in (bodies.shells, bodies.tilts, 0.5 * bodies.sizes, bodies.masses)
     )
+    whole = np.zeros(count, dtype=np.int64)
+    objects = CollidingObjects(shells, tilts, widths, masses, np.zeros(count), whole, whole)
     tables = CollisionTables(
         mean_speeds(), np.zeros((2, 2, 2)), 0.0, 1.0, 1.0, FRAGMENTS, CATASTROPHIC_J_KG, YEAR_S
     )
@@ -120,7 +77,7 @@ def collisions_of(
     collisions = []
     for _, hits in parts:
         for i, j, time, radius, made, catastrophic in hits.tolist():
-            pair = sorted((int(i), int(j)), key=lambda at: (-objects.masses[at], numbers[at]))
+            pair = sorted((int(i), int(j)), key=lambda at: (-masses[at], numbers[at]))
             collisions.append(
                 Collision(
                     time, int(numbers[pair[0]]), int(numbers[pair[1]]), radius - EARTH_RADIUS_M,
@@ -131,7 +88,7 @@ def collisions_of(
 
 
 def explosions_of(
-    population: Population, settings: ScenarioSettings, seed: int, year: int
+    population: ObjectPopulation, settings: ScenarioSettings, seed: int, year: int
 ) -> list[Explosion]:
     """Explosions drawn for a year; debris does not explode."""
     if settings.explosions == 0.0:

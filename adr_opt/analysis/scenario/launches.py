@@ -12,8 +12,8 @@ import csv
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import datetime
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from ...kernels.orbits.keyed_draws import keyed_draws
 from ...sources.catalogue.records import ElementSet, shown
 from ...sources.worth.air import ALTITUDES_KM
 from ...sources.worth.bodies import BY_SIZE, TABLE, Bodies
-from .population import Population, padded
+from .population import ObjectPopulation, padded
 from .settings import KINDS
 
 COLUMNS = ("year", "count", "kind", "mass", "size", "perigee", "apogee", "inclination")
@@ -35,7 +35,8 @@ NODES, ARGUMENTS, ANOMALIES = 11, 12, 13
 """Kinds of draws."""
 
 
-class Launch(NamedTuple):
+@dataclass(frozen=True)
+class Launch:
     """Objects of one kind that are launched together.
 
     Attributes
@@ -119,7 +120,9 @@ def _launch(cells: dict[str, str], where: str) -> Launch:
         every=int(every),
     )
     if launch.apogee < launch.perigee:
-        raise InputError(f"{where}: apogee {launch.apogee:g} km is below the perigee; exchange them")
+        raise InputError(
+            f"{where}: apogee {launch.apogee:g} km is below the perigee; exchange them"
+        )
     if every != int(every):
         raise InputError(f"{where}: every = {cells['every']}: must be a whole number of years")
     return launch
@@ -139,7 +142,7 @@ def _number(text: str, where: str, least: float, most: float, *, whole: bool = F
 
 def launched(
     launches: Sequence[Launch], year: int, seed: int, first: int, epoch: datetime
-) -> Population | None:
+) -> ObjectPopulation | None:
     """Objects launched in a year; None if there are none.
 
     Parameters
@@ -168,7 +171,7 @@ def launched(
         for place, (row, orbit) in enumerate(zip(rows, orbits, strict=True))
     )
     many = len(rows)
-    return Population(
+    return ObjectPopulation(
         numbers,
         orbits,
         Bodies(

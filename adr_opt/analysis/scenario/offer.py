@@ -19,7 +19,7 @@ from ...problem.orbit import Orbit
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.prizes import usual_unit
 from ...sources.worth.worth import worth_of
-from .population import NODE, TILT, Population, true_anomalies
+from .population import NODE, TILT, ObjectPopulation, true_anomalies
 from .settings import ScenarioSettings
 
 
@@ -72,7 +72,7 @@ def check_template(template: Instance) -> None:
 
 
 def offer(
-    template: Instance, population: Population, taken: set[int], settings: ScenarioSettings,
+    template: Instance, population: ObjectPopulation, taken: set[int], settings: ScenarioSettings,
     year: int, start_years: float, jobs: int,
 ) -> Offer:  # fmt: skip
     """The instance of a campaign on what is there.
@@ -81,7 +81,7 @@ def offer(
     ----------
     template : Instance
         Of its targets only the first counts, for the kind of its service.
-    population : Population
+    population : ObjectPopulation
     taken : set of int
         Numbers of objects that a campaign under way is to remove.
     settings : ScenarioSettings
@@ -126,7 +126,7 @@ def offer(
 
 
 def _eligible(
-    template: Instance, population: Population, taken: set[int], settings: ScenarioSettings
+    template: Instance, population: ObjectPopulation, taken: set[int], settings: ScenarioSettings
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
     transfer, altitudes = template.transfer, population.altitudes_m
     low, high = settings.altitude_km or (0.0, math.inf)
@@ -172,7 +172,9 @@ def _instance(
         epoch=epoch,
         frame=None if template.frame is None else Frame(name="TEME", axes_epoch=epoch),
         stations=tuple(
-            station.replace(orbit=None if station.orbit is None else drifted(station.orbit, since_s))
+            station.replace(
+                orbit=None if station.orbit is None else drifted(station.orbit, since_s)
+            )
             for station in template.stations
         ),
         targets=targets,

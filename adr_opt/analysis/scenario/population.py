@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -26,16 +27,13 @@ MASK = np.ndarray[tuple[int], np.dtype[np.bool_]]
 PERIGEE, APOGEE, TILT, NODE, ARGUMENT, ANOMALY = range(6)
 """Columns of orbits."""
 
-OF_BODIES = (
-    "records", "kinds", "mass_sources", "size_sources", "area_sources"
-)  # fmt: skip
-"""Columns of :class:`.Bodies` that are tuples."""
-
+TUPLES = ("records", "kinds", "mass_sources", "size_sources", "area_sources")
 ARRAYS = ("shells", "tilts", "masses", "sizes", "areas")
+"""Columns of :class:`.Bodies`."""
 
 
 @dataclass(frozen=True)
-class Population:
+class ObjectPopulation:
     """Objects as arrays.
 
     Attributes
@@ -66,25 +64,24 @@ class Population:
         """Place of each object's kind in :data:`.settings.KINDS`."""
         return np.array([KINDS.index(kind) for kind in self.bodies.kinds], dtype=np.int64)
 
-    def kept(self, mask: MASK) -> Population:
+    def kept(self, mask: MASK) -> ObjectPopulation:
         """Those objects for which a mask is true."""
-        return Population(self.numbers[mask], self.orbits[mask], part_of(self.bodies, mask))
+        return ObjectPopulation(self.numbers[mask], self.orbits[mask], part_of(self.bodies, mask))
 
-    def without(self, gone: set[int]) -> Population:
+    def without(self, gone: set[int]) -> ObjectPopulation:
         """All but the objects of some numbers."""
         return self.kept(~np.isin(self.numbers, sorted(gone))) if gone else self
 
-    def joined(self, other: Population) -> Population:
+    def joined(self, other: ObjectPopulation) -> ObjectPopulation:
         """These objects and those of another population, whose numbers are larger."""
         if not len(other):
             return self
         one, two = self.bodies, other.bodies
-        bodies = replace(
-            one,
-            **{name: getattr(one, name) + getattr(two, name) for name in OF_BODIES},
-            **{name: np.concatenate((getattr(one, name), getattr(two, name))) for name in ARRAYS},
-        )
-        return Population(
+        columns: dict[str, Any] = {name: getattr(one, name) + getattr(two, name) for name in TUPLES}
+        for name in ARRAYS:
+            columns[name] = np.concatenate((getattr(one, name), getattr(two, name)))
+        bodies = replace(one, **columns)
+        return ObjectPopulation(
             np.concatenate((self.numbers, other.numbers)),
             np.concatenate((self.orbits, other.orbits)),
             bodies,
@@ -96,7 +93,7 @@ class Population:
         np.add.at(found, (self.kinds, shells.numbers(self.altitudes_m)), 1)
         return found
 
-    def a_year_later(self, activity: str, *, drag: bool) -> tuple[Population, INDICES]:
+    def a_year_later(self, activity: str, *, drag: bool) -> tuple[ObjectPopulation, INDICES]:
         """Objects after a year of drag and J2, and the numbers of those that came down."""
         orbits = self.orbits.copy()
         ends = np.ascontiguousarray(orbits[:, :2])
@@ -112,7 +109,7 @@ class Population:
         orbits[:, :2] = ends
         stays = ends[:, 0] > EARTH_RADIUS_M + 1e3 * ALTITUDES_KM[0]
         bodies = replace(self.bodies, shells=padded(ends))
-        made = Population(self.numbers, orbits, bodies)
+        made = ObjectPopulation(self.numbers, orbits, bodies)
         return made.kept(stays), self.numbers[~stays]
 
 
@@ -126,14 +123,13 @@ def padded(ends: FLOAT) -> FLOAT:
 def part_of(bodies: Bodies, mask: MASK) -> Bodies:
     """Those bodies for which a mask is true."""
     places = np.flatnonzero(mask)
-    return replace(
-        bodies,
-        **{name: tuple(getattr(bodies, name)[at] for at in places) for name in OF_BODIES},
-        **{name: getattr(bodies, name)[mask] for name in ARRAYS},
-    )
+    columns: dict[str, Any] = {name: getattr(bodies, name)[mask] for name in ARRAYS}
+    for name in TUPLES:
+        columns[name] = tuple(getattr(bodies, name)[at] for at in places)
+    return replace(bodies, **columns)
 
 
-def population_of(bodies: Bodies, epoch: datetime) -> tuple[Population, dict[str, int]]:
+def population_of(bodies: Bodies, epoch: datetime) -> tuple[ObjectPopulation, dict[str, int]]:
     """Objects of a catalogue at an epoch, by SGP4, and how many were left out for which reason.
 
     Raises
@@ -158,7 +154,7 @@ def population_of(bodies: Bodies, epoch: datetime) -> tuple[Population, dict[str
     orbits = np.column_stack((ends, elements[:, 2:6]))
     orbits[:, NODE:] %= 2.0 * math.pi
     moved = replace(bodies, shells=padded(ends), tilts=elements[:, 2].copy())
-    made = Population(np.arange(len(bodies)), orbits, moved).kept(there)
+    made = ObjectPopulation(np.arange(len(bodies)), orbits, moved).kept(there)
     return made, {reason: count for reason, count in left_out.items() if count}
 
 

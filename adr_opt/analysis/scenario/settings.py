@@ -125,9 +125,7 @@ class ScenarioSettings:
         except InputError as error:
             raise InputError(str(error).replace("--years", "--worth-years")) from None
         if self.activity not in ACTIVITIES:
-            raise InputError(
-                f"activity {self.activity!r} is unknown; use {', '.join(ACTIVITIES)}"
-            )
+            raise InputError(f"activity {self.activity!r} is unknown; use {', '.join(ACTIVITIES)}")
         for option, chance in (
             ("--explosions", self.explosions),
             ("--capture-failure", self.capture_failure),

@@ -8,45 +8,25 @@ import multiprocessing
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from datetime import datetime
 
 from ...common.errors import InputError
 from ...problem.instance import Instance
 from ...run.method_call import spec_of
 from ...sources.worth.bodies import Bodies
-from .branch import Branch, ScenarioStart, YearRecord
+from .branch import Branch
+from .futures import Future, Scenario, ScenarioStart
 from .launches import Launch
 from .offer import check_template
 from .population import population_of
+from .records import CASES, YearRecord
 from .settings import ScenarioSettings
-from .years_file import CASES, YearsFile
-
-Future = dict[str, list[YearRecord]]
-"""Case → records of all years and of the end."""
+from .years_file import YearsFile
 
 Show = Callable[[int, int], None]
 
 
-@dataclass(frozen=True)
-class Scenario:
-    """A scenario over several seeds.
-
-    Attributes
-    ----------
-    start : ScenarioStart
-    futures : tuple of dict
-        One for each seed: "with" and "without" campaigns → a record for each year and the end.
-    left_out : dict of str to int
-        Reasons → objects of the catalogue that are not here.
-    """
-
-    start: ScenarioStart
-    futures: tuple[Future, ...]
-    left_out: dict[str, int]
-
-
-def scenario(  # noqa: PLR0913
+def scenario(
     bodies: Bodies,
     template: Instance | None,
     settings: ScenarioSettings,
@@ -113,9 +93,7 @@ def scenario(  # noqa: PLR0913
         # A fork of a process with threads may wait for a lock that is never released.
         context = multiprocessing.get_context("spawn")
         with ProcessPoolExecutor(min(jobs, settings.seeds), context) as pool:
-            calls = [
-                pool.submit(future, start, seed, file, 1) for seed, file in enumerate(files)
-            ]
+            calls = [pool.submit(future, start, seed, file, 1) for seed, file in enumerate(files)]
             futures = []
             for seed, call in enumerate(calls):
                 futures.append(call.result())

@@ -12,12 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
-from .branch import YearRecord
+from .records import CASES, YearRecord
 
 FORMAT = "adr-opt-scenario/1"
-
-CASES = ("with", "without")
-"""Futures with campaigns and without."""
 
 
 class YearsFile:

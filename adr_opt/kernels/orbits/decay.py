@@ -35,8 +35,17 @@ def log_density(altitude, altitudes, logs):
 
 @inlined
 def _step(perigee, apogee, altitudes, logs):
-    """A step under drag: changes of perigee and apogee [m], its time if the air were as dense all
-    the way, and the growth of the logarithm of the density within it."""
+    """A step under drag.
+
+    Returns
+    -------
+    perigee_change, apogee_change : float
+        [m].
+    step : float
+        Time that it would take in air as dense as at its beginning [s m²/kg].
+    layers : float
+        Growth of the logarithm of the density within it.
+    """
     axis, half = 0.5 * (apogee + perigee), 0.5 * (apogee - perigee)
     eccentricity = half / axis
     falls, shrinks = 0.0, 0.0

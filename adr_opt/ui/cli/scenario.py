@@ -17,7 +17,7 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ...analysis.scenario import AltitudeShells
+    from ...analysis.scenario.settings import AltitudeShells
 
 ROWS = 11
 """Maximum number of years in the table that is printed."""
@@ -105,15 +105,10 @@ def command(
     Each campaign is planned on what is there that year: decayed, broken up, launched, not yet
     removed. Both futures share their draws. With --folder a run that ended early goes on.
     """
-    from ...analysis.scenario import (
-        ScenarioSettings,
-        read_launches,
-        removals_csv,
-        scenario,
-        scenario_answer,
-        yearly_csv,
-    )
-    from ...analysis.scenario.answer import outside
+    from ...analysis.scenario.answer import outside, removals_csv, scenario_answer, yearly_csv
+    from ...analysis.scenario.launches import read_launches
+    from ...analysis.scenario.settings import ScenarioSettings
+    from ...analysis.scenario.study import scenario
     from ...common.files import write_text
     from ...problem.instance import load
     from ...run.front import DEFAULT_METHOD
@@ -190,7 +185,7 @@ def parse_shells(text: str) -> AltitudeShells:
     InputError
         They are not.
     """
-    from ...analysis.scenario import AltitudeShells
+    from ...analysis.scenario.settings import AltitudeShells
 
     try:
         low, high, number = text.split(":")

@@ -11,9 +11,9 @@ from ...common.errors import InputError
 from ...common.version import __version__
 
 VERBS = (
-    "generate", "worth", "scenario", "import", "solve", "bound", "check", "verify", "price", "compare",
-    "tradeoff", "replan", "fly", "refine", "matrix", "export", "report", "serve", "train",
-    "methods", "warm-up", "doctor", "schema",
+    "generate", "worth", "scenario", "import", "solve", "bound", "check", "verify", "price",
+    "compare", "tradeoff", "replan", "fly", "refine", "matrix", "export", "report", "serve",
+    "train", "methods", "warm-up", "doctor", "schema",
 )  # fmt: skip
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from ...analysis.scenario import Scenario
+from ...analysis.scenario.futures import Scenario
 from ...analysis.scenario.settings import KINDS
 from ...common.wording import counted
 from ...sources.worth.reasons import figure
@@ -140,7 +141,7 @@ def _by_shell(made: Scenario) -> str:
     edges = shells.edges_km
     names = [
         f"below {edges[0]:g}",
-        *(f"{low:g}–{high:g}" for low, high in zip(edges[:-1], edges[1:], strict=True)),
+        *(f"{low:g}–{high:g}" for low, high in pairwise(edges.tolist())),
         f"above {edges[-1]:g}",
     ]
     rows = (
