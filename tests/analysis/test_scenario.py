@@ -99,11 +99,11 @@ def test_both_futures_are_equal_where_every_campaign_is_lost(
     bodies: worth.Bodies, template: adr_opt.Instance
 ) -> None:
     """Lost campaigns remove nothing, are repeated in the next year, and change no number."""
-    made = scenario(bodies, template, settings(campaign_failure=1.0, explosions=0.02))
+    made = scenario(bodies, template, settings(years=3, campaign_failure=1.0, explosions=0.02))
     told = scenario_answer(made)
     assert told["with"] == told["without"]
-    assert any(told["with"]["collisions"]["mean"])
-    assert [each["failed"] for each in told["campaigns"]] == [1] * 5
+    assert any(told["with"]["fragments"]["mean"])
+    assert [each["failed"] for each in told["campaigns"]] == [1] * 3
     assert removals_csv(made).count("\n") == 1
 
 
@@ -145,7 +145,7 @@ def test_totals_add_up_and_removed_objects_never_return(
 
 def test_futures_share_their_draws(people: ObjectPopulation, template: adr_opt.Instance) -> None:
     """What collides with campaigns collides at the same time without, as long as both are there."""
-    start = ScenarioStart(people, RECORDS[0].epoch, template, (), settings(years=8))
+    start = ScenarioStart(people, RECORDS[0].epoch, template, (), settings(years=8, every=5))
     both = [list(lived(start, 3, removes=removes)) for removes in (True, False)]
     shared = 0
     for (with_them, _, one), (without, _, other) in zip(*both, strict=True):
@@ -192,7 +192,7 @@ def test_missed_captures_are_not_removed_and_the_rest_is_planned_anew(
     """If every capture fails nothing is removed; if some do, others follow, each object once."""
     given = settings(capture_failure=0.5)
     offered = offer(template, people, set(), given, 0, 0.0, 1)
-    flown = [campaign(offered, given, seed, 0) for seed in range(6)]
+    flown = [campaign(offered, given, seed, 0) for seed in range(3)]
     assert any(each is not None and each.replanned for each in flown)
     for each in flown:
         assert each is not None

@@ -57,6 +57,7 @@ def test_tables_page_and_answer_agree(drawn) -> None:
     page = Path("p.html").read_text(encoding="utf-8")
     for title in ("Objects", "Expected catastrophic collisions", "Campaigns", "Assumptions"):
         assert f"<h2>{title}</h2>" in page
+    assert "a year × 10⁻" in page
     assert "<script" not in page
     assert "http" not in page.replace("http-equiv", "")
     again = drawn(*call)
@@ -71,7 +72,9 @@ def test_without_a_campaign_both_futures_are_told(drawn) -> None:
     assert "12 objects on 2025-03-01" in outcome.err
     rows = [line for line in outcome.out.splitlines() if line.strip().startswith(("│", "0", "30"))]
     assert rows
-    assert "No campaign took place." in Path("p.html").read_text(encoding="utf-8")
+    page = Path("p.html").read_text(encoding="utf-8")
+    assert "No campaign took place." in page
+    assert "There are none in any year." in page
 
 
 @pytest.mark.parametrize(

@@ -52,10 +52,12 @@ def numbers_of(record: YearRecord) -> tuple[float, ...]:
 def mean_and_error(values: FLOAT) -> tuple[FLOAT, FLOAT | None]:
     """Mean over the first axis, and its standard error; None of a single value."""
     count = len(values)
-    mean: FLOAT = values.mean(axis=0)
+    # From the first value, so that equal ones have no error to the last bit.
+    less = values - values[0]
+    mean: FLOAT = values[0] + less.mean(axis=0)
     if count < 2:
         return mean, None
-    error: FLOAT = values.std(axis=0, ddof=1) / math.sqrt(count)
+    error: FLOAT = less.std(axis=0, ddof=1) / math.sqrt(count)
     return mean, error
 
 

@@ -46,6 +46,8 @@ ASSUMED = (
     "on arrival that an object has broken up."
 )
 
+NOTHING_DRAWN = "There are none in any year."
+
 WITH_NONE = "No campaign took place."
 
 
@@ -59,10 +61,7 @@ def scenario_page(made: Scenario, told: Mapping[str, Any]) -> str:
         Its answer, see :func:`adr_opt.analysis.scenario.scenario_answer`.
     """
     settings = made.start.settings
-    parts = [
-        section(title, "", drawn(scenario_chart(told, name, axis), title))
-        for name, title, axis in CURVES
-    ]
+    parts = [_curve(told, *curve) for curve in CURVES]
     parts += [
         section(
             "Sums over the years",
@@ -81,6 +80,15 @@ def scenario_page(made: Scenario, told: Mapping[str, Any]) -> str:
     )
     title = f"{told['objects']} objects, with campaigns and without"
     return page("Scenario", title, under, parts)
+
+
+def _curve(told: Mapping[str, Any], name: str, title: str, axis: str) -> str:
+    chart = scenario_chart(told, name, axis)
+    return (
+        section(title, NOTHING_DRAWN, "")
+        if chart is None
+        else section(title, "", drawn(chart, title))
+    )
 
 
 def _value(pair: Mapping[str, Any]) -> str:
