@@ -82,14 +82,14 @@ def main() -> None:
         for name in ("flown", "failed", "captured", "missed", "replanned")
     }
     print(
-        f"{told['objects']:,} objects, {call.years} years, {call.seeds} futures in both cases: "
+        f"{told['objects']:,} objects, years: {call.years}, futures in both cases: {call.seeds}; "
         f"{wall_s:.0f} s, {cpu_s:.0f} s of processors. "
-        f"{sums['flown']} campaigns, {sums['failed']} lost at launch; {sums['captured']} objects "
-        f"captured, {sums['missed']} missed, planned anew {sums['replanned']} times.\n"
+        f"Campaigns: {sums['flown']}, lost at launch: {sums['failed']}, objects captured: "
+        f"{sums['captured']}, missed: {sums['missed']}, planned anew: {sums['replanned']} times.\n"
     )
     print("| year | case | objects | fragments of events | catastrophic a year | expected so far |")
     print("|---|---|---|---|---|---|")
-    for at in sorted({*range(0, call.years, max(call.years // 4, 1)), call.years}):
+    for at in sorted({0, call.years // 2, call.years}):
         for case in ("without", "with", "difference"):
             cells = (cell(told[case][name], at, form) for name, form in ROWS)
             print(f"| {at} | {case} | {' | '.join(cells)} |")

@@ -28,7 +28,12 @@ from adr_opt.analysis.scenario import (
 from adr_opt.analysis.scenario.answer import outside
 from adr_opt.analysis.scenario.branch import Branch
 from adr_opt.analysis.scenario.campaign import campaign
-from adr_opt.analysis.scenario.clouds import FragmentCloud, fragments_by_shell
+from adr_opt.analysis.scenario.clouds import (
+    FragmentCloud,
+    fragment_area_m2,
+    fragments_by_shell,
+    rings_of,
+)
 from adr_opt.analysis.scenario.events import collisions_of
 from adr_opt.analysis.scenario.futures import ScenarioStart
 from adr_opt.analysis.scenario.offer import drifted, offer
@@ -36,11 +41,13 @@ from adr_opt.analysis.scenario.population import ObjectPopulation, population_of
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.decay import after_drag, drag_time
+from adr_opt.kernels.orbits.encounters import encounter_rate
 from adr_opt.problem.orbit import Orbit
 from adr_opt.sources import catalogue, worth
 from adr_opt.sources.worth.air import table
 from adr_opt.sources.worth.breakup import area_shares
 from adr_opt.sources.worth.lifetimes import DRAG_COEFFICIENT, YEAR_S, lifetimes
+from adr_opt.sources.worth.speeds import mean_speeds
 
 RECORDS = field(40)
 
@@ -49,6 +56,8 @@ LARGE = {
     for at in range(len(RECORDS))
 }
 """Sizes with which some of 40 objects collide every few years."""
+
+NONE = rings_of([], 0.0, "mean", drag=True)
 
 SOME = AltitudeShells(500.0, 1500.0, 20)
 
@@ -163,17 +172,17 @@ def test_futures_share_their_draws(people: ObjectPopulation, template: adr_opt.I
 
 def test_rates_are_those_of_worth(people: ObjectPopulation) -> None:
     """Encounters and catastrophic ones of all pairs are the sums of `worth`, on any threads."""
-    rates, hits = collisions_of(people, 0, 0, 1)
+    rates, hits = collisions_of(people, NONE, 0, 0, 1)
     made = worth.worth_of(people.bodies, 50.0)
     assert rates.encounters == pytest.approx(0.5 * made.encounters.sum(), rel=1e-12)
     assert rates.catastrophic == pytest.approx(0.5 * made.catastrophic.sum(), rel=1e-12)
     assert 0.0 < rates.catastrophic < rates.encounters
-    assert collisions_of(people, 0, 0, 3) == (rates, hits)
+    assert collisions_of(people, NONE, 0, 0, 3) == (rates, hits)
 
 
 def test_collisions_are_drawn_as_often_as_their_rates_say(people: ObjectPopulation) -> None:
     """Over many seeds and years the mean number and fragments of collisions are as expected."""
-    years = [collisions_of(people, seed, year, 1) for seed in range(150) for year in range(4)]
+    years = [collisions_of(people, NONE, seed, year, 1) for seed in range(150) for year in range(4)]
     rates = years[0][0]
     counts = np.array([len(hits) for _, hits in years])
     made = np.array([sum(hit.fragments for hit in hits) for _, hits in years])
@@ -184,6 +193,57 @@ def test_collisions_are_drawn_as_often_as_their_rates_say(people: ObjectPopulati
         assert abs(found.mean() - expected) < 3.5 * error + 0.03 * expected
     times = [hit.time for _, hits in years for hit in hits]
     assert abs(np.mean(times) - 0.5) < 4.0 / np.sqrt(12.0 * len(times)) + 0.03
+
+
+def test_rates_with_fragments_are_those_of_objects_like_them(people: ObjectPopulation) -> None:
+    """A ring of fragments counts as its number of objects of their size, mass and altitude."""
+    clouds = [
+        FragmentCloud(0.0, 750e3, (4e5, 0.0), 1.3, 100),
+        FragmentCloud(0.5, 800e3, (0.0, 3e5), 0.9, 101),
+    ]
+    rings = rings_of(clouds, 3.0, "mean", drag=True)
+    assert rings.counts.sum() == pytest.approx(
+        fragments_by_shell(clouds, 3.0, SOME, "mean", drag=True).sum(), rel=1e-3
+    )
+    bare, _ = collisions_of(people, NONE, 0, 0, 1)
+    rates, hits = collisions_of(people, rings, 0, 0, 1)
+    assert rates[:2] == bare[:2]
+    wide = np.sqrt(fragment_area_m2() / np.pi)
+    encounters = catastrophic = made = 0.0
+    for radius, tilt, count, mass in zip(*rings[:4], strict=True):
+        for at in range(len(people)):
+            pair = np.array([people.bodies.shells[at], (radius - 2500.0, radius + 2500.0)])
+            rate, _, speed = encounter_rate(
+                pair, np.array([people.bodies.tilts[at], tilt]),
+                np.array([0.5 * people.bodies.sizes[at], wide]), mean_speeds(), 0, 1,
+            )  # fmt: skip
+            heavy = 0.5 * mass * speed**2 >= 40e3 * people.bodies.masses[at]
+            whole = mass + people.bodies.masses[at] if heavy else mass * speed / 1e3
+            encounters += YEAR_S * rate * count
+            catastrophic += YEAR_S * rate * count * heavy
+            made += YEAR_S * rate * count * 0.1 * 0.1**-1.71 * whole**0.75
+    assert rates.fragment_encounters == pytest.approx(encounters)
+    assert rates.fragment_catastrophic == pytest.approx(catastrophic)
+    assert rates.fragments - bare.fragments == pytest.approx(made)
+    assert 0.0 < catastrophic < encounters
+    assert {hit.other for hit in hits if hit.other < 0} <= {-101, -102}
+
+
+def test_fragments_hit_as_often_as_their_rates_say(people: ObjectPopulation) -> None:
+    """Over many seeds and years collisions with fragments come as often as expected, both kinds."""
+    cloud = FragmentCloud(0.0, 750e3, (40.0, 40.0), 1.3, 100)
+    rings = rings_of([cloud], 0.0, "mean", drag=False)
+    years = [collisions_of(people, rings, seed, 0, 1) for seed in range(200)]
+    rates = years[0][0]
+    every = [[hit for hit in hits if hit.other == -101] for _, hits in years]
+    heavy = [sum(hit.catastrophic for hit in hits) for hits in every]
+    for counts, expected in (
+        ([len(hits) for hits in every], rates.fragment_encounters),
+        (heavy, rates.fragment_catastrophic),
+    ):
+        assert sum(counts) > 15
+        error = np.std(counts) / np.sqrt(len(counts))
+        assert abs(np.mean(counts) - expected) < 3.5 * error + 0.05 * expected
 
 
 def test_missed_captures_are_not_removed_and_the_rest_is_planned_anew(
@@ -395,7 +455,7 @@ def test_planes_drift_by_their_nodal_rate(people: ObjectPopulation) -> None:
 
 def test_fragments_come_down_by_their_area_over_mass() -> None:
     """The number of a cloud in orbit is the share whose lifetime is longer; without drag all."""
-    cloud = FragmentCloud(2.0, 700e3, (100.0, 50.0))
+    cloud = FragmentCloud(2.0, 700e3, (100.0, 50.0), 1.2, 7)
     ends = np.full((1, 2), EARTH_RADIUS_M + 700e3)
     for after in (0.0, 1.0, 10.0, 60.0):
         found = fragments_by_shell([cloud], 2.0 + after, SOME, "mean", drag=True)

@@ -55,7 +55,12 @@ def test_tables_page_and_answer_agree(drawn) -> None:
     ]  # fmt: skip
     assert sum(ends) == pytest.approx(told["with"]["objects"]["mean"][4])
     page = Path("p.html").read_text(encoding="utf-8")
-    for title in ("Objects", "Expected catastrophic collisions", "Campaigns", "Assumptions"):
+    for title in (
+        "Objects",
+        "Expected catastrophic collisions of pairs",
+        "Campaigns",
+        "Assumptions",
+    ):
         assert f"<h2>{title}</h2>" in page
     assert "a year × 10⁻" in page
     assert "<script" not in page

@@ -19,8 +19,9 @@ SPECIES = {"payload": "S", "rocket body": "B", "debris": "N"}
 """Names of species in the table of removals by default, as pySSEM's own examples have them."""
 
 SUMS = (
-    "objects", "fragments", "encounters", "catastrophic", "expected_fragments", "collisions",
-    "explosions", "removed", "void", "decayed", "launched",
+    "objects", "fragments", "encounters", "catastrophic", "expected_fragments",
+    "fragment_encounters", "fragment_catastrophic", "collisions", "explosions", "removed", "void",
+    "decayed", "launched",
 )  # fmt: skip
 """Numbers of a year."""
 

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.errors import InputError
+from ...kernels.orbits.keyed_draws import mixed
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.pairs import INDICES
 from .campaign import campaign
-from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell
+from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell, rings_of
 from .events import collisions_of, explosions_of
 from .futures import ScenarioStart
 from .launches import launched
@@ -25,6 +26,7 @@ class YearDraws(NamedTuple):
     """Rates and draws of a year, and the objects to which they belong."""
 
     numbers: INDICES
+    clouds: tuple[FragmentCloud, ...]
     rates: YearRates
     collisions: list[Collision]
     explosions: list[Explosion]
@@ -99,11 +101,11 @@ class Branch:
         else:
             flown = known.campaign
             drawn = YearDraws(
-                self.population.numbers, known.rates, list(known.collisions),
+                self.population.numbers, tuple(self.clouds), known.rates, list(known.collisions),
                 list(known.explosions),
             )  # fmt: skip
         self.drawn = drawn
-        _, rates, collisions, explosions = drawn
+        _, _, rates, collisions, explosions = drawn
         self._take_on(flown)
         happened = self._events(collisions, explosions)
         decayed = 0 if last else self._age()
@@ -133,14 +135,20 @@ class Branch:
 
     def _draw(self, other: YearDraws | None, jobs: int) -> YearDraws:
         settings, population, year = self.start.settings, self.population, self.year
-        if other is not None and np.array_equal(other.numbers, population.numbers):
+        clouds = tuple(self.clouds)
+        if (
+            other is not None
+            and other.clouds == clouds
+            and np.array_equal(other.numbers, population.numbers)
+        ):
             return other
-        rates, collisions = collisions_of(population, self.seed, year, jobs)
+        rings = rings_of(self.clouds, float(year), settings.activity, drag=settings.drag)
+        rates, collisions = collisions_of(population, rings, self.seed, year, jobs)
         explosions = explosions_of(population, settings, self.seed, year)
         last = year == settings.years
         return YearDraws(
-            population.numbers, rates, collisions if settings.collisions and not last else [],
-            [] if last else explosions,
+            population.numbers, clouds, rates,
+            collisions if settings.collisions and not last else [], [] if last else explosions,
         )  # fmt: skip
 
     def _campaign(self, jobs: int) -> FlownCampaign | None:
@@ -199,9 +207,10 @@ class Branch:
                 else:
                     void += 1
             elif what == 1 and hit is not None:
-                if there(hit.one) and there(hit.other):
-                    gone |= {hit.one, hit.other} if hit.catastrophic else {hit.other}
-                    self.clouds.append(self._debris(hit, [place[hit.one], place[hit.other]]))
+                both = [hit.one] if hit.other < 0 else [hit.one, hit.other]
+                if all(map(there, both)):
+                    gone |= set(both if hit.catastrophic else both[1:])
+                    self.clouds.append(self._debris(hit, [place[number] for number in both]))
                     took_place[0] += 1
             elif there(number):
                 gone.add(number)
@@ -210,6 +219,7 @@ class Branch:
                     FragmentCloud(
                         year + time, float(population.altitudes_m[at]),
                         _split(EXPLOSION_FRAGMENTS, population, [at]),
+                        float(population.bodies.tilts[at]), number,
                     )
                 )  # fmt: skip
                 took_place[1] += 1
@@ -218,7 +228,12 @@ class Branch:
 
     def _debris(self, hit: Collision, places: list[int]) -> FragmentCloud:
         counts = _split(hit.fragments, self.population, places)
-        return FragmentCloud(self.year + hit.time, hit.altitude_m, counts)
+        tilt = float(self.population.bodies.tilts[places[0]])
+        number = int(self.population.numbers[places[-1]])
+        if hit.other < 0 and not hit.catastrophic:
+            # The object stays, and may make other clouds.
+            number = int(mixed(mixed(number, -1 - hit.other), self.year))
+        return FragmentCloud(self.year + hit.time, hit.altitude_m, counts, tilt, number)
 
     def _age(self) -> int:
         settings = self.start.settings

@@ -79,12 +79,13 @@ class Collision(NamedTuple):
     time : float
         Within the year.
     one, other : int
-        Numbers of the objects, the heavier one first.
+        Numbers of the objects, the heavier one first. A fragment has no number: of one the second
+        is -1 less the number of its cloud.
     altitude_m : float
     fragments : float
         Of 10 cm and more.
     catastrophic : bool
-        Whether both break up; else only the lighter one does.
+        Whether both break up; else only the lighter one does, and of a fragment nothing is told.
     """
 
     time: float
@@ -103,11 +104,23 @@ class Explosion(NamedTuple):
 
 
 class YearRates(NamedTuple):
-    """Expected numbers of a year: encounters, catastrophic ones, fragments made."""
+    """Expected numbers of a year.
+
+    Attributes
+    ----------
+    encounters, catastrophic : float
+        Of pairs of objects.
+    fragments : float
+        Made by all collisions.
+    fragment_encounters, fragment_catastrophic : float
+        Of objects with fragments of earlier events.
+    """
 
     encounters: float
     catastrophic: float
     fragments: float
+    fragment_encounters: float
+    fragment_catastrophic: float
 
 
 @dataclass(frozen=True)

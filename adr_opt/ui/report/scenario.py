@@ -21,7 +21,11 @@ from .text import NOTHING, fixed
 CURVES = (
     ("objects", "Objects", "objects in orbit"),
     ("fragments", "Fragments of drawn events", "fragments of 10 cm and more"),
-    ("catastrophic", "Expected catastrophic collisions", "a year"),
+    ("catastrophic", "Expected catastrophic collisions of pairs", "a year"),
+    (
+        "fragment_catastrophic", "Expected catastrophic collisions with fragments of drawn events",
+        "a year",
+    ),
     (
         "expected_fragments_before", "Fragments expected so far",
         "fragments made, in expectation",
@@ -30,7 +34,8 @@ CURVES = (
 """Numbers of a year, titles of their sections and of their axes."""
 
 DIFFERENCES = {
-    "catastrophic": "catastrophic collisions, expected",
+    "catastrophic": "catastrophic collisions of pairs, expected",
+    "fragment_catastrophic": "the same with fragments of drawn events",
     "expected_fragments": "fragments made, expected",
     "collisions": "collisions drawn",
     "explosions": "explosions drawn",
@@ -40,10 +45,10 @@ DIFFERENCES = {
 
 ASSUMED = (
     "A study of campaigns, beside models of the environment and not in their place. Left out: "
-    "collisions with fragments and with what is below 10 cm, the spread of fragments about the "
-    "altitude of their event, dodging, disposal after missions, the solar cycle, and pull of Sun "
-    "and Moon. Objects are passive, nodes and perigees random for encounters. A campaign finds out "
-    "on arrival that an object has broken up."
+    "what is below 10 cm, collisions of fragments with each other, the spread of fragments about "
+    "the altitude of their event, dodging, disposal after missions, the solar cycle, and the pull "
+    "of Sun and Moon. Objects are passive, nodes and perigees random for encounters. A campaign "
+    "finds out on arrival that an object has broken up."
 )
 
 NOTHING_DRAWN = "There are none in any year."
