@@ -336,15 +336,34 @@ def resumed(bodies: worth.Bodies, template: adr_opt.Instance, tmp_path_factory: 
 def test_a_killed_run_goes_on_to_the_same_files(resumed: Any, lines: int) -> None:
     """Whatever was written of a future, even half a line, the rest is as it was, byte for byte."""
     made, folder, run = resumed
-    whole = {path: path.read_bytes() for path in sorted(folder.iterdir())}
+    whole = {path: path.read_bytes() for path in sorted(folder.glob("*.jsonl"))}
     assert [path.name for path in whole] == ["seed-0.jsonl", "seed-1.jsonl"]
     path, content = next(iter(whole.items()))
     parts = content.splitlines(keepends=True)
     path.write_bytes(b"".join(parts[:lines]) + parts[lines][:40])
     again = run()
-    assert {path: path.read_bytes() for path in sorted(folder.iterdir())} == whole
+    assert {path: path.read_bytes() for path in sorted(folder.glob("*.jsonl"))} == whole
     assert again.futures == made.futures
     assert yearly_csv(again) == yearly_csv(made)
+
+
+def test_plans_are_kept_for_other_verbs(resumed: Any) -> None:
+    """Each campaign that was launched has its instance and first plan, which `check` accepts."""
+    made, folder, _ = resumed
+    flown = {
+        f"seed-{seed}-year-{year}": record.campaign
+        for seed, each in enumerate(made.futures)
+        for year, record in enumerate(each["with"])
+        if record.campaign is not None and not record.campaign.failed
+    }
+    assert {path.name for path in (folder / "plans").iterdir()} == {
+        f"{name}{ending}" for name in flown for ending in (".json", ".plan.json")
+    }
+    for name, its in flown.items():
+        instance = adr_opt.load(folder / "plans" / f"{name}.json")
+        plan = adr_opt.load_plan(folder / "plans" / f"{name}.plan.json")
+        assert adr_opt.check(instance, plan) == ()
+        assert len(plan.legs) == its.planned > 0
 
 
 def test_files_of_another_scenario_are_refused(resumed: Any) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import timedelta
 from typing import NamedTuple
@@ -51,6 +52,8 @@ class Branch:
         Year of the next campaign.
     drawn : YearDraws or None
         Rates and draws of the last year.
+    keep : callable
+        Called with the year and the texts of the instance and of the first plan of a campaign.
     """
 
     start: ScenarioStart
@@ -62,6 +65,7 @@ class Branch:
     year: int = 0
     due: int = 0
     drawn: YearDraws | None = None
+    keep: Callable[[int, str, str], None] = lambda year, instance, plan: None
 
     @classmethod
     def of(cls, start: ScenarioStart, seed: int, *, removes: bool) -> Branch:
@@ -158,7 +162,10 @@ class Branch:
         taken = {number for _, number in self.pending}
         since = (self.start.epoch - template.epoch).total_seconds() / YEAR_S
         offered = offer(template, self.population, taken, settings, year, since, jobs)
-        return campaign(offered, settings, self.seed, year)
+        return campaign(
+            offered, settings, self.seed, year,
+            lambda instance, plan: self.keep(year, instance.to_json(), plan.to_json()),
+        )  # fmt: skip
 
     def _take_on(self, flown: FlownCampaign | None) -> None:
         """Removals of a campaign; one that was lost is repeated in the next year."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ...kernels.orbits.keyed_draws import keyed_draws
@@ -23,8 +25,16 @@ def fails(seed: int, year: int, chance: float) -> bool:
     return chance > 0.0 and float(keyed_draws(seed, year, CAMPAIGNS, np.zeros(1, int))[0]) < chance
 
 
+Keep = Callable[[Instance, Plan], None]
+"""Called with the instance of a campaign and its first plan."""
+
+
 def campaign(
-    offered: Offer, settings: ScenarioSettings, seed: int, year: int
+    offered: Offer,
+    settings: ScenarioSettings,
+    seed: int,
+    year: int,
+    keep: Keep = lambda instance, plan: None,
 ) -> FlownCampaign | None:
     """Plan and fly a campaign; None if nothing is offered to it.
 
@@ -36,6 +46,7 @@ def campaign(
     offered : Offer
     settings : ScenarioSettings
     seed, year : int
+    keep : callable
     """
     instance = offered.instance
     if instance is None:
@@ -59,6 +70,7 @@ def campaign(
     plan = solve(instance, settings.method, time_limit=settings.time_limit_s, seed=seed).plan
     if plan is None:
         return FlownCampaign(False, len(instance.targets), 0, 0, 0.0, ())
+    keep(instance, plan)
     planned, delta_v_m_s = len(_services(plan, offered)), sum(leg.spent_m_s for leg in plan.legs)
     attempts: list[Attempt] = []
     replanned = 0

@@ -50,7 +50,8 @@ def scenario(
     epoch : datetime, optional
         Of year 0; by default the latest of the element sets.
     folder : path, optional
-        Where each seed has a file of its years, from which a later call goes on.
+        Where each seed has a file of its years, from which a later call goes on, and a folder of
+        instances and plans.
     jobs : int
         Number of processes, a seed in each; with one seed, of threads; 0 for all cores.
     show : callable
@@ -110,6 +111,8 @@ def future(
 ) -> Future:
     """Both cases of one seed."""
     branches = {case: Branch.of(start, seed, removes=case == "with") for case in CASES}
+    if file is not None:
+        branches["with"].keep = file.keep
     made: Future = {case: [] for case in CASES}
     found = [] if file is None else file.found[: start.settings.years + 1]
     for year in range(start.settings.years + 1):

@@ -12,9 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
+from ...common.files import write_both
 from .records import CASES, YearRecord
 
 FORMAT = "adr-opt-scenario/1"
+
+PLANS = "plans"
+"""Folder of instances and plans."""
 
 
 class YearsFile:
@@ -77,6 +81,24 @@ class YearsFile:
             raise InputError(
                 f"{self._path}: cannot be written ({error.strerror or error}); name another folder"
             ) from error
+
+    def keep(self, year: int, instance: str, plan: str) -> None:
+        """Write the instance of a campaign and its first plan, for other verbs.
+
+        Raises
+        ------
+        InputError
+            They cannot be written.
+        """
+        folder = self._path.parent / PLANS
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"{folder}: cannot be made ({error.strerror or error}); name another folder"
+            ) from error
+        stem = f"{self._path.stem}-year-{year}"
+        write_both(folder / f"{stem}.plan.json", plan, folder / f"{stem}.json", instance)
 
     def _check(self, line: bytes) -> None:
         try:
