@@ -87,7 +87,9 @@ def main() -> None:
         f"Campaigns: {sums['flown']}, lost at launch: {sums['failed']}, objects captured: "
         f"{sums['captured']}, missed: {sums['missed']}, planned anew: {sums['replanned']} times.\n"
     )
-    print("| year | case | objects | fragments of events | catastrophic a year | expected so far |")
+    print(
+        "| year | case | objects | fragments of events | catastrophic a year | fragments expected so far |"
+    )
     print("|---|---|---|---|---|---|")
     for at in sorted({0, call.years // 2, call.years}):
         for case in ("without", "with", "difference"):

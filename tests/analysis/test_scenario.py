@@ -416,6 +416,10 @@ def test_tables_have_what_happened(resumed: Any) -> None:
         assert float(row["shell_low_km"]) == SOME.edges_km[shell - 1]
         assert float(row["shell_high_km"]) == SOME.edges_km[shell]
         assert row["species"] in ("Su", "B", "N")
+    whole = removals_csv(made, dict.fromkeys(("payload", "rocket body", "debris"), "X"))
+    merged = list(csv.DictReader(whole.splitlines()))
+    assert len({(row["year"], row["shell"]) for row in merged}) == len(merged) < len(rows)
+    assert sum(float(row["removed"]) for row in merged) == pytest.approx(count / 2)
     yearly = list(csv.DictReader(yearly_csv(made).splitlines()))
     told = scenario_answer(made)
     for case, year in itertools.product(("with", "without"), range(5)):

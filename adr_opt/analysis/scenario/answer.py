@@ -163,7 +163,7 @@ def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
     ----------
     made : Scenario
     species : mapping of str to str
-        Kind of object → name of the species there.
+        Kind of object → name of the species there, which may be that of several kinds.
 
     Returns
     -------
@@ -174,20 +174,21 @@ def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
     """
     settings = made.start.settings
     count = len(made.futures)
-    found = np.zeros((count, settings.years + 1, len(KINDS), settings.shells.count + 2))
+    names = list(dict.fromkeys(species[kind] for kind in KINDS))
+    found = np.zeros((count, settings.years + 1, len(names), settings.shells.count + 2))
     for seed, each in enumerate(made.futures):
-        for row in _removals(each):
-            found[(seed, *row)] += 1.0
+        for year, kind, shell in _removals(each):
+            found[seed, year, names.index(species[KINDS[kind]]), shell] += 1.0
     mean, error = mean_and_error(found[..., 1:-1])
     edges = settings.shells.edges_km
     rows: list[tuple[object, ...]] = []
-    for year, kind, shell in zip(*np.nonzero(mean), strict=True):
-        name = species[KINDS[kind]]
+    for year, at, shell in zip(*np.nonzero(mean), strict=True):
+        name = names[at]
         rows.append(
             (
                 year, name, shell + 1, f"{edges[shell]:g}", f"{edges[shell + 1]:g}",
-                f"{mean[year, kind, shell]:.8g}",
-                "" if error is None else f"{error[year, kind, shell]:.3g}",
+                f"{mean[year, at, shell]:.8g}",
+                "" if error is None else f"{error[year, at, shell]:.3g}",
                 f"u_r_{name}{shell + 1}",
             )
         )  # fmt: skip

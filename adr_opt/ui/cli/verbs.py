@@ -11,8 +11,8 @@ from ...common.errors import InputError
 from ...common.version import __version__
 
 VERBS = (
-    "generate", "worth", "scenario", "import", "solve", "bound", "check", "verify", "price",
-    "compare", "tradeoff", "replan", "fly", "refine", "matrix", "export", "report", "serve",
+    "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
+    "tradeoff", "replan", "scenario", "fly", "refine", "matrix", "export", "report", "serve",
     "train", "methods", "warm-up", "doctor", "schema",
 )  # fmt: skip
 
