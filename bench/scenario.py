@@ -53,7 +53,7 @@ def template_of(bodies: Bodies) -> Instance:
 def cell(pair: dict[str, Any], at: int, form: str) -> str:
     """A mean with its standard error."""
     mean, error = pair["mean"][at], pair["standard_error"]
-    return form.format(mean) + ("" if error is None else f" ± {error[at]:.2g}")
+    return form.format(mean) + ("" if error is None else f" ± {error[at]:.3g}")
 
 
 def main() -> None:
@@ -87,9 +87,11 @@ def main() -> None:
         f"Campaigns: {sums['flown']}, lost at launch: {sums['failed']}, objects captured: "
         f"{sums['captured']}, missed: {sums['missed']}, planned anew: {sums['replanned']} times.\n"
     )
-    print(
-        "| year | case | objects | fragments of events | catastrophic a year | fragments expected so far |"
-    )
+    headings = (
+        "year", "case", "objects", "fragments of events", "catastrophic a year",
+        "fragments expected so far",
+    )  # fmt: skip
+    print(f"| {' | '.join(headings)} |")
     print("|---|---|---|---|---|---|")
     for at in sorted({0, call.years // 2, call.years}):
         for case in ("without", "with", "difference"):
