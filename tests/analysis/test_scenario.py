@@ -116,6 +116,15 @@ def test_both_futures_are_equal_where_every_campaign_is_lost(
     assert removals_csv(made).count("\n") == 1
 
 
+def test_missed_captures_change_nothing(bodies: worth.Bodies, template: adr_opt.Instance) -> None:
+    """Campaigns that are flown and capture nothing leave both futures equal."""
+    made = scenario(bodies, template, settings(years=2, capture_failure=1.0))
+    told = scenario_answer(made)
+    assert told["campaigns"][0]["missed"] > 0
+    assert told["with"] == told["without"]
+    assert told["removed"]["mean"] == 0.0
+
+
 def test_nothing_changes_without_drag_events_and_campaigns(bodies: worth.Bodies) -> None:
     """Objects and rates stay the same for all years."""
     made = scenario(bodies, None, settings(drag=False, collisions=False, years=30))
