@@ -305,7 +305,8 @@ class Strings:
         value = TIME_VALUE_M_S_PER_H * mission.instance.hurry / HOUR_S
         first = rules.first_target
         apart = _nearness(rules, self._lines, value)[:, first:]
-        far = np.sort(apart, axis=1)[:, 1 : 1 + NEIGHBOURS].mean(axis=1)
+        near = np.sort(apart, axis=1)[:, 1 : 1 + NEIGHBOURS]
+        far = near.mean(axis=1) if near.size else np.zeros(len(near))  # one target has no others
         far[~np.isfinite(far)] = 0.0
         self._around = Surroundings(
             np.argsort(apart, axis=1, kind="stable") + first, far,

@@ -108,7 +108,8 @@ NEED_MORE = re.compile(r" (serve|train|benchmark) | --policy | instances/| --hel
 
 OF_ONE_MISSION = (
     "certificates", "exports", "files", "flights-with-errors", "importing", "matrices",
-    "plans-that-hold", "policy", "refining", "report", "true-orbits", "waiting", "worth",
+    "plans-that-hold", "policy", "refining", "report", "scenarios", "true-orbits", "waiting",
+    "worth",
 )  # fmt: skip
 
 

@@ -270,3 +270,10 @@ def test_ruins_say_what_they_leave():
         taken.add(length - left)
     assert min(taken) >= 1
     assert LONGEST_STRING < max(taken) <= LONGEST_STRING * MOST_STRINGS
+
+
+@pytest.mark.filterwarnings("error")
+def test_one_target_has_no_neighbours() -> None:
+    """A mission of one target is annealed without means of nothing."""
+    mission = toured(places=1)
+    assert Strings(mission, 0, ENDLESS).anneal(20) is not None

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.compile import kernel
+from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from .encounters import between, encounter_rate
 
@@ -70,6 +70,38 @@ class CollisionTables(NamedTuple):
     year: float
 
 
+@inlined
+def outcome(objects, tables, i, j):
+    """Encounter rate of a pair, and what a collision of the two makes.
+
+    Parameters
+    ----------
+    objects : CollidingObjects
+    tables : CollisionTables
+    i, j : int
+
+    Returns
+    -------
+    rate : float
+        [1/year].
+    radius : float
+        Where they meet [m].
+    made : float
+        Equation 4: number of fragments.
+    catastrophic : bool
+    """
+    rate, radius, speed = encounter_rate(
+        objects.shells, objects.tilts, objects.widths, tables.speeds, i, j
+    )
+    if rate == 0.0:
+        return 0.0, 0.0, 0.0, False
+    light = min(objects.masses[i], objects.masses[j])
+    heavy = max(objects.masses[i], objects.masses[j])
+    catastrophic = 0.5 * light * speed**2 >= tables.threshold * heavy
+    effective = light + heavy if catastrophic else light * speed / 1000.0
+    return rate * tables.year, radius, tables.fragments * effective**0.75, catastrophic
+
+
 @kernel
 def collision(objects, tables, i, j):
     """Encounter rate of a pair, and its expected fragment-years.
@@ -88,22 +120,15 @@ def collision(objects, tables, i, j):
         Equation 8: expected fragment-years within the horizon.
     catastrophic : bool
     """
-    rate, radius, speed = encounter_rate(
-        objects.shells, objects.tilts, objects.widths, tables.speeds, i, j
-    )
+    rate, radius, made, catastrophic = outcome(objects, tables, i, j)
     if rate == 0.0:
         return 0.0, 0.0, False
-    rate *= tables.year
-    light = min(objects.masses[i], objects.masses[j])
-    heavy = max(objects.masses[i], objects.masses[j])
-    catastrophic = 0.5 * light * speed**2 >= tables.threshold * heavy
-    effective = light + heavy if catastrophic else light * speed / 1000.0
-    made = tables.fragments * effective**0.75
     exposure = min(objects.lives[i], objects.lives[j]) / tables.exposure
     row = (radius - tables.floor) / tables.rise
     stay = objects.masses[i] * between(tables.years[objects.kinds[i]], row, exposure)
     stay += objects.masses[j] * between(tables.years[objects.kinds[j]], row, exposure)
-    return rate, rate * made * stay / (light + heavy), catastrophic
+    worth = rate * made * stay / (objects.masses[i] + objects.masses[j])
+    return rate, worth, catastrophic
 
 
 @kernel

@@ -65,6 +65,14 @@ KINDS = {"rocket body": _rocket_body, "spacecraft": _spacecraft}
 """Origins of fragments, in the order of the tables."""
 
 
+def fragment_sizes() -> FLOAT:
+    """Characteristic lengths of fragments [m], of equal shares."""
+    part = (np.arange(SIZES) + 0.5) / SIZES
+    least = (LARGEST_SIZE_M / LEAST_SIZE_M) ** -SIZE_EXPONENT
+    sizes: FLOAT = LEAST_SIZE_M * (1.0 - part * (1.0 - least)) ** (-1.0 / SIZE_EXPONENT)
+    return sizes
+
+
 def area_shares(kind: str) -> tuple[FLOAT, FLOAT]:
     """Areas over mass of fragments [m²/kg] and the share of each.
 
@@ -73,9 +81,7 @@ def area_shares(kind: str) -> tuple[FLOAT, FLOAT]:
     kind : str
         One of :data:`KINDS`.
     """
-    part = (np.arange(SIZES) + 0.5) / SIZES
-    least = (LARGEST_SIZE_M / LEAST_SIZE_M) ** -SIZE_EXPONENT
-    sizes = np.log10(LEAST_SIZE_M * (1.0 - part * (1.0 - least)) ** (-1.0 / SIZE_EXPONENT))
+    sizes = np.log10(fragment_sizes())
     share, mean, spread, other_mean, other_spread = (row[:, None] for row in KINDS[kind](sizes))
     below = share * ndtr((LOG_AREAS - mean) / spread)
     below += (1.0 - share) * ndtr((LOG_AREAS - other_mean) / other_spread)

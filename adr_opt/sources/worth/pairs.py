@@ -70,7 +70,7 @@ def totals(
         all_collisions(objects, tables, *ends, *own)
         return own
 
-    bounds = _bounds(count)
+    bounds = block_ends(count)
     with ThreadPoolExecutor(threads(jobs)) as pool:
         for done, part in enumerate(pool.map(block, bounds), 1):
             found.sums[:, :3] += part.sums[:, :3]
@@ -100,7 +100,7 @@ def shared(objects: CollidingObjects, tables: CollisionTables, some: INDICES, jo
         return own
 
     with ThreadPoolExecutor(threads(jobs)) as pool:
-        found: FLOAT = np.sum(list(pool.map(block, _bounds(len(some)))), axis=0)
+        found: FLOAT = np.sum(list(pool.map(block, block_ends(len(some)))), axis=0)
     return found
 
 
@@ -110,7 +110,7 @@ def with_one(objects: CollidingObjects, tables: CollisionTables, one: int, some:
     return found
 
 
-def _bounds(count: int) -> list[tuple[int, int]]:
+def block_ends(count: int) -> list[tuple[int, int]]:
     """First and last object of blocks of about equally many pairs."""
     shares = 1.0 - np.sqrt(1.0 - np.arange(BLOCKS + 1) / BLOCKS)
     ends = np.unique(np.round(count * shares).astype(int)).tolist()

@@ -111,6 +111,11 @@ class RemovalPrizes:
         )  # fmt: skip
 
 
+def usual_unit(largest: float) -> float:
+    """The power of ten with which the largest floor is a prize of :data:`DIGITS` digits."""
+    return 10.0 ** (math.floor(math.log10(largest)) - DIGITS + 1) if largest > 0.0 else 1.0
+
+
 def prizes_of(
     worth: RemovalWorth,
     candidates: int,
@@ -145,9 +150,8 @@ def prizes_of(
         raise InputError(f"--unit {unit:g}: must be a positive number of {UNIT}")
     chosen = worth.best(candidates or len(worth.bodies))
     floors = np.maximum(worth.floors(chosen, jobs), 0.0)
-    largest = float(floors.max())
     if unit is None:
-        unit = 10.0 ** (math.floor(math.log10(largest)) - DIGITS + 1) if largest > 0.0 else 1.0
+        unit = usual_unit(float(floors.max()))
     falling = []
     most = np.floor(floors / unit)
     for each in later:

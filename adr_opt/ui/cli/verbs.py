@@ -12,7 +12,7 @@ from ...common.version import __version__
 
 VERBS = (
     "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
-    "tradeoff", "replan", "rehearse", "fly", "refine", "matrix", "export", "report", "serve",
+    "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report", "serve",
     "train", "methods", "warm-up", "doctor", "schema",
 )  # fmt: skip
 
