@@ -22,7 +22,7 @@ from ..mission.certified import certify_routes
 from ..mission.mission import Mission
 from ..mission.problem import AnyProblem, Problem, problem_of
 from ..plan.plan import Plan
-from ..run.start_plan import why_illegal
+from ..run.legal_moves import why_illegal
 from ..run.table_budget import candidates
 
 METHOD = "own departures"

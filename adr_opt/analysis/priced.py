@@ -19,7 +19,7 @@ from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
 from ..problem.instance import AnyInstance, Instance, instance_of
 from ..problem.tour_rules import refuse_tour_rules
-from ..run.start_plan import why_illegal
+from ..run.legal_moves import why_illegal
 from .mending import Mending, Shortfall, mendings, missing
 
 Route = Iterable[int | str]

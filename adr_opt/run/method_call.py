@@ -20,9 +20,9 @@ from ..mission.tours import tour_obstacle
 from ..plan.cargo import loads_of, what_counts
 from ..problem.tour_rules import tour_rule
 from ..sources.generator import LARGEST_SEED
+from .legal_moves import legal_beginning
 from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec, named
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
-from .start_plan import legal_beginning
 from .warm_up import USUAL, PracticeKind, PracticeStop
 
 Taken = TypeVar("Taken")

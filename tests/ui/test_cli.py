@@ -39,8 +39,8 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
         "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
-        "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report", "serve",
-        "train", "methods", "warm-up", "doctor", "schema",
+        "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report",
+        "serve", "train", "methods", "warm-up", "doctor", "schema",
     }  # fmt: skip
 
 

@@ -12,8 +12,8 @@ from ...common.version import __version__
 
 VERBS = (
     "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
-    "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report", "serve",
-    "train", "methods", "warm-up", "doctor", "schema",
+    "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report",
+    "serve", "train", "methods", "warm-up", "doctor", "schema",
 )  # fmt: skip
 
 
