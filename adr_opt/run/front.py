@@ -26,7 +26,8 @@ from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
 from .run_options import RunOptions
 from .side_by_side import together
-from .start_plan import Start, start_destinations
+from .start_plan import start_destinations
+from .starts import Start
 from .table_budget import candidates, may_go_without, no_table
 
 __all__ = [

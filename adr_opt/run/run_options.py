@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from .start_plan import Start
+from .starts import Start
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,9 +10,7 @@ from ..common.errors import InputError
 from ..judge.check.verdict import check
 from ..mission.problem import Problem
 from ..plan.plan import Plan
-
-Start = Plan | Iterable[int | str] | Iterable[Iterable[int | str]]
-"""A plan, or its bodies in order; for several chasers, one sequence each."""
+from .starts import Start
 
 
 def start_destinations(
