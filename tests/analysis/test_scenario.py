@@ -97,7 +97,7 @@ def settings(**more: Any) -> ScenarioSettings:
 
 def lived(start: ScenarioStart, seed: int = 0, *, removes: bool = True) -> Iterator[Any]:
     """Each year's population before and after it, and its record."""
-    branch = Branch.of(start, seed, removes=removes)
+    branch = Branch.of(start, seed, campaign, removes=removes)
     for _ in range(start.settings.years + 1):
         before = branch.population
         record = branch.live()
@@ -305,7 +305,7 @@ def test_what_breaks_up_before_its_removal_is_not_removed(people: ObjectPopulati
         people, RECORDS[0].epoch, None, (), settings(explosions=1.0, collisions=False)
     )
     whole = people.numbers[people.kinds != 2].tolist()
-    branch = Branch.of(start, 0, removes=True)
+    branch = Branch.of(start, 0, campaign, removes=True)
     branch.pending = [(0.5, number) for number in whole]
     record = branch.live()
     early = {each.one for each in record.explosions if each.time < 0.5}

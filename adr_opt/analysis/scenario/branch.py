@@ -13,7 +13,6 @@ from ...common.errors import InputError
 from ...kernels.orbits.keyed_draws import mixed
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.pairs import INDICES
-from .campaign import campaign
 from .clouds import EXPLOSION_FRAGMENTS, FragmentCloud, fragments_by_shell, rings_of
 from .events import collisions_of, explosions_of
 from .futures import ScenarioStart
@@ -43,6 +42,8 @@ class Branch:
     seed : int
     removes : bool
         Whether campaigns take place.
+    fly : callable
+        Flies a campaign on what is offered, as :func:`.campaign.campaign` does.
     population : ObjectPopulation
     clouds : list of FragmentCloud
     pending : list of (float, int)
@@ -59,6 +60,7 @@ class Branch:
     start: ScenarioStart
     seed: int
     removes: bool
+    fly: Callable[..., FlownCampaign | None]
     population: ObjectPopulation
     clouds: list[FragmentCloud] = field(default_factory=list)
     pending: list[tuple[float, int]] = field(default_factory=list)
@@ -68,9 +70,16 @@ class Branch:
     keep: Callable[[int, str, str], None] = lambda year, instance, plan: None
 
     @classmethod
-    def of(cls, start: ScenarioStart, seed: int, *, removes: bool) -> Branch:
+    def of(
+        cls,
+        start: ScenarioStart,
+        seed: int,
+        fly: Callable[..., FlownCampaign | None],
+        *,
+        removes: bool,
+    ) -> Branch:
         """The beginning of a future."""
-        return cls(start, seed, removes and start.template is not None, start.population)
+        return cls(start, seed, removes and start.template is not None, fly, start.population)
 
     def live(
         self, known: YearRecord | None = None, other: Branch | None = None, jobs: int = 1
@@ -162,7 +171,7 @@ class Branch:
         taken = {number for _, number in self.pending}
         since = (self.start.epoch - template.epoch).total_seconds() / YEAR_S
         offered = offer(template, self.population, taken, settings, year, since, jobs)
-        return campaign(
+        return self.fly(
             offered, settings, self.seed, year,
             lambda instance, plan: self.keep(year, instance.to_json(), plan.to_json()),
         )  # fmt: skip

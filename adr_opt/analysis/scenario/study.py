@@ -15,6 +15,7 @@ from ...problem.instance import Instance
 from ...run.method_call import spec_of
 from ...sources.worth.bodies import Bodies
 from .branch import Branch
+from .campaign import campaign
 from .futures import Future, Scenario, ScenarioStart
 from .launches import Launch
 from .offer import check_template
@@ -110,7 +111,7 @@ def future(
     told: Callable[[int], None] = lambda year: None,
 ) -> Future:
     """Both cases of one seed."""
-    branches = {case: Branch.of(start, seed, removes=case == "with") for case in CASES}
+    branches = {case: Branch.of(start, seed, campaign, removes=case == "with") for case in CASES}
     if file is not None:
         branches["with"].keep = file.keep
     made: Future = {case: [] for case in CASES}
