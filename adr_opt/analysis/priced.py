@@ -226,7 +226,7 @@ def _check(instance: Instance, orders: Mapping[str, tuple[str, ...]]) -> None:
 
 def _route(mission: Mission, order: tuple[str, ...], mend: bool) -> PricedRoute:
     moves = tuple(mission.numbers(order).tolist())
-    made = mission.time(moves).made
+    made = mission.time_by_class(moves).made
     flown = legs(mission, moves[:made])
     name = mission.chaser.name
     if made == len(moves):

@@ -108,7 +108,9 @@ def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
 
 def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
     """Mask of targets without a prize."""
-    worthless = [target.prize == 0.0 and not target.required for target in instance.targets]
+    worthless = [
+        target.greatest_prize == 0.0 and not target.required for target in instance.targets
+    ]
     return np.array([*(False for _ in range(instance.first_target)), *worthless])
 
 

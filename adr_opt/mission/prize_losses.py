@@ -1,7 +1,8 @@
 """Losses of prizes in the costs of labels, so that less lost comes before less cost.
 
 Labels along an order are compared by one number. A multiple of a unit that no cost reaches, added
-to the cost, orders them by losses first, exactly: both are sums over legs.
+to the cost, orders them by losses first: both are sums over legs. Losses are exact; costs of equal
+losses are told apart by :data:`FINEST` at least.
 """
 
 from __future__ import annotations
@@ -12,10 +13,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ..common.tolerance import common_step
+from ..common.errors import InputError
 from ..kernels.rules.falls import Falls
 
 FloatArray = npt.NDArray[np.float64]
+
+
+FINEST = 0.01
+"""Largest difference of costs that large losses may hide [m/s or kg]."""
 
 
 class PrizeLosses(NamedTuple):
@@ -37,13 +42,24 @@ class PrizeLosses(NamedTuple):
 
     @classmethod
     def of(cls, falls: Falls | None, most_cost: float) -> PrizeLosses:
-        """From losses in prizes, and an upper limit on costs."""
+        """From losses in prizes, and an upper limit on costs.
+
+        Raises
+        ------
+        InputError
+            One number cannot tell apart losses so many and costs so large.
+        """
         if falls is None:
             return cls(None, math.inf, 0.0)
-        lost = falls.lost
         unit = 2.0 ** math.ceil(math.log2(max(most_cost, 1.0)) + 1.0)
-        step = common_step(lost.tolist()) or 1.0
-        return cls(falls._replace(lost=np.rint(lost / step) * unit), unit, step)
+        steps = np.rint(falls.lost / falls.unit)
+        last = falls.first[1:][np.diff(falls.first) > 0] - 1
+        if np.spacing(steps[last].sum() * unit) > FINEST:
+            raise InputError(
+                f"prizes may fall by {steps[last].sum():.3g} units of {falls.unit:g}, which beside "
+                f"costs of up to {most_cost:.3g} are too many; round prizes, or state less ΔV"
+            )
+        return cls(falls._replace(lost=steps * unit), unit, falls.unit)
 
     def apart(self, costs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Losses of prizes, and costs, from the sums in labels."""

@@ -93,9 +93,15 @@ class Prizes:
         levels = [target.prize_until or () for target in targets]
         first[self.instance.first_target + 1 :] = np.cumsum([len(each) for each in levels])
         until = [until_s + SLACK_S for each in levels for until_s, _ in each]
-        lost = [target.greatest_prize - prize for target in targets for prize in target.prizes[1:]]
-        made = Falls(first, np.array(until), np.array(lost))
-        for array in made:
+        # Differences of prizes as written would not be multiples of what prizes are multiples of.
+        unit = common_step(prize for target in targets for prize in target.prizes) or 1.0
+        lost = [
+            unit * (round(target.greatest_prize / unit) - round(prize / unit))
+            for target in targets
+            for prize in target.prizes[1:]
+        ]
+        made = Falls(first, np.array(until), np.array(lost), unit)
+        for array in made[:3]:
             array.setflags(write=False)
         return made
 
@@ -216,6 +222,11 @@ class Prizes:
             for j, end_s in zip(bodies, ends_s, strict=True)
             if j >= first
         )
+
+    def in_steps(self, worth: float) -> float:
+        """A sum of prizes and losses without the rounding of either."""
+        step = self.prize_step
+        return step * round(worth / step) if step and self.falls is not None else worth
 
     def lacking(self, bodies: Iterable[int]) -> tuple[int, ...]:
         """Required targets not among the bodies."""

@@ -95,7 +95,7 @@ class Scheduler:
     rules : callable
         Gives the rules of the mission, once they are needed.
     cost : {"delta-v", "duration", "expense"}
-        What the best schedule of an order has least of.
+        What the best schedule of an order has least of, among those that lose least of prizes.
     chaser : Chaser
         The chaser.
     time_m_s_per_s : float
@@ -386,7 +386,8 @@ class Scheduler:
         if self._by_expense and isinstance(tank, TankByMass):
             return tank.dry_mass_kg + tank.propellant_kg + kits * self._chaser.kit_mass_kg
         flown = 0.0 if rules.loads is None else float(rules.loads.flown.max(initial=0.0))
-        legs = 2 * (rules.service.size - rules.first_target) + 2
+        # Without stations all legs are paid for by one tank.
+        legs = 2 * (rules.service.size - rules.first_target) + 2 if rules.stations else 1
         time_m_s = self._time_m_s_per_s * max(rules.duration - rules.ready, 0.0)
         return legs * (rules.budget + flown + self._spent_m_s(rules.start)) + time_m_s
 
@@ -409,7 +410,7 @@ class Scheduler:
             return np.empty(0), np.empty(0)
         last = fronts[-1]
         by_end = np.lexsort((last.cost, last.ready))
-        ends, costs = last.ready[by_end], last.cost[by_end]
+        ends, costs = last.ready[by_end], self.lost_and_cost(last)[1][by_end]
         falls = costs < np.append(math.inf, np.minimum.accumulate(costs)[:-1])
         return ends[falls], costs[falls] - self._before(order)
 

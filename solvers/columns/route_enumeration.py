@@ -188,7 +188,7 @@ class Finish:
         if self._problem.falls is None:
             return self._problem.collected(j for j in route if j >= first)
         mission = self._problem.kinds[kind].mission
-        return mission.time(mission.closed(route)).objective
+        return self._problem.in_steps(mission.time(mission.closed(route)).objective)
 
     def _use(self, kind: int, route: tuple[int, ...]) -> Use:
         """Use of station supplies by a route."""

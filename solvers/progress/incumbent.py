@@ -64,7 +64,7 @@ class Incumbent:
                 return False
         moves = self._problem.closed(moves)
         cost, lost = self._cost_of(moves)
-        objective -= lost
+        objective = self._problem.in_steps(objective - lost)
         tie = objective == self.objective
         if cost == math.inf or objective < self.objective or (tie and cost >= self.cost):
             return False
@@ -109,7 +109,7 @@ def _by_choice(mission: Mission, moves: tuple[int, ...]) -> tuple[float, float]:
     )  # fmt: skip
     if made < len(moves):
         return math.inf, 0.0
-    worth = float(rule_kernels.collected(rules, sequence, ends))
+    worth = 0.0 if rules.falls is None else float(rule_kernels.collected(rules, sequence, ends))
     if mission.instance.objective.cost == "duration":
         return float(state.resources.time), worth
     paid = mission.instance.time_m_s_per_s * (state.resources.time - rules.ready)

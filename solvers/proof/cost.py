@@ -96,7 +96,7 @@ class PricedBound(WalkBound):
             mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network,
             paid=Paid(PARTS, time_price > 0.0), others=others,
         )  # fmt: skip
-        # What services are worth at most: plans are asked to be worth as much by then.
+        # Losses are left out, a relaxation: services are worth their greatest prize.
         self.falls, self.fall = None, np.empty(0, dtype=np.int32)
         self.time_price = time_price
         self.worths = np.array(mission.rules.prize)

@@ -97,7 +97,7 @@ class RoutePool:
         return list(self._columns.values())
 
     def take(self, other: RoutePool) -> None:
-        """Add the routes of another pool that are new or cheaper."""
+        """Add the routes of another pool that are new, worth more, or cheaper."""
         for column in other.columns():
             known = self._columns.get(column.key)
             if known is None or column.beats(known.worth, known.cost):
@@ -121,7 +121,7 @@ class RoutePool:
             return None
         worth = self._problem.collected(targets)
         if self._problem.falls is not None:
-            worth = schedule.objective
+            worth = self._problem.in_steps(schedule.objective)
         if known is not None and not (-worth, schedule.cost) < (-known.worth, known.cost):
             return known
         use = self._problem.use(mission, moves, schedule.delta_vs)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adr_opt.kernels.rules.falls import Falls, lost_at
+from adr_opt.kernels.rules.falls import Falls
 
 from ..networks.arrays import Network
 from ..networks.buckets import Buckets
@@ -42,8 +42,10 @@ def fallen(
     np.minimum.at(earliest, landing, network.end)
     made = np.zeros(earliest.size, dtype=np.int64)
     for body in np.flatnonzero(np.diff(falls.first)):
-        for bucket in range(buckets.start[body], buckets.start[body + 1]):
-            if np.isfinite(earliest[bucket]):  # something lands there
-                lost = float(lost_at(falls, body, earliest[bucket]))
-                made[bucket] = int(np.floor(lost / unit)) << bits
+        steps = slice(falls.first[body], falls.first[body + 1])
+        own = slice(buckets.start[body], buckets.start[body + 1])
+        lost = np.append(0.0, falls.lost[steps])[np.searchsorted(falls.until[steps], earliest[own])]
+        # Nothing lands where there is no earliest end.
+        lost[np.isinf(earliest[own])] = 0.0
+        made[own] = np.floor(lost / unit).astype(np.int64) << bits
     return made.astype(np.int32)

@@ -55,7 +55,7 @@ def cases() -> list[Case]:
     found = [Case(variant(seed)) for seed in range(40)]
     fallen = [Case(falling(variant(seed), seed)) for seed in range(40, 52)]
     kinds = ([case for case in each if case.certificate.walks] for each in (found, fallen))
-    return [case for kind, most in zip(kinds, (16, 4), strict=True) for case in kind[:most]]
+    return [case for kind, most in zip(kinds, (20, 4), strict=True) for case in kind[:most]]
 
 
 def lower_bound(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator) -> None:

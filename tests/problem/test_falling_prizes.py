@@ -93,6 +93,36 @@ def test_the_end_is_proven_least_among_plans_that_collect_as_much():
     assert proven > 5
 
 
+@pytest.mark.parametrize("greatest", [60000.3, 3.0e6 + 0.1])
+def test_small_losses_of_large_prizes_are_not_overlooked(greatest):
+    """A service that keeps its prize is preferred, however little of it would be lost."""
+    instance = adr_opt.generate("tiny", 0)
+    first, second, *others = (each.replace(prize=50000.0) for each in instance.targets)
+    plain = instance.replace(targets=(first, second.replace(prize=0.1), *others))
+    mission = Mission(plain)
+    body = plain.first_target
+    early = mission.schedules.fronts((body,))[-1].ready.min()
+    cut_s = 0.5 * (float(early) + float(mission.time((body,)).ends[-1]))
+    falls = first.replace(prize=greatest - 0.1, prize_until=((cut_s, greatest),))
+    made = Mission(plain.replace(targets=(falls, *plain.targets[1:]))).time((body,))
+    assert made.ends[-1] <= cut_s
+    assert made.objective == pytest.approx(greatest, abs=1e-6)
+
+
+def test_losses_that_no_number_can_hold_beside_costs_are_refused():
+    """Millions of units and a tank of a million km/s: one sentence before anything is planned."""
+    instance = adr_opt.generate("tiny", 0)
+    chaser = instance.chaser.replace(tank=instance.chaser.tank.replace(delta_v_m_s=1e9))
+    targets = tuple(
+        each.replace(prize=0.0, prize_until=((9000.0, 1e6),)) for each in instance.targets
+    )
+    other = instance.replace(
+        chasers=(chaser,), targets=(targets[0].replace(prize=1.0), *targets[1:])
+    )
+    with pytest.raises(InputError, match="round prizes"):
+        adr_opt.solve(other, "greedy")
+
+
 def test_a_plan_that_counts_prizes_of_another_time_is_refused():
     """`check` reads the prize at the end of the service, or of the tow that follows at once."""
     fallen = towed = 0

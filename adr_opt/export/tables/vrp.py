@@ -42,13 +42,13 @@ def write(
     targets = len(instance.targets)
     if targets == 0:
         raise InputError(f"{instance.name!r} has no target: a .vrp file needs at least one")
+    refuse_falling(instance)
     is_duration = quantity == "duration"
     limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
     weights = whole_weights(matrices, quantity, scale, limit)
     budget = math.floor(weights.scale * limit)
     vehicles = 1 if is_duration else targets
 
-    refuse_falling(instance)
     given = [target.prize for target in instance.targets]
     least = min([1.0, *(prize for prize in given if prize > 0.0)])
     prize_unit = (vehicles * budget + 1) / least

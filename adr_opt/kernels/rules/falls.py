@@ -22,11 +22,14 @@ class Falls(NamedTuple):
         Ends of services after which a step is lost, with the slack, ascending in each body [s].
     lost : (steps,) float64
         What is lost then, of the greatest prize.
+    unit : float
+        Of which all losses are whole multiples.
     """
 
     first: np.ndarray
     until: np.ndarray
     lost: np.ndarray
+    unit: float
 
 
 @inlined

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...common.constants import DAY_S, EARTH_RADIUS_M
+from ...common.constants import DAY_S, EARTH_RADIUS_M, SLACK_S
 from ...plan.cargo import carries
 from ...plan.expense import carried_kg, expense_of
 from ...plan.palette import REASONS, chaser_colours
@@ -236,7 +236,7 @@ def _where(chaser: Chaser, since: float) -> str:
 
 def _prize(target: Target | None, leg: Leg) -> str:
     """Prize of the service at the end of a leg; nothing for an unknown destination."""
-    return number(0.0 if target is None else target.prize_at(leg.free_s), 3)
+    return number(0.0 if target is None else target.prize_at(leg.free_s - SLACK_S), 3)
 
 
 def unvisited(instance: Instance, plan: Plan) -> str:
