@@ -139,7 +139,8 @@ class EditingSession:
                 "redoes": history.redoes,
                 "targets": [
                     [
-                        target.name, target.greatest_prize, target.required, target.name in draft.excluded,
+                        target.name, target.greatest_prize, target.required,
+                        target.name in draft.excluded,
                         target.name in visited,
                     ]
                     for target in field.targets
