@@ -47,6 +47,7 @@ def short_of_time(*more: object) -> list[object]:
 
 
 @pytest.mark.parametrize("spelling", ["tle", "csv"])
+@pytest.mark.slow
 def test_one_command_from_a_catalogue_to_a_page(
     plan_a_year: Callable[..., int],
     tmp_path: Path,

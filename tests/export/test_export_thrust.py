@@ -244,6 +244,7 @@ def spans(said: str) -> tuple[datetime, datetime]:
     return start, end
 
 
+@pytest.mark.slow
 def test_czml_has_the_path_and_the_windows(tmp_path: Path) -> None:
     """Samples are the states of the plan; halos and colours are of the windows of thrust."""
     instance, _, refined = mission()

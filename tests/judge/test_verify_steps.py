@@ -117,7 +117,7 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
         for draw in (random_mission, drifting_mission, given_mission, variant)
     },
 )  # fmt: skip
-@pytest.mark.parametrize("iterations", [5, 40])
+@pytest.mark.parametrize("iterations", [5, pytest.param(40, marks=pytest.mark.slow)])
 def test_what_streams_of_legs_prove_is_verified(draw, seeds, iterations):
     """The bound without a network is verified as it is stated, and no plan is beyond it."""
     in_steps = by_price = 0

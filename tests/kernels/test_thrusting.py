@@ -99,6 +99,7 @@ def test_thrust_lasts_as_long_as_asked_and_is_off_in_the_shadow(seed: int) -> No
         assert not is_dark(thrusting.elements_of(there, time)[[0, 1, 2, 3, 4, 6]], since + time)
 
 
+@pytest.mark.slow
 def test_thrust_is_off_in_the_shortest_shadows() -> None:
     """Spirals whose planes are about to leave the shadow, or to enter it, thrust in sunlight."""
     rng = np.random.default_rng(1)

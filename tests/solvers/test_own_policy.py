@@ -42,7 +42,9 @@ def small(observation: str) -> Any:
     return made.learn(32)
 
 
-@pytest.mark.parametrize("observation", ["transfer", "published"])
+@pytest.mark.parametrize(
+    "observation", ["transfer", pytest.param("published", marks=pytest.mark.slow)]
+)
 def test_a_trained_model_plans(observation: str, tmp_path: Path, cli: Cli) -> None:
     """Saved, loaded and written, it plans from the command line; its scores are the model's."""
     small(observation).save(tmp_path / "model.zip")

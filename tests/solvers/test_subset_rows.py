@@ -189,8 +189,8 @@ class CutAtRandom(proof.ColumnProof):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(tight, range(200), 10), j2=(drifting_mission, range(20), 2),
-    given=(given_field, range(30), 5),
+    two_body=(tight, range(200), 6), j2=(drifting_mission, range(20), 1),
+    given=(given_field, range(30), 3),
 )  # fmt: skip
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])
 def test_proofs_with_cuts_hold(make, draw, seeds, monkeypatch):

@@ -244,6 +244,7 @@ def test_tanks_that_break_head_the_page(eccentric, cli: Cli) -> None:
     assert f"plan.json: on the true orbits {broken[0]}" in said.err
 
 
+@pytest.mark.slow
 def test_no_tick_without_a_flight_on_the_true_orbits(eccentric, mission, monkeypatch) -> None:
     """Without boinor the page of an eccentric field says what it does not know; circles need none.
 
