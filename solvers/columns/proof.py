@@ -68,6 +68,10 @@ MOST_GIVEN_UP = 4
 MOST_CUTS = 400
 """Number of cuts beyond which none is added."""
 
+MANY_STEPS = 4.0
+"""Number of steps between the bound and the master beyond which the bound is lowered by parts:
+to end the proof at once takes all routes that are worth a little less than the duals say."""
+
 ITERATIONS, LABELS = 6, 1_000_000
 """Iterations of column generation per round, and number of labels after which none begins in it."""
 
@@ -219,8 +223,11 @@ class ColumnProof:
     def _target(self, duals: Duals) -> float:
         """The bound to prove next: one that ends the proof, or nearer to the master's value."""
         certificate, value = self._certificate, duals.value
-        ends = certificate.incumbent + ENDS * (certificate.next_goal - certificate.incumbent)
-        return ends if value < ends else value + LOWERED * (self._least - value)
+        step = certificate.next_goal - certificate.incumbent
+        ends, lower = certificate.incumbent + ENDS * step, value + LOWERED * (self._least - value)
+        if value >= ends or self._least - value > MANY_STEPS * step:
+            return max(ends, lower)
+        return ends
 
     def _attained(self, duals: Duals, near: float) -> bool:
         """Whether the bound is nearly what the known routes mix to: then few are missing."""
