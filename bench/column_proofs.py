@@ -18,12 +18,12 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from falling_prizes import falling, numbers
 from machine import heading
 
 import adr_opt
 from adr_opt.common.progress import silent
 from adr_opt.mission.problem import problem_of
-from adr_opt.problem.instance import Instance
 from solvers.columns.proof import ColumnProof
 from solvers.progress.gap import GapTracker
 from solvers.proof.proof import ProofOptions
@@ -52,16 +52,6 @@ def known_routes(name: str) -> list[tuple[int, ...]]:
     with KNOWN.open() as file:
         (row,) = (row for row in csv.reader(file) if row[0] == name)
     return [tuple(map(int, route.split("-"))) if route else () for route in row[-1].split("/")]
-
-
-def falling(instance: Instance, prizes: Sequence[float]) -> Instance:
-    """The same with prizes that fall, one after the other in equal parts of the mission."""
-    if not prizes:
-        return instance
-    part_s = instance.mission.duration_s / len(prizes)
-    levels = tuple((part_s * (n + 1), prize) for n, prize in enumerate(prizes[:-1])) or None
-    targets = (target.replace(prize=prizes[-1], prize_until=levels) for target in instance.targets)
-    return instance.replace(targets=tuple(targets))
 
 
 def measure(family: str, seed: int, limit_s: float, prizes: Sequence[float] = ()) -> str:
@@ -98,7 +88,7 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=120.0, help="seconds [120]")
     parser.add_argument("--falls", default="", help="prizes one after the other: 2,1")
     arguments = parser.parse_args()
-    prizes = [float(each) for each in arguments.falls.split(",") if each]
+    prizes = numbers(arguments.falls)
     print(heading())
     print("| field | known | plan | bound | proven | cuts | columns | labels | processor time |")
     print("|---|---|---|---|---|---|---|---|---|")

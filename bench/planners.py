@@ -2,11 +2,13 @@
 
     python bench/planners.py nominal greedy greedy-guarded beam auto@10 auto@60 auto+lagrangian@60
     python bench/planners.py campaign greedy-guarded auto@10 auto@60 auto@120 --chasers 5
+    python bench/planners.py removal auto@200 --count 10 --falls 2,1
 
 A method is NAME[:OPTION=VALUE,…][+BOUND][@SECONDS]. The time limit starts with a ready timetable.
 Rows go to ``--out`` as JSON lines when they are finished, and a run started again skips what is
 there; the table is printed from these rows. ``--count`` fields of a family, by seed from 0;
-``--targets``, ``--chasers``, ``--stations``, ``--days`` and ``--dynamics`` change them. Methods for
+``--targets``, ``--chasers``, ``--stations``, ``--days`` and ``--dynamics`` change them. With
+``--falls`` a target is worth one prize after the other, in equal parts of the mission. Methods for
 one chaser are left out where there are several.
 """
 
@@ -21,6 +23,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from falling_prizes import falling, numbers
 from machine import heading
 
 import adr_opt
@@ -137,6 +140,7 @@ def main() -> None:
     parser.add_argument("--stations", type=int)
     parser.add_argument("--days", type=float)
     parser.add_argument("--dynamics", choices=["two-body", "j2"])
+    parser.add_argument("--falls", default="", help="prizes one after the other: 2,1")
     parser.add_argument("--out", type=Path, help="JSON lines, appended to")
     parser.add_argument("--plans", type=Path, metavar="FOLDER", help="where to keep the plans")
     arguments = parser.parse_args()
@@ -151,6 +155,9 @@ def main() -> None:
         family += f"-{arguments.days:g}d"
     if arguments.dynamics is not None:
         family += f"-{arguments.dynamics}"
+    if arguments.falls:
+        family += f"-falling-{arguments.falls.replace(',', '-')}"
+    prizes = numbers(arguments.falls)
     changes = {} if arguments.dynamics is None else {"dynamics": arguments.dynamics}
     sizes = {name: getattr(arguments, name) for name in ("targets", "chasers", "stations")}
     first = adr_opt.generate(arguments.family, 0, **sizes).replace(**changes)
@@ -180,7 +187,7 @@ def main() -> None:
         if arguments.days is not None:
             instance = instance.with_limits(duration_s=86400.0 * arguments.days)
             instance = instance.replace(name=f"{family}-{seed:03d}")
-        problem = problem_of(instance.replace(**changes))
+        problem = problem_of(falling(instance.replace(**changes), prizes))
         began, spent = time.perf_counter(), time.process_time()
         for mission in problem.missions:
             mission.rules  # noqa: B018  builds the timetable
