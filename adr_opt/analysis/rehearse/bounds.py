@@ -228,7 +228,7 @@ def bounds(  # noqa: PLR0913
 def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
     """Whether captures may fail, or targets be gone."""
     return any(
-        uncertainty.success_of(target) < 1.0 or uncertainty.gone_of(target.name) > 0.0
+        uncertainty.success_of(target.name) < 1.0 or uncertainty.gone_of(target.name) > 0.0
         for target in instance.targets
     )
 

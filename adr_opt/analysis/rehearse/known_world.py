@@ -89,10 +89,11 @@ def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
         of which there are none for the body at which a chaser gives up.
     """
     for target in instance.targets:
-        several = uncertainty.tries_of(target.name) > 1 and uncertainty.success_of(target) < 1.0
+        name = target.name
+        several = uncertainty.tries_of(name) > 1 and uncertainty.success_of(name) < 1.0
         if several and target.removal != "visit" and instance.transfer.given is not None:
             raise InputError(
-                f"target {target.name!r}: with given connections policies are not bounded where "
+                f"target {name!r}: with given connections policies are not bounded where "
                 "targets that take a kit or are towed have several tries; give them one"
             )
 
