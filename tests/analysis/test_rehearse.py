@@ -17,6 +17,7 @@ from drawn_worlds import drawn_uncertainty
 from random_rules import random_campaign, random_mission
 
 import adr_opt
+from adr_opt.analysis import rest
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.rehearsals import share, summary
@@ -199,6 +200,25 @@ def test_rehearsals_are_the_same_on_several_cores_and_resumed(tmp_path: Path) ->
     assert not told
     with pytest.raises(InputError, match="another mission"):
         rehearse(instance, plan, CERTAIN, samples=12, path=path)
+
+
+def test_planners_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The planner of several chasers gets one core where others plan beside it."""
+    asked = []
+
+    def noted(problem, method, **more):  # type: ignore[no-untyped-def]
+        asked.append(more.get("jobs"))
+        raise InterruptedError
+
+    monkeypatch.setattr(rest, "solve", noted)
+    instance, plan = two_chasers.campaign(), two_chasers.planned()
+    slow = Uncertainty(service_s={"added": {"mean_s": 9000.0}})
+    setting = Setting(instance, plan, slow, "beam")
+    for cores in (0, 1):
+        ground = Ground(instance, cores=cores)
+        with pytest.raises(InterruptedError):
+            flown_in(ground, intended(ground, plan), setting, 0)
+    assert asked == [None, 1]
 
 
 @pytest.mark.slow

@@ -281,7 +281,7 @@ def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldB
 def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
     """The bounds of one world."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    proven, more = True, dict[str, int]()
+    proven, more = True, dict[str, Any]()
     if ground.cores and spec_of(setting.method, BOUNDS).uses_cores:
         more["jobs"] = ground.cores
 
