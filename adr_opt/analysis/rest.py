@@ -43,12 +43,15 @@ class PlannerChoice(NamedTuple):
         Wall time of a run [s].
     seed : int
     stop : Stop or None
+    jobs : int
+        Cores of a planner that can use several; 0 for all.
     """
 
     method: str | None
     time_limit: float
     seed: int
     stop: Stop | None
+    jobs: int = 0
 
 
 def planned_rest(
@@ -129,7 +132,7 @@ def _carrying(states: tuple[ChaserState, ...], found: PlannedRest) -> tuple[Chas
 
 def _planned(beginning: Instance, orders: list[list[str]], choice: PlannerChoice) -> Result:
     """The better of a planner's result and the rest of the former plan."""
-    method, time_limit, seed, stop = choice
+    method, time_limit, seed, stop, jobs = choice
     problem = problem_of(beginning)
     if method is None and problem.alone is not None:
         # One choice of connections for all that plans: a second timetable would take as long.
@@ -144,6 +147,8 @@ def _planned(beginning: Instance, orders: list[list[str]], choice: PlannerChoice
         if spec_of(method).starts and any(flyable):
             start = flyable if len(beginning.chasers) > 1 else flyable[0]
             more = {"start": start, "repair": True}
+        if jobs and spec_of(method).uses_cores:
+            more["jobs"] = jobs
         found = solve(problem, method, time_limit=time_limit, seed=seed, stop=stop, **more)
     own = _certified(problem, flyable, seed, found.runtime_s)
     if own.plan is not None and (found.plan is None or own.objective > found.objective):

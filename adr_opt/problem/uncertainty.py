@@ -15,7 +15,6 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from ..common.errors import InputError
 from ..common.files import read_model, to_text, write_text
 from ..common.records import LARGEST_DURATION_S, Name, Record, without
-from .bodies import Target
 from .instance import Instance
 
 FORMAT: Literal["adr-opt-uncertainty/1"] = "adr-opt-uncertainty/1"
@@ -153,7 +152,8 @@ class TargetUncertainty(Record):
 
     @model_serializer(mode="wrap")
     def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _set(write(self))
+        # An empty record stays: it says that the target is certain where the file is not.
+        return {name: value for name, value in write(self).items() if value is not None}
 
 
 def _set(content: dict[str, Any]) -> dict[str, Any]:
@@ -244,9 +244,9 @@ class Uncertainty(Record):
         own = self.targets.get(target)
         return self.service_s if own is None or own.service_s is None else own.service_s
 
-    def success_of(self, target: Target) -> float:
+    def success_of(self, target: str) -> float:
         """Chance that a try at a target succeeds."""
-        own = self.targets.get(target.name)
+        own = self.targets.get(target)
         known = self.capture.success if own is None or own.success is None else own.success
         return 1.0 if known is None else known
 

@@ -58,7 +58,6 @@ class DrawnWorld:
 
     def __init__(self, instance: Instance, uncertainty: Uncertainty, seed: int) -> None:
         self.instance, self.uncertainty, self.seed = instance, uncertainty, seed
-        self._targets = {target.name: target for target in instance.targets}
 
     def leg_factor(self, kind: str, target: str, visit: int = 1) -> float:
         """Factor on the ΔV of a leg to a target on its n-th visit."""
@@ -83,7 +82,7 @@ class DrawnWorld:
 
     def succeeds(self, target: str, attempt: int) -> bool:
         """Whether the n-th try at a target succeeds."""
-        chance = self.uncertainty.success_of(self._targets[target])
+        chance = self.uncertainty.success_of(target)
         return chance >= 1.0 or uniform(self.seed, "capture", target, attempt) < chance
 
     def first_success(self, target: str) -> int | None:

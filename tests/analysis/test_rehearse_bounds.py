@@ -22,6 +22,7 @@ from seeds import over_kinds, over_seeds
 from verify_fields import campaign_with_cargo
 
 import adr_opt
+from adr_opt.analysis.rehearse import bounds as bounding
 from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bounds
 from adr_opt.analysis.rehearse.flight import rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
@@ -218,6 +219,42 @@ def test_a_required_target_that_cannot_be_serviced_is_disproven() -> None:
     assert told["required_met"]["share"] == 0.0
     told = bounds(instance, Uncertainty(), samples=1, time_limit=20.0).to_dict()
     assert told["required_met"]["share"] == 1.0
+
+
+def test_names_of_targets_may_look_like_those_of_the_known_world() -> None:
+    """A target may be called as the body is at which a chaser gives up."""
+    instance = adr_opt.generate("tiny", 0, targets=3)
+    tries = Uncertainty(capture={"success": 0.5, "tries": 2})
+    first, second, *others = instance.targets
+    for name in (" (given up)", " (given up, 1)"):
+        second = second.replace(name=first.name + name)
+        renamed = instance.replace(targets=(first, second, *others))
+        world = next(
+            world
+            for world in (DrawnWorld(renamed, tries, seed) for seed in range(100))
+            if world.first_success(first.name) != 1 and world.first_success(second.name) != 1
+        )
+        found = world_bounds(
+            Ground(renamed), BoundSetting(renamed, tries, "exact", 60.0), world.seed
+        )
+        assert found.proven
+        assert 0.0 < found.penalised <= len(renamed.targets)
+
+
+def test_proofs_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bound that can use all cores gets one where others are proven beside it."""
+    asked = []
+
+    def noted(problem, method, **more):  # type: ignore[no-untyped-def]
+        asked.append(more.get("jobs"))
+        return adr_opt.bound(problem, method, **more)
+
+    monkeypatch.setattr(bounding, "bound", noted)
+    instance = adr_opt.generate("tiny", 0, targets=3)
+    setting = BoundSetting(instance, Uncertainty(), "exact", 60.0)
+    bounds(instance, Uncertainty(), samples=1)
+    bounding._bounded_there(setting, (0,))
+    assert asked == [None, 1]
 
 
 def test_bounds_are_resumed(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_the_python_of_the_page_runs() -> None:
 
 def test_policies_and_reasons_are_described() -> None:
     """The page names every policy, and every reason that an answer may have."""
-    for name in (*BUILT_IN, *(set(REASONS) - {"rules"})):
+    for name in (*BUILT_IN, *REASONS):
         assert f"`{name}`" in PAGE
     (content,) = re.findall(r"```json\n(.*?)```", PAGE, re.DOTALL)
     assert Uncertainty.from_json(content).capture.tries == 2

@@ -7,6 +7,7 @@ import numpy as np
 from adr_opt.analysis.rehearse.crafts import refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation
 from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.plan.leg_kinds import leg_kinds
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 
@@ -37,8 +38,22 @@ def drawn_uncertainty(instance: Instance, seed: int) -> Uncertainty:
     if rng.random() < 0.4:
         content["tanks"] = {"least": 0.7}
     own = instance.targets[0].name
+    targets: dict[str, dict[str, object]] = {}
     if rng.random() < 0.3:
-        content["targets"] = {own: {"success": 0.3, "gone": 0.1}}
+        targets[own] = {"success": 0.3, "gone": 0.1}
+    if rng.random() < 0.4:
+        kinds = {
+            kind.name: {"lognormal_sigma": float(rng.choice([0.1, 0.5])), "least": 0.3}
+            for kind in leg_kinds()
+            if rng.random() < 0.5
+        }
+        content["legs"] = {**content.get("legs", {}), "kinds": kinds}  # type: ignore[dict-item]
+    if rng.random() < 0.4:
+        other = targets.setdefault(instance.targets[-1].name, {})
+        other["delta_v_factor"] = {"lognormal_sigma": 0.4, "most": 4.0}
+        other["service_s"] = {} if rng.random() < 0.5 else {"factor": {"lognormal_sigma": 0.3}}
+    if targets:
+        content["targets"] = targets
     return Uncertainty(**content)
 
 

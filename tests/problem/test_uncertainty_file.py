@@ -52,6 +52,17 @@ def test_a_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     jsonschema.validate(written, json_schema())
 
 
+def test_a_target_that_is_certain_stays_certain_in_the_file() -> None:
+    """Times of services of a target without a distribution are written, and read again."""
+    made = read(EVERYTHING | {"targets": {NAMES[0]: {"service_s": {}}}})
+    again = Uncertainty.from_json(made.to_json())
+    assert again == made
+    assert again.to_json() == made.to_json() != read(EVERYTHING | {"targets": {}}).to_json()
+    assert json.loads(made.to_json())["targets"] == {NAMES[0]: {"service_s": {}}}
+    for world in (DrawnWorld(INSTANCE, each, 0) for each in (made, again)):
+        assert world.service_s(NAMES[0], 5000.0) == 5000.0 != world.service_s(NAMES[1], 5000.0)
+
+
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -145,8 +156,8 @@ def test_a_target_of_its_own_overrides_the_rest_of_the_file() -> None:
     """Unset fields of a target are those of the file."""
     uncertainty = read(EVERYTHING)
     first, second = INSTANCE.targets[:2]
-    assert uncertainty.success_of(first) == 0.5
-    assert uncertainty.success_of(second) == 0.8
+    assert uncertainty.success_of(first.name) == 0.5
+    assert uncertainty.success_of(second.name) == 0.8
     assert (uncertainty.tries_of(first.name), uncertainty.tries_of(second.name)) == (1, 2)
     assert DrawnWorld(INSTANCE, uncertainty, 0).is_gone(first.name)
     assert uncertainty.service_of(first.name) == uncertainty.service_s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,7 @@ def rehearsed(cli: Cli, tiny_file: Path):
 
 
 def test_the_answer_has_distributions_bounds_and_gaps(rehearsed) -> None:
-    """The JSON answer has what the contract names; the penalised gap is the smaller one."""
+    """The JSON answer has what the contract names."""
     outcome = rehearsed("--samples", 40, "--bounds", 4, "--json")
     assert outcome.status == 0, outcome
     told = json.loads(outcome.out)
@@ -52,6 +53,9 @@ def test_a_replay_is_a_plan_of_its_world(rehearsed, cli: Cli) -> None:
     outcome = rehearsed("--replay", 2, "--out", "r.json", "--out-instance", "w.json", "--json")
     assert outcome.status == 0, outcome
     assert cli("check", "w.json", "r.json").status == 0
+    # Not under the name that instances of given connections commonly use, which may be there.
+    assert Path("w.connections.parquet").exists()
+    assert not Path("connections.parquet").exists()
     assert adr_opt.load_plan("r.json").objective == json.loads(outcome.out)["prize"]
 
 
@@ -80,6 +84,15 @@ def test_a_required_target_that_is_gone_is_an_answer_of_no(cli: Cli) -> None:
         (("--replay", 1), "give --out for the plan and --out-instance"),
         (("--resume", "u.json"), "this is the input"),
         (("--jobs", -1), "jobs = -1"),
+        (("--jobs", 2, "--cluster", "tcp://nowhere:1"), "exclude each other"),
+        (("--bounds", 1, "--bound-method", "none"), "'none'"),
+        (("--bounds", 2_000_000), "samples = 2000000"),
+        (("--replay", 1, "--resume", "r.jsonl"), "--resume: --replay flies one world"),
+        (("--replay", 1, "--bounds", 2), "--bounds: --replay flies one world"),
+        (("--replay", 1, "--samples", 5), "--samples: --replay flies one world"),
+        (("--replay", 1, "--jobs", 2), "--jobs: --replay flies one world"),
+        (("--replay", 1, "--cluster", "tcp://nowhere:1"), "--cluster: --replay flies one world"),
+        (("--resume", "r", "--bounds", 1, "--out", "r.bounds"), "the name of another result"),
     ],
 )
 def test_a_wrong_call_is_one_sentence(rehearsed, more: tuple[object, ...], said: str) -> None:
@@ -110,3 +123,63 @@ def test_another_file_is_no_file_of_rehearsals(rehearsed) -> None:
     assert outcome.status == 2
     assert "not a file of rehearsals" in outcome.err
     assert Path("other.jsonl").read_text() == "{}\n"
+
+
+def test_a_foreign_file_of_bounds_is_told_before_the_rehearsals(rehearsed) -> None:
+    """No rehearsal is written where their bounds cannot be."""
+    Path("r.jsonl.bounds").write_text("{}\n")
+    outcome = rehearsed("--samples", 2, "--bounds", 1, "--resume", "r.jsonl")
+    assert outcome.status == 2
+    assert "r.jsonl.bounds: not a file of rehearsals" in outcome.err
+    assert not Path("r.jsonl").exists()
+
+
+@pytest.mark.parametrize("suffix", ["", ".bounds"])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda row: row | {"seed": "many"},
+        lambda row: row | {next(iter(row.keys() - {"seed"})): {"a": [1]}},
+        lambda row: {name: value for name, value in row.items() if name != "seed"},
+        lambda row: row | {"unknown": 1},
+        lambda row: row | ({"prize": math.nan} if "prize" in row else {"perfect": math.inf}),
+        lambda row: row | ({"course": [[1.0]]} if "course" in row else {"proven": "no"}),
+        lambda row: [row],
+    ],
+)  # fmt: skip
+def test_a_row_that_is_none_is_one_sentence(rehearsed, suffix: str, changed) -> None:  # type: ignore[no-untyped-def]
+    """A row of other types than those that are written is named by its line, and kept."""
+    more = ("--samples", 2, "--bounds", 1, "--resume", "r.jsonl")
+    assert rehearsed(*more).status == 0
+    path = Path(f"r.jsonl{suffix}")
+    head, row, *_ = path.read_text().splitlines()
+    text = f"{head}\n{json.dumps(changed(json.loads(row)))}\n"
+    path.write_text(text)
+    outcome = rehearsed(*more)
+    assert outcome.status == 2, outcome
+    assert f"{path}: line 2 is no rehearsal or bound" in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert path.read_text() == text
+
+
+def test_a_replay_writes_both_files_or_none(rehearsed) -> None:
+    """Where connections of its instance cannot be written there is no instance, and no plan."""
+    assert rehearsed("--samples", 1).status == 0
+    Path("w.connections.parquet").mkdir()
+    before = set(Path().iterdir())
+    outcome = rehearsed("--replay", 1, "--out", "r.json", "--out-instance", "w.json")
+    assert outcome.status == 2
+    assert outcome.err.count("\n") == 1
+    assert set(Path().iterdir()) == before
+
+
+def test_a_file_of_rehearsals_needs_a_plan(rehearsed, cli: Cli, tiny_file: Path) -> None:
+    """A plan of `auto` may be another one at the next call, so that nothing could be resumed."""
+    assert rehearsed("--samples", 1).status == 0
+    outcome = cli(
+        "rehearse", tiny_file, "--uncertainty", "u.json", "--policy", "replan", "--samples", 1,
+        "--resume", "r.jsonl",
+    )  # fmt: skip
+    assert outcome.status == 2
+    assert "begin with a plan that is given" in outcome.err
+    assert not Path("r.jsonl").exists()

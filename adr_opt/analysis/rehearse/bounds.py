@@ -10,18 +10,20 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from pydantic import ConfigDict
 
 from ...common.clock import now_s
-from ...common.errors import InputError
-from ...common.stop import Stop
+from ...common.stop import MaxRuntime, Stop
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from ...run.front import bound
-from .elsewhere import elsewhere, is_over
+from ...run.method_call import spec_of
+from ...run.methods import BOUNDS
+from .elsewhere import check_worlds, elsewhere, is_over
 from .ground import Ground, refuse
 from .known_world import (
     Worth,
@@ -32,7 +34,7 @@ from .known_world import (
     required_worth,
 )
 from .rehearsals import Rehearsals, share, summary
-from .rows_file import RowsFile
+from .rows_file import EXACT, RowsFile
 
 METHOD = "exact"
 TIME_LIMIT_S = 20.0
@@ -63,7 +65,7 @@ class BoundSetting(NamedTuple):
 
     @property
     def digest(self) -> str:
-        """Identity of everything that the bounds depend on but the time."""
+        """Identity of everything that the bounds depend on but the time of proofs."""
         return f"{self.instance.sha256} {self.method} {self.uncertainty.to_json()}"
 
 
@@ -75,7 +77,7 @@ class WorldBounds:
     ----------
     seed : int
     perfect : float
-        Most prize that anybody can collect who knows the world.
+        Most prize that a clairvoyant collects.
     penalised : float
         Most prize less penalties for captures; its mean bounds the mean prize of any policy.
     required : bool
@@ -83,6 +85,8 @@ class WorldBounds:
     proven : bool
         Whether plans were found that meet the bounds.
     """
+
+    __pydantic_config__: ClassVar[ConfigDict] = EXACT
 
     seed: int
     perfect: float
@@ -201,18 +205,11 @@ def bounds(  # noqa: PLR0913
     InputError
         Something does not fit the instance, or the file.
     """
-    if samples < 1:
-        raise InputError(f"samples = {samples}: must be at least 1")
     began = now_s()
-    refuse(instance)
-    uncertainty.check_names(instance)
-    refuse_bounds(instance, uncertainty)
     setting = BoundSetting(instance, uncertainty, method, time_limit)
-    file = None
-    found: dict[int, WorldBounds] = {}
-    if path is not None:
-        file = RowsFile(path, setting.digest, lambda content: WorldBounds(**content))
-        found = {each.seed: each for each in file.found}
+    check_worlds(samples, seed, jobs, cluster)
+    file = prepared(setting, path)
+    found = {} if file is None else {each.seed: each for each in file.found}
     wanted = range(seed, seed + samples)
     left = [number for number in wanted if number not in found]
     for worlds in _worlds(setting, left, jobs, cluster, stop):
@@ -225,10 +222,34 @@ def bounds(  # noqa: PLR0913
     return Bounds(made, has_captures(instance, uncertainty), required, now_s() - began)
 
 
+def prepared(
+    setting: BoundSetting, path: str | os.PathLike[str] | None
+) -> RowsFile[WorldBounds] | None:
+    """The file of bounds, after a check of everything that they need.
+
+    Parameters
+    ----------
+    setting : BoundSetting
+    path : path, optional
+        Of the file; None without one.
+
+    Raises
+    ------
+    InputError
+        Something does not fit the instance, or the file; the bound is unknown.
+    """
+    refuse(setting.instance)
+    setting.uncertainty.check_names(setting.instance)
+    refuse_bounds(setting.instance, setting.uncertainty)
+    spec_of(setting.method, BOUNDS)
+    MaxRuntime(setting.time_limit_s)
+    return None if path is None else RowsFile(path, setting.digest, WorldBounds)
+
+
 def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
     """Whether captures may fail, or targets be gone."""
     return any(
-        uncertainty.success_of(target) < 1.0 or uncertainty.gone_of(target.name) > 0.0
+        uncertainty.success_of(target.name) < 1.0 or uncertainty.gone_of(target.name) > 0.0
         for target in instance.targets
     )
 
@@ -253,19 +274,21 @@ _mine: tuple[str, Ground] | None = None
 def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldBounds]:
     global _mine
     if _mine is None or _mine[0] != setting.digest:
-        _mine = setting.digest, Ground(setting.instance)
+        _mine = setting.digest, Ground(setting.instance, cores=1)
     return [world_bounds(_mine[1], setting, seed) for seed in seeds]
 
 
 def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
     """The bounds of one world."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    proven = True
+    proven, more = True, dict[str, Any]()
+    if ground.cores and spec_of(setting.method, BOUNDS).uses_cores:
+        more["jobs"] = ground.cores
 
     def most(worth: Worth) -> float:
         nonlocal proven
         problem = known_problem(ground, world, worth)
-        found = bound(problem, setting.method, time_limit=setting.time_limit_s)
+        found = bound(problem, setting.method, time_limit=setting.time_limit_s, **more)
         proven = proven and found.status == "optimal"
         return min(found.upper_bound, problem.total_prize)
 

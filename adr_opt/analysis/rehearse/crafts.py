@@ -129,8 +129,8 @@ def refused(ground: Ground, craft: Craft, hop: Hop) -> str:
     """Why a leg may not begin, by what is planned of it; empty if it may.
 
     ``delta-v``: the tank does not hold what it is planned to take, or what follows; ``duration``:
-    its service would end late; ``capacity``: no kit, or enough targets; ``rules`` where no plan has
-    such a leg.
+    its service would end late; ``late``: it departs before the chaser is free; ``capacity``: no
+    kit, or enough targets; ``rules`` where no plan has such a leg.
     """
     what, j = ground.chasers[craft.chaser], hop.destination
     if hop.departure < craft.free_s - SLACK_S and not (what.is_launched and not craft.made):

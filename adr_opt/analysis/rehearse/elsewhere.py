@@ -9,13 +9,34 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from typing import TypeVar
 
 from ...common.cluster import Calls, LocalPool, Workers
+from ...common.errors import InputError
 from ...common.stop import Stop
 
 W = TypeVar("W")
 R = TypeVar("R")
 
+MOST_SAMPLES = 1_000_000
+
 SHARE = 4
 """Least number of groups for each process, so that all end at about the same time."""
+
+
+def check_worlds(samples: int, seed: int, jobs: int, cluster: str | None) -> None:
+    """Refuse numbers of worlds and of processes that make no sense.
+
+    Raises
+    ------
+    InputError
+        One of them is out of range, or jobs are given for a cluster.
+    """
+    if not 1 <= samples <= MOST_SAMPLES:
+        raise InputError(f"samples = {samples}: give 1 to {MOST_SAMPLES}")
+    if seed < 0:
+        raise InputError(f"seed = {seed}: must not be negative")
+    if jobs < 0:
+        raise InputError(f"jobs = {jobs}: must be 0, for all cores, or more")
+    if jobs != 1 and cluster is not None:
+        raise InputError("jobs and a cluster exclude each other; leave one of them out")
 
 
 def is_over(stop: Stop | None) -> bool:

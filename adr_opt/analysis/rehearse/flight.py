@@ -45,7 +45,7 @@ class Situation:
     crafts : tuple of Craft
         All of them; one that is under way as it will be if the leg goes as planned.
     closed : set of int
-        Targets that are serviced, given up, gone, or on the way to which somebody is.
+        Targets that are serviced, given up, gone, or on the way to which a chaser is.
     """
 
     ground: Ground

@@ -102,6 +102,8 @@ class Ground:
     Parameters
     ----------
     instance : Instance
+    cores : int
+        That planners and proofs may use; 0 for all.
 
     Attributes
     ----------
@@ -114,8 +116,9 @@ class Ground:
         It has a rule that rehearsals do not follow.
     """
 
-    def __init__(self, instance: Instance) -> None:
+    def __init__(self, instance: Instance, *, cores: int = 0) -> None:
         refuse(instance)
+        self.cores = cores
         self.instance, self.names = instance, instance.names
         self.number = {name: body for body, name in enumerate(self.names)}
         self.first_target, self.stations = instance.first_target, len(instance.stations)

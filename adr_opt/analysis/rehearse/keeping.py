@@ -53,7 +53,8 @@ class Skip(Follow):
                 why = refused(now.ground, craft, found)
                 if not why:
                     return found
-                reason = why
+                if why != "rules":  # a station after targets that were left out, which had reasons
+                    reason = why
         return Halt(reason)
 
 

@@ -6,8 +6,8 @@ bound on this mission holds for every policy in that world:
 
 * a leg to a station costs what the cheapest of its visits by any chaser does;
 * a tank holds as much as the best of its fillings;
-* who gives up has tried once, at the worth of all tries that failed; both bodies may be visited,
-  and where connections are given, to go on takes no longer than one try;
+* a chaser that gives up has tried once, at the worth of all tries that failed; both bodies may be
+  visited, and where connections are given, to go on takes no longer than one try;
 * a target without success takes no kit, is not towed, and counts towards no maximum;
 * no target is required, and a chaser may end anywhere.
 """
@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from itertools import count
 from typing import NamedTuple
 
 from ...common.constants import SLACK_S
@@ -36,8 +37,8 @@ from .tries import TryWorths
 PRIZE_DIGITS = 9
 """Digits of prizes, which are rounded up."""
 
-GIVEN_UP = " (given up)"
-"""Added to the name of a target for the body at which a chaser gives up."""
+GIVEN_UP = " (given up{})"
+"""Added to the name of a target for the body at which a chaser gives up, with a number if need."""
 
 
 class Counted(NamedTuple):
@@ -89,10 +90,11 @@ def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
         of which there are none for the body at which a chaser gives up.
     """
     for target in instance.targets:
-        several = uncertainty.tries_of(target.name) > 1 and uncertainty.success_of(target) < 1.0
+        name = target.name
+        several = uncertainty.tries_of(name) > 1 and uncertainty.success_of(name) < 1.0
         if several and target.removal != "visit" and instance.transfer.given is not None:
             raise InputError(
-                f"target {target.name!r}: with given connections policies are not bounded where "
+                f"target {name!r}: with given connections policies are not bounded where "
                 "targets that take a kit or are towed have several tries; give them one"
             )
 
@@ -109,8 +111,11 @@ def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: i
     threads : int
         Of the timetable.
     """
+    suffix = _suffix(ground.instance)
     parts = [
-        part for target in ground.instance.targets for part in _parts(ground, world, worth, target)
+        part
+        for target in ground.instance.targets
+        for part in _parts(ground, world, worth, target, suffix)
     ]
     instance = _known_instance(ground, world, parts)
     corrections = _corrections(ground, world, parts)
@@ -124,7 +129,16 @@ def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: i
     return Problem(instance, threads=threads, connecting=finder)
 
 
-def _parts(ground: Ground, world: DrawnWorld, worth: Worth, target: Target) -> Iterator[Part]:
+def _suffix(instance: Instance) -> str:
+    """What is added to names, such that no name comes to stand for two bodies."""
+    names = (*instance.names, *(chaser.name for chaser in instance.chasers))
+    suffixes = (GIVEN_UP.format(f", {number}" if number else "") for number in count())
+    return next(each for each in suffixes if not any(name.endswith(each) for name in names))
+
+
+def _parts(
+    ground: Ground, world: DrawnWorld, worth: Worth, target: Target, suffix: str
+) -> Iterator[Part]:
     """The bodies that stand for a target."""
     name, number = target.name, ground.number[target.name]
     planned = float(ground.chasers[0].limits.service[number]) - ground.tow_s.get(number, 0.0)
@@ -144,7 +158,7 @@ def _parts(ground: Ground, world: DrawnWorld, worth: Worth, target: Target) -> I
     yield Part(going_on, name, longest, planned, int(first is None))
     if splits:
         giving_up = target.replace(
-            name=name + GIVEN_UP, prize=rounded_up(counted.giving_up), required=False,
+            name=name + suffix, prize=rounded_up(counted.giving_up), required=False,
             removal="visit",
         )  # fmt: skip
         yield Part(giving_up, name, took, planned, 1)
@@ -261,7 +275,7 @@ def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
 
 
 def penalised_worth(ground: Ground, world: DrawnWorld) -> Worth:
-    """The mean prize of going to each target, and what of it is left to who gives up."""
+    """The mean prize of going to each target, and what of it is left if a chaser gives up."""
     worths = TryWorths(ground.instance, world.uncertainty)
 
     def worth(target: Target) -> Counted:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, ClassVar
+
+from pydantic import ConfigDict
 
 from ...common.constants import SLACK_M_S
 from .crafts import DRY, FINISHED, REFUELLED, SERVICED
 from .flight import FlownMission
 from .ground import Ground
 from .intended import Intended
+from .rows_file import EXACT
 
 LEFT_OUT = "left-out"
 """Reason of a planned target that the policy left out."""
@@ -41,6 +44,8 @@ class Rehearsal:
         Arrivals [s], and the ΔV of all legs by then [m/s].
     """
 
+    __pydantic_config__: ClassVar[ConfigDict] = EXACT
+
     seed: int
     prize: float
     expected: float
@@ -56,21 +61,6 @@ class Rehearsal:
     def to_dict(self) -> dict[str, Any]:
         """The outcome as JSON data."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, content: dict[str, Any]) -> Rehearsal:
-        """The outcome of JSON data.
-
-        Raises
-        ------
-        KeyError, TypeError
-            It is none.
-        """
-        lists = {
-            name: tuple(tuple(each) for each in content[name])
-            for name in ("tanks", "course", "spent")
-        }
-        return cls(**{**content, **lists})
 
 
 def outcome_of(

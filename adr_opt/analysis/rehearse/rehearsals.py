@@ -100,9 +100,11 @@ def summary(values: Iterable[float]) -> dict[str, Any]:
     array = np.array(list(values), dtype=np.float64)
     if not array.size:
         return {"mean": None, "standard_error": None, "quantiles": {}}
-    error = array.std(ddof=1) / np.sqrt(array.size) if array.size > 1 else None
+    # From the first value, so that equal ones have no error to the last bit.
+    less = array - array[0]
+    error = less.std(ddof=1) / np.sqrt(array.size) if array.size > 1 else None
     return {
-        "mean": float(array.mean()),
+        "mean": float(array[0] + less.mean()),
         "standard_error": None if error is None else float(error),
         "quantiles": {f"{q:g}": float(np.quantile(array, q)) for q in QUANTILES},
     }

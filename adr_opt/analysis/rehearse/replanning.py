@@ -1,4 +1,9 @@
-"""Policies that plan what is left anew while a mission is flown."""
+"""Policies that plan what is left anew while a mission is flown.
+
+Planners run under a limit of wall time. Where one reaches it, as the planner of several chasers
+may, what it finds depends on the machine and its load, so that such a rehearsal is not a function
+of the seed alone.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +44,7 @@ SLIGHT_SHARE = 0.01
 """Share of a tank by which it may differ from the plan before what is left is planned anew."""
 
 TIME_LIMIT_S = 2.0
-"""Limit of a planner; it needs a fraction of a second [s]."""
+"""Limit of the wall time of a planner [s]."""
 
 
 class AtEveryService:
@@ -99,7 +104,7 @@ class AtEveryService:
         visited = {leg.destination for state in states for leg in state.legs}
         lost = [ground.names[j] for j in sorted(now.closed)]
         gone = tuple(name for name in lost if name not in visited)
-        choice = PlannerChoice(None, TIME_LIMIT_S, self._seed, None)
+        choice = PlannerChoice(None, TIME_LIMIT_S, self._seed, None, ground.cores)
         for wanted in (ground.instance, ground.without_required):
 
             def left(

@@ -50,7 +50,7 @@ class Replayed:
     outcome: Rehearsal
 
 
-def replay(setting: Setting, seed: int) -> Replayed:
+def replay(setting: Setting, seed: int, connections: str | None = None) -> Replayed:
     """Fly one rehearsal again, as files.
 
     A leg on which the tank ran dry, and one after which the service did not end in time, are left
@@ -61,6 +61,8 @@ def replay(setting: Setting, seed: int) -> Replayed:
     setting : Setting
     seed : int
         Of the world.
+    connections : str, optional
+        What the file of its connections is called when it is saved.
 
     Raises
     ------
@@ -72,7 +74,7 @@ def replay(setting: Setting, seed: int) -> Replayed:
     ground = Ground(setting.instance)
     flown, outcome = flown_in(ground, intended(ground, setting.plan), setting, seed)
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    instance = _as_instance(ground, world, flown)
+    instance = _as_instance(ground, world, flown, connections)
     problem = Problem(instance)
     number = {name: body for body, name in enumerate(problem.names)}
     routes = [
@@ -89,7 +91,9 @@ def _done(craft: Craft) -> list[Made]:
     return [made for made in craft.made if made.outcome not in (DRY, LATE)]
 
 
-def _as_instance(ground: Ground, world: DrawnWorld, flown: FlownMission) -> Instance:
+def _as_instance(
+    ground: Ground, world: DrawnWorld, flown: FlownMission, connections: str | None
+) -> Instance:
     instance, serviced = ground.instance, {ground.names[j] for j in flown.serviced}
     visited = {
         ground.names[made.hop.destination] for craft in flown.crafts for made in _done(craft)
@@ -114,7 +118,7 @@ def _as_instance(ground: Ground, world: DrawnWorld, flown: FlownMission) -> Inst
     )  # fmt: skip
     columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
     content = {name: [row[at] for row in rows] for at, name in enumerate(columns)}
-    return bare.with_given(of_rows(content, bare.names))
+    return bare.with_given(of_rows(content, bare.names), connections)
 
 
 def _as_flown(chaser: Chaser, craft: Craft) -> Chaser:

@@ -7,14 +7,19 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ...common.errors import InputError
 from ...common.files import check_writable, read_text
 
 FORMAT = "adr-opt-rehearsals/1"
+
+EXACT = ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
+"""How the data classes of rows are read: of the types that they state, and finite."""
 
 
 class AsData(Protocol):
@@ -37,8 +42,8 @@ class RowsFile(Generic[R]):
         It may be there from an earlier call.
     digest : str
         Of everything that rows depend on.
-    read : callable
-        A row from JSON data; raises KeyError or TypeError for others.
+    kind : type
+        Data class of the rows.
 
     Attributes
     ----------
@@ -51,10 +56,8 @@ class RowsFile(Generic[R]):
         It is there and is not such a file, or one of another mission, plan, policy or uncertainty.
     """
 
-    def __init__(
-        self, path: str | os.PathLike[str], digest: str, read: Callable[[dict[str, Any]], R]
-    ) -> None:
-        self._path, self._digest, self._row = Path(path), digest, read
+    def __init__(self, path: str | os.PathLike[str], digest: str, kind: type[R]) -> None:
+        self._path, self._digest, self._kind = Path(path), digest, TypeAdapter(kind)
         check_writable(path)
         self.found: tuple[R, ...] = self._read() if self._path.exists() else ()
 
@@ -101,13 +104,11 @@ class RowsFile(Generic[R]):
         found = []
         for number, line in enumerate(lines[1:], start=2):
             try:
-                content = json.loads(line)
-            except json.JSONDecodeError:
-                continue  # cut off
-            try:
-                found.append(self._row(content))
-            except (KeyError, TypeError, ValueError):
+                found.append(self._kind.validate_json(line))
+            except ValidationError as error:
+                if error.errors()[0]["type"] == "json_invalid":
+                    continue  # cut off
                 raise InputError(
-                    f"{self._path}: line {number} is no rehearsal; name another file"
+                    f"{self._path}: line {number} is no rehearsal or bound; name another file"
                 ) from None
         return tuple(found)

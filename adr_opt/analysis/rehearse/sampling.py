@@ -16,7 +16,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from ...run.front import solve
-from .elsewhere import elsewhere, is_over
+from .elsewhere import check_worlds, elsewhere, is_over
 from .flight import FlownMission, rehearsed
 from .ground import Ground, refuse
 from .intended import Intended, intended
@@ -24,8 +24,6 @@ from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
 from .rows_file import RowsFile
-
-MOST_SAMPLES = 1_000_000
 
 CHUNK = 50
 """Maximum number of rehearsals of a call elsewhere."""
@@ -54,7 +52,10 @@ class Setting(NamedTuple):
 
     @property
     def digest(self) -> str:
-        """SHA-256 of everything that the outcomes depend on."""
+        """SHA-256 of everything that the outcomes are asked to depend on.
+
+        Those of policies that plan depend on the wall time of planners, too.
+        """
         parts = (
             self.instance.sha256, self.plan.legs_sha256, self.uncertainty.to_json(), self.policy
         )  # fmt: skip
@@ -94,7 +95,7 @@ def rehearse(  # noqa: PLR0913
     cluster : str, optional
         Address of a Dask scheduler whose workers fly them instead.
     path : path, optional
-        File of outcomes; those that are in it are not flown again.
+        File of outcomes; those that are in it are not flown again. It needs a plan.
     stop : Stop, optional
         Ends early, with the rehearsals so far.
     told : callable
@@ -105,18 +106,14 @@ def rehearse(  # noqa: PLR0913
     InputError
         Something does not fit the instance, or the file.
     """
-    if not 1 <= samples <= MOST_SAMPLES:
-        raise InputError(f"samples = {samples}: give 1 to {MOST_SAMPLES}")
-    if seed < 0:
-        raise InputError(f"seed = {seed}: must not be negative")
-    if jobs < 0:
-        raise InputError(f"jobs = {jobs}: must be 0, for all cores, or more")
-    if jobs != 1 and cluster is not None:
-        raise InputError("jobs and a cluster exclude each other; leave one of them out")
+    check_worlds(samples, seed, jobs, cluster)
+    if path is not None and plan is None:
+        # The plan of "auto" depends on the wall time: another call would find another one.
+        raise InputError(f"{path}: rehearsals of a file begin with a plan that is given; give one")
     began = now_s()
     setting = setting_of(instance, plan, uncertainty, policy)
     found: dict[int, Rehearsal] = {}
-    file = None if path is None else RowsFile(path, setting.digest, Rehearsal.from_dict)
+    file = None if path is None else RowsFile(path, setting.digest, Rehearsal)
     if file is not None:
         found = {each.seed: each for each in file.found}
     wanted = range(seed, seed + samples)
@@ -189,7 +186,7 @@ _mine: tuple[str, Ground, Intended] | None = None
 def _flown_there(setting: Setting, seeds: tuple[int, ...]) -> list[Rehearsal]:
     global _mine
     if _mine is None or _mine[0] != setting.digest:
-        ground = Ground(setting.instance)
+        ground = Ground(setting.instance, cores=1)
         _mine = setting.digest, ground, intended(ground, setting.plan)
     _, ground, planned = _mine
     return [flown_in(ground, planned, setting, seed)[1] for seed in seeds]

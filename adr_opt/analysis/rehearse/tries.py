@@ -30,7 +30,7 @@ class TryWorths:
         self._worths: dict[int, tuple[float, ...]] = {}
         self._gone: dict[int, float] = {}
         for body, target in enumerate(instance.targets, start=instance.first_target):
-            success = uncertainty.success_of(target)
+            success = uncertainty.success_of(target.name)
             tries = uncertainty.tries_of(target.name)
             self._worths[body] = worths_of_tries(target.prize, success, tries)
             self._gone[body] = uncertainty.gone_of(target.name)

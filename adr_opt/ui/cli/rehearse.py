@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from ...common.errors import InputError
 from ...common.wording import counted
@@ -19,6 +21,13 @@ if TYPE_CHECKING:
     from ...analysis.rehearse.rehearsals import Rehearsals
     from ...analysis.rehearse.sampling import Setting
     from ...common.stop import Stop
+
+NOT_OF_REPLAYS = {
+    "samples": "--samples", "seed": "--seed", "bounds": "--bounds",
+    "bound_method": "--bound-method", "bound_time_limit": "--bound-time-limit", "jobs": "--jobs",
+    "cluster": "--cluster", "resume_path": "--resume",
+}  # fmt: skip
+"""Options of many rehearsals."""
 
 
 @click.command("rehearse", short_help="Fly a mission many times as it may happen.")
@@ -71,6 +80,7 @@ def command(
     rehearsal services all required targets.
     """
     from ...analysis.rehearse import bounds as bounding
+    from ...analysis.rehearse.elsewhere import check_worlds
     from ...analysis.rehearse.sampling import rehearse, setting_of
     from ...common.stop import MaxRuntime
     from ...plan.plan import load_plan
@@ -86,19 +96,26 @@ def command(
     plan = None if plan_path is None else load_plan(plan_path)
     uncertainty = Uncertainty.load(uncertainty_path)
     read = (instance_path, plan_path, uncertainty_path)
-    check_out(out, *read, results=(resume_path, out_instance))
+    bounds_path = f"{resume_path}.bounds" if bounds and resume_path is not None else None
+    check_out(out, *read, results=(resume_path, bounds_path, out_instance))
     check_out(resume_path, *read, results=(out_instance,))
+    check_out(bounds_path, *read, results=(out_instance,))
     check_out(out_instance, *read)
     if bounds < 0:
         raise InputError(f"--bounds {bounds}: must be 0, for none, or more")
     MaxRuntime(bound_time_limit)
     if replay is not None:
+        _refuse_with_replay()
         setting = setting_of(instance, plan, uncertainty, policy)
         return _replay(setting, replay, out, out_instance, as_json, quiet)
     if out_instance is not None:
         raise InputError("--out-instance: only --replay writes an instance; give both")
     if out is not None:
         check_page(out)
+    if bounds:  # before rehearsals that may take hours
+        check_worlds(bounds, seed, jobs, cluster)
+        asked = bounding.BoundSetting(instance, uncertainty, bound_method, bound_time_limit)
+        bounding.prepared(asked, bounds_path)
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
         made = rehearse(
@@ -107,10 +124,9 @@ def command(
         )  # fmt: skip
         if not bounds:
             return made, None
-        path = None if resume_path is None else f"{resume_path}.bounds"
         return made, bounding.bounds(
             instance, uncertainty, samples=bounds, seed=seed, method=bound_method,
-            time_limit=bound_time_limit, jobs=jobs, cluster=cluster, path=path, stop=stop,
+            time_limit=bound_time_limit, jobs=jobs, cluster=cluster, path=bounds_path, stop=stop,
             told=show,
         )  # fmt: skip
 
@@ -131,17 +147,31 @@ def command(
     return 0 if any(each.required_met for each in made.outcomes) else 1
 
 
+def _refuse_with_replay() -> None:
+    """Refuse options of many rehearsals that are given with --replay."""
+    context = click.get_current_context()
+    for name, option in NOT_OF_REPLAYS.items():
+        if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            raise InputError(f"{option}: --replay flies one world and no others; leave it out")
+
+
 def _replay(
-    setting: Setting, seed: int, out: str | None, out_instance: str | None, as_json: bool,
-    quiet: bool,
+    setting: Setting, seed: int, out: str | None, out_instance: str | None,
+    as_json: bool, quiet: bool,
 ) -> int:  # fmt: skip
     from ...analysis.rehearse.replay import replay
+    from ...common.files import write_whole
 
     if out is None or out_instance is None:
         raise InputError("--replay: give --out for the plan and --out-instance for its world")
-    made = replay(setting, seed)
-    made.instance.save(out_instance)
-    made.plan.save(out)
+    connections = f"{Path(out_instance).stem}.connections.parquet"
+    made = replay(setting, seed, connections)
+
+    def write(temporary: Path) -> None:
+        temporary.write_text(made.plan.to_json(), encoding="utf-8")
+        made.instance.save(out_instance)
+
+    write_whole(out, write)  # the plan refers to the instance, which is complete by then
     for path in (out_instance, out):
         say(f"wrote {path}", unless=quiet)
     told = made.outcome.to_dict()
