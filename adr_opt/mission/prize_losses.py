@@ -54,7 +54,7 @@ class PrizeLosses(NamedTuple):
         unit = 2.0 ** math.ceil(math.log2(max(most_cost, 1.0)) + 1.0)
         steps = np.rint(falls.lost / falls.unit)
         last = falls.first[1:][np.diff(falls.first) > 0] - 1
-        if np.spacing(steps[last].sum() * unit) > FINEST:
+        if math.ulp(float(steps[last].sum()) * unit) > FINEST:
             raise InputError(
                 f"prizes may fall by {steps[last].sum():.3g} units of {falls.unit:g}, which beside "
                 f"costs of up to {most_cost:.3g} are too many; round prizes, or state less ΔV"
