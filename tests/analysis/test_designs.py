@@ -178,18 +178,23 @@ def test_euros_are_those_of_masses_at_launch() -> None:
         assert point.euros == pytest.approx(euros)
 
 
-def every_set(instance: Instance, worths: SetWorths) -> list[tuple[float, float]]:
+def every_set(
+    instance: Instance, worths: SetWorths, prices: CampaignPrices = PRICES
+) -> list[tuple[float, float]]:
     """What each set of which a plan is found avoids, and the euros of the plan."""
     names, found = [target.name for target in instance.targets], []
+    required = {target.name for target in instance.targets if target.required}
     most = sum(chaser.kits or 0 for chaser in instance.chasers)
     for size in range(1, min(len(names), most) + 1):
         for chosen in itertools.combinations(names, size):
+            if not required.issubset(chosen):
+                continue
             part = instance.part(chosen)
             targets = tuple(each.replace(required=True) for each in part.targets)
             part = part.replace(targets=targets)
             plan = adr_opt.solve(part, "exact", time_limit=WITNESS_S).plan
             if plan is not None:
-                found.append((worths.of_set(chosen), PRICES.of_plan(part, plan)))
+                found.append((worths.of_set(chosen), prices.of_plan(part, plan)))
     return found
 
 
@@ -210,6 +215,36 @@ def test_bounds_hold_for_every_set_within_a_budget(seed: int) -> None:
         assert most <= point.bound * (1.0 + 1e-9)
         assert point.euros <= budget
     assert study.points[-1].worth > 0.0
+
+
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))]
+)
+def test_bounds_hold_where_targets_are_required(seed: int) -> None:
+    """Required targets that one launch cannot take are no proof against two within the budget.
+
+    Three targets are required, or four; launches have two kits each. The budgets are those of two
+    launches with three and four kits, and a little more than the first.
+    """
+    prices = CampaignPrices(launch=10.0, kit=5.0)
+    field = rated(seed, targets=4 if seed == 0 else 5, chasers=2)
+    count, size = 3 + seed % 2, len(field.targets)
+    field = field.replace(
+        targets=tuple(each.replace(required=at < count) for at, each in enumerate(field.targets))
+    )
+    drawn = worths_of_sets(field, seed)
+    alone = np.ones(size)
+    alike = SetWorths(drawn.names, alone, np.zeros((size, size)), 1.0, 5.0, 50.0, drawn.names)
+    axis = Axis("budget", (35.0, 40.0) if seed == 0 else (35.0, 37.0, 40.0))
+    for worths, given in ((drawn, drawn), (alike, None)):
+        study = design_study(field, [axis], worths=given, prices=prices, time_limit=LIMIT_S)
+        sets = every_set(prices.applied(field), worths, prices)
+        for point, budget in zip(study.points, axis.values, strict=True):
+            most = max((worth for worth, euros in sets if euros <= budget), default=0.0)
+            assert point.worth <= point.bound
+            assert most <= point.bound * (1.0 + 1e-9)
+        assert sets
+        assert study.points[-1].bound > 0.0
 
 
 def test_no_launch_within_a_budget_is_no_plan() -> None:

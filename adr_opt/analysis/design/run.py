@@ -69,8 +69,10 @@ def _found(
         fewer = tables.problem(rating.bounded(allowed.bounded))
         found.append(_solved(work, fewer, found[0].plan, alone=alone, stop=stop))
     bound = 0.0
-    if found[-1].status != "infeasible":
-        proven = found[-1].upper_bound * rating.step
+    if found[0].status != "infeasible":
+        # Fewer launches may be too few for required targets, which says nothing of more.
+        fits = found[-1].status != "infeasible"
+        proven = found[-1].upper_bound * rating.step if fits else 0.0
         bound = min(max(proven, allowed.beyond), rating.most)
     return problem, [each.plan for each in found if each.plan is not None], bound
 
