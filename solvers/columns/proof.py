@@ -225,9 +225,10 @@ class ColumnProof:
         certificate, value = self._certificate, duals.value
         step = certificate.next_goal - certificate.incumbent
         ends, lower = certificate.incumbent + ENDS * step, value + LOWERED * (self._least - value)
-        if value >= ends or self._least - value > MANY_STEPS * step:
-            return max(ends, lower)
-        return ends
+        if value < ends and self._least - value <= MANY_STEPS * step:
+            return ends
+        # Without a plan yet there is no end to compare with.
+        return ends if lower < ends else lower
 
     def _attained(self, duals: Duals, near: float) -> bool:
         """Whether the bound is nearly what the known routes mix to: then few are missing."""
