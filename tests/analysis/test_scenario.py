@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import itertools
-from collections.abc import Iterator
+import json
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
 from pathlib import Path
@@ -375,6 +377,27 @@ def test_plans_are_kept_for_other_verbs(resumed: Any) -> None:
         assert len(plan.legs) == its.planned > 0
 
 
+def wrong_years(line: bytes) -> Iterator[bytes]:
+    """Lines with a value of another type, a row too short or too long, or a number without end."""
+    spoils: tuple[Callable[[dict[str, Any]], object], ...] = (
+        lambda year: year["rates"].__setitem__(0, "much"),
+        lambda year: year["rates"].__setitem__(1, math.nan),
+        lambda year: year["rates"].pop(),
+        lambda year: year["objects"].append("x"),
+        lambda year: year["collisions"].append([0.5, 1, 2, 7e5, 3.0]),
+        lambda year: year["collisions"].append([0.5, 1, -(10**30), 7e5, 3.0, True]),
+        lambda year: year["explosions"].append([0.5, 1.5]),
+        lambda year: year["campaign"][-1].append([0.5, 1, 2, 3.0, True]),
+        lambda year: year["campaign"].pop(),
+        lambda year: year.__setitem__("void", None),
+        lambda year: year.pop("removed"),
+    )
+    for spoil in spoils:
+        content = json.loads(line)
+        spoil(content["with"])
+        yield json.dumps(content).encode() + b"\n"
+
+
 def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
     """Other settings, other content and lines that are no years are refused in one sentence."""
     _, folder, run = resumed
@@ -387,6 +410,11 @@ def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
         path.write_bytes(lines[0] + b'{"with": 1}\n')
         with pytest.raises(InputError, match="line 2: not a year"):
             run()
+        for wrong in wrong_years(lines[1]):
+            path.write_bytes(lines[0] + wrong)
+            with pytest.raises(InputError, match=r"seed-1\.jsonl: line 2: not a year"):
+                run()
+            assert path.read_bytes() == lines[0] + wrong
         path.write_bytes(lines[0] + lines[2])
         with pytest.raises(InputError, match="another one"):
             run()

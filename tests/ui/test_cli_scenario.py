@@ -125,6 +125,8 @@ def test_bad_options_are_refused_in_a_sentence(drawn, more: tuple[Any, ...], sen
         (LAUNCHES.replace("700,710", "800,710"), "apogee 710 km is below the perigee"),
         (LAUNCHES.replace("98,2", "98,0.5"), "every = 0.5"),
         (LAUNCHES.replace(",98,2", ",98"), "line 2: 8 values under 9 columns"),
+        (LAUNCHES.replace("payload", "p" * 131_073), "line 2: not a line of CSV"),
+        (LAUNCHES.replace("payload", '"payload'), "line 2: not a line of CSV"),
     ],
 )
 def test_bad_tables_of_launches_are_refused(drawn, text: str, sentence: str) -> None:
@@ -134,3 +136,4 @@ def test_bad_tables_of_launches_are_refused(drawn, text: str, sentence: str) -> 
     assert outcome.status == 2, outcome
     assert "l.csv" in outcome.err
     assert sentence in outcome.err
+    assert outcome.err.count("\n") == 1

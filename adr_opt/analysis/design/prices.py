@@ -1,4 +1,4 @@
-"""CampaignPrices of launches, kits and kilograms in euros, and what a plan costs."""
+"""Prices of launches, kits and kilograms in euros, and what a plan costs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Legs = Sequence[tuple[str, float]]
 
 @dataclass(frozen=True)
 class CampaignPrices:
-    """CampaignPrices of what a campaign uses; there are no defaults but those of the instance.
+    """Prices of what a campaign uses; there are no defaults but those of the instance.
 
     Where any is given, the others count 0, and the ``expense`` that chasers of the instance state
     does not count. Where none is, that expense counts.

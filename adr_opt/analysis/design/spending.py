@@ -67,7 +67,7 @@ def spending_of(
         whole = len(worths) if targets > len(worths) else int(targets + ROUNDED)
         return math.fsum(worths[:whole])
 
-    # Those with exactly so many launches, and those with at most so many, by what they carry.
+    # Plans with exactly at + 1 launches, by their kits; plans with at most as many, by kits aboard.
     beyond = [most((budget - spent[at]) / each if each > 0.0 else math.inf) for at in range(count)]
     within = [most(_most_targets(chasers[0]) * (at + 1)) for at in range(count)]
     proven = min(

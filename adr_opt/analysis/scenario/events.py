@@ -52,7 +52,7 @@ def collisions_of(
     Raises
     ------
     InputError
-        So many collisions happen that the year cannot be taken as one step.
+        Collisions are too frequent for the year to be taken as one step.
     """
     bodies = population.bodies
     order = np.argsort(bodies.shells[:, 0], kind="stable")

@@ -78,24 +78,27 @@ def read_launches(path: str | os.PathLike[str]) -> tuple[Launch, ...]:
     InputError
         It cannot be read, a column is unknown or missing, or a value is out of range.
     """
-    rows = csv.reader(read_text(path).removeprefix("\ufeff").splitlines(), skipinitialspace=True)
+    text = read_text(path).removeprefix("\ufeff")
+    rows = csv.reader(text.splitlines(), strict=True, skipinitialspace=True)
     header: list[str] = []
     found = []
-    for row in rows:
-        cells = [cell.strip() for cell in row]
-        if not any(cells):
-            continue
-        where = f"{path}: line {rows.line_num}"
-        if not header:
-            header = [cell.casefold() for cell in cells]
-            if sorted(header) not in (sorted(COLUMNS), sorted((*COLUMNS, "every"))):
-                raise InputError(
-                    f"{where}: give the columns {', '.join(COLUMNS)} and, if you like, every"
-                )
-            continue
-        if len(cells) != len(header):
-            raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
-        found.append(_launch(dict(zip(header, cells, strict=True)), where))
+    try:
+        for row in rows:
+            cells, where = [cell.strip() for cell in row], f"{path}: line {rows.line_num}"
+            if not any(cells):
+                continue
+            if not header:
+                header = [cell.casefold() for cell in cells]
+                if sorted(header) not in (sorted(COLUMNS), sorted((*COLUMNS, "every"))):
+                    raise InputError(
+                        f"{where}: give the columns {', '.join(COLUMNS)} and, if you like, every"
+                    )
+            elif len(cells) != len(header):
+                raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
+            else:
+                found.append(_launch(dict(zip(header, cells, strict=True)), where))
+    except csv.Error as error:
+        raise InputError(f"{path}: line {rows.line_num}: not a line of CSV ({error})") from None
     if not header:
         raise InputError(f"{path}: empty; give a line with the columns {', '.join(COLUMNS)}")
     return tuple(found)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import ConfigDict, Field, TypeAdapter
 
 CASES = ("with", "without")
 """Futures with campaigns and without."""
@@ -60,16 +63,6 @@ class FlownCampaign(NamedTuple):
         """Itself as JSON data."""
         return [*self[:-1], [list(each) for each in self.attempts]]
 
-    @classmethod
-    def of(cls, row: list[Any]) -> FlownCampaign:
-        """The campaign of :meth:`to_list`."""
-        *others, attempts = row
-        failed, offered, planned, replanned, delta_v_m_s = others
-        return cls(
-            failed, offered, planned, replanned, delta_v_m_s,
-            tuple(Attempt(*each) for each in attempts),
-        )  # fmt: skip
-
 
 class Collision(NamedTuple):
     """A drawn collision.
@@ -90,7 +83,7 @@ class Collision(NamedTuple):
 
     time: float
     one: int
-    other: int
+    other: Annotated[int, Field(ge=-(2**31), lt=2**31)]
     altitude_m: float
     fragments: float
     catastrophic: bool
@@ -167,18 +160,23 @@ class YearRecord:
             "campaign": None if self.campaign is None else self.campaign.to_list(),
         }
 
-    @classmethod
-    def of(cls, content: dict[str, Any]) -> YearRecord:
-        """The record of :meth:`to_dict`."""
-        flown = content["campaign"]
-        return cls(
-            objects=tuple(tuple(row) for row in content["objects"]),
-            fragments=tuple(content["fragments"]),
-            rates=YearRates(*content["rates"]),
-            campaign=None if flown is None else FlownCampaign.of(flown),
-            collisions=tuple(Collision(*row) for row in content["collisions"]),
-            explosions=tuple(Explosion(*row) for row in content["explosions"]),
-            took_place=tuple(content["took_place"]),
-            removed=tuple(tuple(row) for row in content["removed"]),
-            **{name: content[name] for name in ("void", "decayed", "launched")},
-        )
+
+RECORDS = TypeAdapter(
+    dict[str, YearRecord],
+    config=ConfigDict(strict=True, allow_inf_nan=False, extra="forbid"),
+)
+
+
+def records_of(line: bytes) -> dict[str, YearRecord]:
+    """The records of both cases, from JSON data of :meth:`YearRecord.to_dict` by case.
+
+    Raises
+    ------
+    ValueError
+        It is not JSON, a part is missing, or a value is of another type.
+    """
+    found, whole = RECORDS.validate_json(line), json.loads(line)
+    fields = YearRecord.__dataclass_fields__.keys()
+    if whole.keys() != set(CASES) or any(whole[case].keys() != fields for case in CASES):
+        raise ValueError("a part is missing, or there is one more")
+    return {case: found[case] for case in CASES}

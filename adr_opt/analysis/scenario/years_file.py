@@ -13,7 +13,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import write_both
-from .records import CASES, YearRecord
+from .records import YearRecord, records_of
 
 FORMAT = "adr-opt-scenario/1"
 
@@ -115,9 +115,8 @@ class YearsFile:
 
     def _year(self, line: bytes, at: int) -> dict[str, YearRecord]:
         try:
-            content: dict[str, dict[str, Any]] = json.loads(line)
-            return {case: YearRecord.of(content[case]) for case in CASES}
-        except (ValueError, KeyError, TypeError, AttributeError):
+            return records_of(line)
+        except ValueError:
             raise InputError(
                 f"{self._path}: line {at + 2}: not a year of a scenario; name another folder"
             ) from None

@@ -11,6 +11,7 @@ from urllib.parse import quote
 from ...common.errors import InputError, MissingExtra
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
+from .picture import write_picture
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -107,7 +108,9 @@ def study(
         }
         write_page(outputs.page, designs_page(made, relative))
     if outputs.plot is not None:
-        _draw(made, outputs.plot)
+        from ..plot.designs import designs_chart
+
+        write_picture(designs_chart(made), outputs.plot)
     for path in outputs:
         if path is not None and Path(path).exists():
             say(f"wrote {path}", unless=quiet)
@@ -168,22 +171,6 @@ def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[
                 say(f"plans without reports: {error}", unless=quiet)
         found[at] = files
     return found
-
-
-def _draw(made: DesignStudy, path: str) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    from ...common.files import write_whole
-    from ..plot.designs import designs_chart
-    from ..plot.draw import draw
-
-    figure, ax = pyplot.subplots(figsize=(7.0, 4.2), layout="constrained")
-    draw(ax, designs_chart(made)).legend()
-    write_whole(path, figure.savefig)
-    pyplot.close(figure)
 
 
 def _table(made: DesignStudy) -> Table:

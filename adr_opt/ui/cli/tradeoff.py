@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...common.errors import InputError, MissingExtra
+from ...common.errors import InputError
 from ...common.wording import counted
 from . import designs, take
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
+from .picture import check_picture, write_picture
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -105,7 +106,7 @@ def command(
         if page_path is not None:
             check_page(page_path)
         if plot_path is not None:
-            _check_plot(plot_path)
+            check_picture(plot_path)
         return designs.study(
             instance_path, instance, axes, worth_path, costs,
             designs.StudySettings(method or front.DEFAULT_METHOD, limit, seed, jobs, cluster),
@@ -122,7 +123,7 @@ def command(
         check_page(page_path)
         check_out(page_path, instance_path, results=(out,))
     if plot_path is not None:
-        _check_plot(plot_path)
+        check_picture(plot_path)
         check_out(plot_path, instance_path, results=(out, page_path))
 
     def told(point: Point, board: KnownPoints) -> None:
@@ -152,7 +153,9 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        _draw(made, plot_path)
+        from ..plot.tradeoff import tradeoff_chart
+
+        write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     for path in (out, frontier_path, page_path, plot_path):
         if path is not None:
             say(f"wrote {path}", unless=quiet)
@@ -172,30 +175,6 @@ def _called(point: Point) -> str:
     drive = f", {point.thrust_n:g} N" if point.thrust_n is not None else ""
     drive += f", {point.isp_s:g} s" if point.isp_s is not None else ""
     return f"{point.delta_v_m_s:g} m/s, {point.duration_s / DAY_S:g} d{drive}"
-
-
-def _check_plot(path: str) -> None:
-    if not path.lower().endswith((".svg", ".png", ".pdf")):
-        raise InputError(f"{path}: the picture is SVG, PNG or PDF; give a file that ends so")
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise MissingExtra("a picture", "matplotlib", "viz") from None
-
-
-def _draw(made: Tradeoff, path: str) -> None:
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    from ...common.files import write_whole
-    from ..plot.tradeoff import tradeoff
-
-    figure, ax = pyplot.subplots(figsize=(7.0, 4.2), layout="constrained")
-    tradeoff(ax, made).legend()
-    write_whole(path, figure.savefig)
-    pyplot.close(figure)
 
 
 def _table(made: Tradeoff) -> Table:
