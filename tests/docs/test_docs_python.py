@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from conftest import Cli
 from pages import ROOT, in_a_small_world, read, tables
+from rated_fields import pairs_text, rated, worths_of_sets
 
 from adr_opt.plan import plan
 from adr_opt.problem import instance
@@ -79,6 +80,25 @@ def test_what_the_page_on_waiting_prints(capsys: pytest.CaptureFixture[str]) -> 
     for code, printed in pairs:
         exec(code, names)
         assert capsys.readouterr().out == printed
+
+
+def test_the_page_on_designs_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its Python runs on a smaller campaign: the set of the best design is worth what it says."""
+    field = rated(targets=2)
+    field.save(tmp_path / "base.json")
+    (tmp_path / "pairs.json").write_text(pairs_text(worths_of_sets(field)), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    (code,) = re.findall(r"```python\n(.*?)```", read("docs/designs.md"), re.DOTALL)
+    kits = "kits=4,8"
+    assert kits in code
+    exec(code.replace(kits, "kits=1,2"), {})
+    first, again = capsys.readouterr().out.splitlines()
+    floor, worth, bound, euros = map(float, first.split())
+    assert 0.0 < floor <= worth <= bound
+    assert euros > 20e6
+    assert float(again) == worth
 
 
 @pytest.mark.slow
