@@ -117,6 +117,14 @@ def wordy(line: dict[str, Any]) -> None:
     line["bound"] = "much"
 
 
+def unnamed(line: dict[str, Any]) -> None:
+    line["design"] = ["kits", 1.0]
+
+
+def unnumbered(line: dict[str, Any]) -> None:
+    line["design"]["kits"] = "many"
+
+
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
@@ -124,6 +132,8 @@ def wordy(line: dict[str, Any]) -> None:
         (dearer, "the plan has a violation"),
         (low, "avoids more than its bound"),
         (wordy, "not a line of results"),
+        (unnamed, "not a line of results"),
+        (unnumbered, "not a line of results"),
     ],
 )
 def test_lines_that_say_too_much_are_refused(

@@ -1,8 +1,7 @@
 """Results file of a study of designs: a line of JSON for each finished design, to go on from.
 
-The first line says what the others belong to. A line is written at once and whole; of one that was
-cut off by the end of the machine nothing is read. Plans are checked when they are read, and what
-they avoid and cost is worked out anew; of a line only its plan and its bound count.
+Plans are checked when they are read, and what they avoid and cost is worked out anew; of a line
+only its plan and its bound count.
 """
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ from __future__ import annotations
 import json
 import math
 import os
-from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import parse_model
+from ...common.lines_file import LinesFile
 from ...judge.check.verdict import check
 from ...plan.plan import Plan
 from .designs import Design
@@ -41,9 +40,9 @@ class DesignsFile:
     """
 
     def __init__(self, path: str | os.PathLike[str], work: DesignWork) -> None:
-        self._path, self._work = Path(path), work
-        self._head = _header(work)
-        self._found = self._read()
+        self._work = work
+        self._lines = LinesFile(path, _header(work), "a file of designs")
+        self._found = [_parsed(where, line) for where, line in self._lines.read(_of_other)]
 
     def points(self, designs: list[Design]) -> dict[Design, DesignPoint]:
         """Points of the file that are among some designs.
@@ -54,15 +53,14 @@ class DesignsFile:
             A plan has violations, or says more than can be.
         """
         wanted, found = set(designs), {}
-        for number, content in self._found:
-            design = _design_of(content)
+        for where, design, content in self._found:
             if design in wanted:
-                found[design] = self._point(design, content, f"{self._path}: line {number}")
+                found[design] = self._point(design, content, where)
         return found
 
     def append(self, point: DesignPoint) -> None:
         """Write a finished design immediately."""
-        line = _line(
+        self._lines.append(
             {
                 "design": dict(point.design.values),
                 "plan": None if point.plan is None else point.plan.to_dict(),
@@ -71,50 +69,6 @@ class DesignsFile:
                 "cpu_s": round(point.cpu_s, 3),
             }
         )
-        try:
-            with self._path.open("ab+") as file:
-                size = file.seek(0, os.SEEK_END)
-                before = b"" if size else _line(self._head)
-                if size:
-                    file.seek(size - 1)
-                    before = b"" if file.read(1) == b"\n" else b"\n"
-                try:
-                    file.write(before + line)
-                    file.flush()
-                    os.fsync(file.fileno())
-                except OSError:
-                    file.truncate(size)
-                    raise
-        except OSError as error:
-            raise InputError(
-                f"{self._path}: cannot be written ({error.strerror or error}); choose another place"
-            ) from error
-
-    def _read(self) -> list[tuple[int, dict[str, Any]]]:
-        if not self._path.exists():
-            return []
-        try:
-            lines = self._path.read_bytes().split(b"\n")
-        except OSError as error:
-            raise InputError(
-                f"{self._path}: cannot be read ({error.strerror or error}); name another file"
-            ) from None
-        if lines[0] and _line(self._head).startswith(lines[0]) and lines[1:] in ([], [b""]):
-            self._path.write_bytes(b"" if len(lines) == 1 else lines[0] + b"\n")
-            return []
-        head = _parsed(lines[0])
-        if lines == [b""]:
-            return []
-        if head is None or head.get("format") != FORMAT:
-            raise InputError(f"{self._path}: not a file of designs; name another one")
-        for key, value in self._head.items():
-            if head.get(key) != value:
-                raise InputError(
-                    f"{self._path}: made with other {key.replace('_', ' ')}; name another file, "
-                    "or use the same"
-                )
-        parsed = ((number, _parsed(line)) for number, line in enumerate(lines[1:], start=2))
-        return [(number, content) for number, content in parsed if content is not None]
 
     def _point(self, design: Design, content: dict[str, Any], where: str) -> DesignPoint:
         instance = self._work.instance_of(design)
@@ -159,23 +113,19 @@ def _number(value: object, where: str) -> float:
     return float(value)
 
 
-def _design_of(content: dict[str, Any]) -> Design | None:
-    values = content.get("design")
-    if not isinstance(values, dict):
-        return None
-    if not all(isinstance(value, (int, float)) for value in values.values()):
-        return None
-    return Design(tuple((kind, float(value)) for kind, value in values.items()))
+def _of_other(key: str) -> str:
+    return f"made with other {key.replace('_', ' ')}; name another file, or use the same"
 
 
-def _line(content: dict[str, Any]) -> bytes:
-    return json.dumps(content, ensure_ascii=False, allow_nan=False).encode() + b"\n"
-
-
-def _parsed(line: bytes) -> dict[str, Any] | None:
-    """The object on a line; None if it is incomplete."""
+def _parsed(where: str, line: bytes) -> tuple[str, Design, dict[str, Any]]:
+    """A line as its place, its design, and its content."""
     try:
         content = json.loads(line)
     except (ValueError, RecursionError):
-        return None
-    return content if isinstance(content, dict) else None
+        content = None
+    values = content.get("design") if isinstance(content, dict) else None
+    if not isinstance(values, dict) or not all(
+        isinstance(value, (int, float)) for value in values.values()
+    ):
+        raise InputError(f"{where}: not a line of results; name another file")
+    return where, Design(tuple(values.items())), content
