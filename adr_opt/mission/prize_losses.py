@@ -47,7 +47,7 @@ class PrizeLosses(NamedTuple):
         Raises
         ------
         InputError
-            One number cannot tell apart losses so many and costs so large.
+            Losses and costs are too large together for one number.
         """
         if falls is None:
             return cls(None, math.inf, 0.0)
