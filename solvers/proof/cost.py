@@ -97,7 +97,7 @@ class PricedBound(WalkBound):
             paid=Paid(PARTS, time_price > 0.0), others=others,
         )  # fmt: skip
         # Losses are left out, a relaxation: services are worth their greatest prize.
-        self.falls, self.fall = None, np.empty(0, dtype=np.int32)
+        self.falls = self.fall = None
         self.time_price = time_price
         self.worths = np.array(mission.rules.prize)
         if self.loads is not None:

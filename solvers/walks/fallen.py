@@ -12,7 +12,7 @@ from ..networks.buckets import Buckets
 
 def fallen(
     network: Network, buckets: Buckets, falls: Falls | None, unit: float, bits: int
-) -> np.ndarray:
+) -> np.ndarray | None:
     """Losses of the prizes of services that end in each bucket, no more than the truth.
 
     A leg that lands in an earlier bucket than another one ends no later, so what is left out for
@@ -32,11 +32,11 @@ def fallen(
 
     Returns
     -------
-    (buckets,) int32
-        Packed as values are; empty where no prize falls.
+    (buckets,) int32 or None
+        Packed as values are; None where no prize falls.
     """
     if falls is None:
-        return np.empty(0, dtype=np.int32)
+        return None
     earliest = np.full(buckets.opens.size, np.inf)
     landing = buckets.of_row[network.landing]
     np.minimum.at(earliest, landing, network.end)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.core.compile import kernel
+from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 
 from ..networks import simd
@@ -56,9 +56,9 @@ class WalkTerms(NamedTuple):
         What each leg takes off a value [units]; empty for nothing.
     stop : (buckets,) int32
         What a walk that ends in a bucket pays for time, packed; empty for nothing.
-    fall : (buckets,) int32
-        What a service that ends in a bucket has lost of its prize at least, packed; empty for
-        nothing.
+    fall : (buckets,) int32 or None
+        What a service that ends in a bucket has lost of its prize at least, packed; None, and
+        kernels without it, where no prize falls.
     bits : int
         Of the next body in a packed value.
     width, top : int
@@ -68,7 +68,7 @@ class WalkTerms(NamedTuple):
     code: np.ndarray
     toll: np.ndarray
     stop: np.ndarray
-    fall: np.ndarray
+    fall: np.ndarray | None
     bits: int
     width: int
     top: int
@@ -81,6 +81,14 @@ class WalkState(NamedTuple):
     body: int
     kits: int
     left: int
+
+
+@inlined
+def _fallen(fall, bucket):
+    """What a service that ends in a bucket has lost of its prize, packed."""
+    if fall is None:
+        return np.int32(0)
+    return fall[bucket]
 
 
 @kernel
@@ -106,7 +114,7 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
     # From a station nothing is forbidden; no code has all bits set.
     came_from = simd.spread(mask if buckets.is_station[i] else i)
     base = buckets.start[i]
-    priced, timed, falls = toll.size > 0, stop.size > 0, fall.size > 0
+    priced, timed = toll.size > 0, stop.size > 0
     for bucket in range(base + high - 1, base + low - 1, -1):
         begin, end = buckets.first[bucket], buckets.first[bucket + 1]
         for c in range(0, width, simd.LANES):
@@ -139,8 +147,7 @@ def _sweep_buckets(buckets, layer, terms, toll, full_tank, i, high, low):
                 gain = code[j]
                 if priced:
                     gain -= toll[leg] << bits
-                if falls:
-                    gain -= fall[buckets.landing[leg]]
+                gain -= _fallen(fall, buckets.landing[leg])
                 value = simd.plus(value, simd.spread(gain))
                 value = simd.where_less(left, simd.spread(cost), never, value)
                 loser = simd.smaller(found, value)
@@ -236,8 +243,7 @@ def trace(buckets, values, layers, terms, state, walk):
                 if not buckets.is_station[body] and ahead & mask == body:
                     ahead = landed_second[kits, (landing + 1) * width + rest]
                 paid = toll[min(kits, toll.shape[0] - 1), leg] if toll.size > 0 else 0
-                if fall.size > 0:
-                    paid += fall[landing] >> bits
+                paid += _fallen(fall, landing) >> bits
                 if (ahead >> bits) + (code[j] >> bits) - paid == packed >> bits:
                     onward = landing
             leg += 1

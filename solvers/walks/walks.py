@@ -172,9 +172,9 @@ class WalkBound:
     stop : (buckets,) int32
         What a walk has to pay for time that is over in a bucket, packed as :class:`Values` are; no
         less than the truth, and counted from when the first mission begins. Empty for nothing.
-    fall : (buckets,) int32
+    fall : (buckets,) int32 or None
         What services that end in a bucket have lost of their prize, packed; no more than the truth.
-        Empty for nothing.
+        None where no prize falls.
     falls : Falls or None
         As of the rules of the mission.
     time_price : float
