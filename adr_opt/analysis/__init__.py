@@ -3,8 +3,8 @@
 `price` times an order of bodies and says where it breaks; `compare` lays plans side by side;
 `tradeoff` plans and proves over budgets and durations, and `frontier` says what it takes to be done
 sooner; `design_study` plans, bounds and evaluates designs of campaigns, in euros; `replan` plans
-the rest anew; `rehearse` flies a mission many times as it may happen; `plan_of` makes a plan of
-departures that the caller chose.
+the rest anew; `rehearse` flies a mission many times as it may happen, and `robust` makes a plan
+that is kept with a confidence; `plan_of` makes a plan of departures that the caller chose.
 """
 
 from .comparison import Comparison, compare
@@ -16,6 +16,8 @@ from .rehearse.rehearsals import Rehearsals
 from .rehearse.sampling import rehearse
 from .replan import replan
 from .replanned import Replanned
+from .robust.robust import robust
+from .robust.robust_plan import RobustPlan
 from .trade import Axis, Ending, Tradeoff, frontier, parse_axis, tradeoff
 
 __all__ = [
@@ -29,6 +31,7 @@ __all__ = [
     "PricedRoute",
     "Rehearsals",
     "Replanned",
+    "RobustPlan",
     "Tradeoff",
     "compare",
     "design_study",
@@ -40,5 +43,6 @@ __all__ = [
     "read_orders",
     "rehearse",
     "replan",
+    "robust",
     "tradeoff",
 ]

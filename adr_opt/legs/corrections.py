@@ -15,6 +15,7 @@ from ..common.constants import DAY_S
 from ..common.wording import counted
 from ..kernels.legs.found import ConnectionArrays
 from ..plan.leg_kinds import leg_kinds
+from .risk_charge import RiskCharge
 
 Key = tuple[str, str, str]
 """Origin, destination and kind of legs."""
@@ -30,7 +31,7 @@ class Corrections:
     """Corrections to the costs of a mission's connections; none by default.
 
     A connection costs the factor of its kind times the model's ΔV, plus the addition of its kind,
-    and all that times the share of its pair.
+    and all that times the share of its pair; and that is charged for what it may cost more.
 
     Attributes
     ----------
@@ -48,6 +49,8 @@ class Corrections:
     services_s : mapping of name to float
         What the service of a target takes in place of the time of the mission; not negative [s].
         Windows move with it: they limit when services begin, as without the correction.
+    charge : RiskCharge or None
+        On all legs, for what they may cost more.
     """
 
     shares: Mapping[Key, float] = field(default_factory=dict)
@@ -56,6 +59,7 @@ class Corrections:
     barred_s: Mapping[Key, tuple[Span, ...]] = field(default_factory=dict)
     stays_s: Mapping[str, float] = field(default_factory=dict)
     services_s: Mapping[str, float] = field(default_factory=dict)
+    charge: RiskCharge | None = None
 
     def __post_init__(self) -> None:
         if not all(share > 0.0 for share in self.shares.values()):
@@ -73,7 +77,7 @@ class Corrections:
         """Whether there are any corrections."""
         factors = (*self.shares.values(), *self.factors.values())
         changed = any(one != 1.0 for one in factors) or any(self.additions_m_s.values())
-        return changed or bool(self.barred_s or self.stays_s or self.services_s)
+        return changed or bool(self.barred_s or self.stays_s or self.services_s or self.charge)
 
     def applied(self, origin: str, destination: str, found: ConnectionArrays) -> ConnectionArrays:
         """The connections of a pair at corrected ΔV, without excluded ones."""
@@ -84,6 +88,8 @@ class Corrections:
             mine = found.family == number
             factor, addition = self._line(origin, destination, kind.name)
             delta_v[mine] = factor * found.delta_v[mine] + addition
+            if self.charge and mine.any():
+                delta_v[mine] = self.charge.charged(destination, kind.name, delta_v[mine])
             for begin, end in self.barred_s.get((origin, destination, kind.name), ()):
                 within = (found.departure > begin - WITHIN_S) & (found.arrival < end + WITHIN_S)
                 delta_v[mine & within] = math.inf
@@ -95,11 +101,14 @@ class Corrections:
     def corrected(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
         """Corrected ΔV of a connection, from its modelled ΔV [m/s]."""
         factor, addition = self._line(origin, destination, kind)
-        return factor * delta_v_m_s + addition
+        costs = factor * delta_v_m_s + addition
+        return float(self.charge.charged(destination, kind, costs)) if self.charge else costs
 
     def modelled(self, origin: str, destination: str, kind: str, delta_v_m_s: float) -> float:
         """Modelled ΔV of a connection, from its corrected ΔV [m/s]."""
         factor, addition = self._line(origin, destination, kind)
+        if self.charge:
+            delta_v_m_s = float(self.charge.planned(destination, kind, delta_v_m_s))
         return (delta_v_m_s - addition) / factor
 
     def of_kind(self, kind: str) -> tuple[float, float]:
@@ -141,6 +150,8 @@ class Corrections:
             )
         if self.services_s:
             parts.append(f"other times of {counted(len(self.services_s), 'service')}")
+        if self.charge:
+            parts.append(f"a reserve of {self.charge.score:.3g} standard deviations in each tank")
         return ", ".join(parts) or "none"
 
 

@@ -56,6 +56,23 @@ class LognormalFactor(Record):
         drawn = math.exp(self.lognormal_sigma * _NORMAL.inv_cdf(uniform))
         return min(max(drawn, self.least), self.most)
 
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Mean and standard deviation."""
+        sigma = self.lognormal_sigma
+        if sigma == 0.0:
+            return 1.0, 0.0
+        low, high = math.log(self.least) / sigma, math.log(self.most) / sigma
+
+        def power(n: int) -> float:
+            """Mean of the n-th power: that of the part within the bounds, and both bounds."""
+            shift, cdf = n * sigma, _NORMAL.cdf
+            within = math.exp(0.5 * shift * shift) * (cdf(high - shift) - cdf(low - shift))
+            return within + self.least**n * cdf(low) + self.most**n * cdf(-high)
+
+        mean = power(1)
+        return mean, math.sqrt(max(power(2) - mean * mean, 0.0))
+
 
 class Delay(Record):
     """A delay that occurs with a chance, exponential with a mean, up to a maximum."""
@@ -139,6 +156,11 @@ class TankUncertainty(Record):
     def at(self, uniform: float) -> float:
         """The share at a number drawn uniformly from (0, 1)."""
         return self.least + (self.most - self.least) * uniform
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Mean and standard deviation."""
+        return 0.5 * (self.least + self.most), (self.most - self.least) / math.sqrt(12.0)
 
 
 class TargetUncertainty(Record):

@@ -32,10 +32,7 @@ from ...problem.settings import Objective
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from .ground import Ground
-from .tries import TryWorths
-
-PRIZE_DIGITS = 9
-"""Digits of prizes, which are rounded up."""
+from .tries import TryWorths, rounded_up
 
 GIVEN_UP = " (given up{})"
 """Added to the name of a target for the body at which a chaser gives up, with a number if need."""
@@ -251,17 +248,6 @@ def most_refuellings(ground: Ground) -> int:
     if least <= SLACK_S:
         return targets
     return max(1, min(targets, math.ceil(instance.mission.duration_s / least)))
-
-
-def rounded_up(prize: float) -> float:
-    """A prize of few digits, no less than the one that is given."""
-    if prize <= 0.0:
-        return 0.0
-    digits = PRIZE_DIGITS - 1 - math.floor(math.log10(prize))
-    scaled = prize * 10.0**digits
-    near = round(scaled)
-    whole = near if abs(scaled - near) < 1e-3 else math.ceil(scaled)
-    return float(whole / 10**digits) if digits >= 0 else float(whole * 10**-digits)
 
 
 def can_be_serviced(world: DrawnWorld, target: Target) -> bool:

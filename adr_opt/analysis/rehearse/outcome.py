@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from ...common.constants import SLACK_M_S
-from .crafts import DRY, FINISHED, REFUELLED, SERVICED
+from .crafts import DRY, FAILED, FINISHED, GONE, REFUELLED, SERVICED
 from .flight import FlownMission
 from .ground import Ground
 from .intended import Intended
@@ -57,6 +57,13 @@ class Rehearsal:
     losses: dict[str, str]
     course: tuple[tuple[float, float], ...]
     spent: tuple[tuple[float, float], ...]
+
+    @property
+    def as_planned(self) -> bool:
+        """Whether nothing was lost but to captures that failed and targets that were gone."""
+        return all(reason in (FAILED, GONE) for reason in self.losses.values()) and not any(
+            ran_dry for *_, ran_dry in self.tanks
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The outcome as JSON data."""

@@ -13,8 +13,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from .ground import Ground, Hop
 from .intended import Intended
-from .known_world import rounded_up
-from .tries import TryWorths
+from .tries import mean_worths, with_worths
 
 CAUTION = 2.5
 """Reserve of a tank, in standard deviations of what its legs take."""
@@ -40,7 +39,7 @@ class Prospect:
 
     def __init__(self, ground: Ground, intended: Intended, uncertainty: Uncertainty) -> None:
         self._ground, self._uncertainty = ground, uncertainty
-        self._worths = self._mean_worths()
+        self._worths = mean_worths(ground.instance, uncertainty)
         self.reserve_m_s = self._reserve(intended)
 
     @property
@@ -58,17 +57,10 @@ class Prospect:
         reserve : bool
             Whether tanks keep one.
         """
-        targets, chasers = instance.targets, instance.chasers
-        if self._worths:
-            targets = tuple(
-                target.replace(prize=self._worths[target.name])
-                if target.prize > 0.0 and self._worths[target.name] > 0.0
-                else target
-                for target in targets
-            )
+        instance = with_worths(instance, self._worths)
         if reserve and self.reserve_m_s > 0.0:
-            chasers = tuple(map(self._careful, chasers))
-        return instance.replace(targets=targets, chasers=chasers)
+            instance = instance.replace(chasers=tuple(map(self._careful, instance.chasers)))
+        return instance
 
     def spread_m_s(self, hops: Sequence[Hop]) -> float:
         """Reserve for the legs of a chaser up to its next refuelling [m/s]."""
@@ -110,19 +102,6 @@ class Prospect:
                     needed.append(CAUTION * math.sqrt(squares))
                     squares = 0.0
         return float(np.median(needed)) if needed else 0.0
-
-    def _mean_worths(self) -> dict[str, float]:
-        """Mean worth of each target; empty where all are worth the same share of their prizes."""
-        instance = self._ground.instance
-        worths = TryWorths(instance, self._uncertainty)
-        found = {
-            target.name: (target.prize, worths.most(body))
-            for body, target in enumerate(instance.targets, start=instance.first_target)
-        }
-        shares = [worth / prize for prize, worth in found.values() if prize > 0.0]
-        if not shares or max(shares) - min(shares) < 1e-12:
-            return {}
-        return {name: rounded_up(worth) for name, (_, worth) in found.items()}
 
 
 def prospect_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Prospect:

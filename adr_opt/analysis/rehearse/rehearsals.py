@@ -67,6 +67,7 @@ class Rehearsals(Shown):
             "expected_prize": summary(each.expected for each in outcomes),
             "required_met": share(each.required_met for each in outcomes) if required else None,
             "returned": share(each.returned for each in outcomes),
+            "as_planned": share(each.as_planned for each in outcomes),
             "last_day": summary(each.last_s / DAY_S for each in outcomes),
             "delta_v_m_s": summary(each.delta_v_m_s for each in outcomes),
             "tanks": self._tanks(),

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
+
+PRIZE_DIGITS = 9
+"""Digits of prizes, which are rounded up."""
 
 
 def worths_of_tries(prize: float, success: float, tries: int) -> tuple[float, ...]:
@@ -51,3 +56,43 @@ class TryWorths:
         """What the n-th try counts, if it ends in time: its chance times the prize on average."""
         before, after = self._worths[target][attempt - 1 : attempt + 1]
         return before if caught else before - after
+
+
+def mean_worths(instance: Instance, uncertainty: Uncertainty) -> dict[str, float]:
+    """Mean worth of going to each target, rounded up, by name.
+
+    Empty where all are worth the same share of their prizes, which then count as well.
+    """
+    worths = TryWorths(instance, uncertainty)
+    found = {
+        target.name: (target.prize, worths.most(body))
+        for body, target in enumerate(instance.targets, start=instance.first_target)
+    }
+    shares = [worth / prize for prize, worth in found.values() if prize > 0.0]
+    if not shares or max(shares) - min(shares) < 1e-12:
+        return {}
+    return {name: rounded_up(worth) for name, (_, worth) in found.items()}
+
+
+def with_worths(instance: Instance, worths: dict[str, float]) -> Instance:
+    """An instance whose prizes are what going to its targets is worth, where that is known."""
+    if not worths:
+        return instance
+    targets = tuple(
+        target.replace(prize=worths[target.name])
+        if target.prize > 0.0 and worths[target.name] > 0.0
+        else target
+        for target in instance.targets
+    )
+    return instance.replace(targets=targets)
+
+
+def rounded_up(prize: float) -> float:
+    """A prize of few digits, no less than the one that is given."""
+    if prize <= 0.0:
+        return 0.0
+    digits = PRIZE_DIGITS - 1 - math.floor(math.log10(prize))
+    scaled = prize * 10.0**digits
+    near = round(scaled)
+    whole = near if abs(scaled - near) < 1e-3 else math.ceil(scaled)
+    return float(whole / 10**digits) if digits >= 0 else float(whole * 10**-digits)

@@ -192,6 +192,7 @@ def _tell(told: dict[str, Any]) -> None:
     )
     if told["required_met"] is not None:
         emit(f"all required targets serviced in {told['required_met']['share']:.1%}")
+    emit(f"as planned, but for captures, in {told['as_planned']['share']:.1%}")
     for name, of in told.get("bounds", {}).items():
         if name in ("perfect", "penalised") and of["mean"] is not None:
             gap = told["gaps"][name]

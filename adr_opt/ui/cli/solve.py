@@ -12,6 +12,7 @@ from ...common.errors import InputError
 from ...common.wording import status_words
 from . import complete, take
 from .certificates import certificate_option, check_certificate, save_certificate
+from .confident import Confident, confident_options, run_confident
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_rich, say, terminal_width
 from .parameters import check_out, parse_assignments, run_options
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @take.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options
+@confident_options
 @no_fly_option
 @take.as_json
 @take.quiet
@@ -66,6 +68,8 @@ def command(
     bound_name: str | None,
     out: str | None,
     certificate_path: str | None,
+    confidence: float | None,
+    uncertainty_path: str | None,
     no_fly: bool,
     as_json: bool,
     quiet: bool,
@@ -107,6 +111,12 @@ def command(
         out=out, refine=refining.refine,
     )  # fmt: skip
     refining.check(instance_path, out)
+    confident = Confident(confidence, uncertainty_path)
+    confident.check({
+        "--refine": refining.refine, "--certificate": certificate_path is not None,
+        "--start": start is not None, "--margin": margin > 0.0,
+        "--iterations": iterations is not None, "--memory": memory_gib is not None,
+    })  # fmt: skip
     given = front.RunOptions(
         time_limit, seed, start, repair, jobs, iterations, bound_name, margin, memory_gib, options
     )
@@ -121,6 +131,8 @@ def command(
         )  # fmt: skip
         result = looped.result
         say_notes(result, quiet)
+    elif confidence is not None:
+        result = run_confident(instance, method, confident, given, as_json=as_json, quiet=quiet)
     else:
         result = run_method(PLANNERS, problem, method, given, as_json=as_json, quiet=quiet)
     if result.plan is None:

@@ -70,11 +70,17 @@ def _distributions(told: Mapping[str, Any]) -> str:
         ("prize", "prize"), ("last_day", "last day"), ("delta_v_m_s", "ΔV m/s"),
     ):  # fmt: skip
         rows.append(row((("", name), *_summary(told[key]))))
-    for key, name in (("required_met", "all required met"), ("returned", "ended where planned")):
+    for key, name in _SHARES.items():
         if told[key] is not None:
             rows.append(row((("", name), ("n", _share(told[key])), *[("n", "")] * 6)))
     return table("Distributions", [("", ""), *_HEADINGS], rows)
 
+
+_SHARES = {
+    "required_met": "all required met",
+    "returned": "ended where planned",
+    "as_planned": "as planned, but for captures",
+}
 
 _HEADINGS = (
     ("mean", "n"), ("± standard error", "n"), ("5 %", "n"), ("25 %", "n"), ("median", "n"),

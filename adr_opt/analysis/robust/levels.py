@@ -1,0 +1,64 @@
+"""Levels of confidence: how likely each tank, stay and launch is to be kept, and shares of risk."""
+
+from __future__ import annotations
+
+from statistics import NormalDist
+from typing import NamedTuple
+
+from .promise import Promise
+
+_NORMAL = NormalDist()
+
+MOST_LEVEL = 1.0 - 1e-9
+
+
+class Levels(NamedTuple):
+    """Chances with which each part of a promise is to be kept.
+
+    Attributes
+    ----------
+    tank : float
+        Each tank.
+    stay : float
+        Each stay ends before the next leg departs.
+    launch : float
+        Each launch.
+    """
+
+    tank: float
+    stay: float
+    launch: float
+
+
+def equal(confidence: float) -> Levels:
+    """Levels that every plan keeps whose promise is kept with a confidence."""
+    return Levels(confidence, confidence, confidence)
+
+
+def shared(confidence: float, promise: Promise) -> Levels:
+    """The risk shared out equally: among kinds of parts, and among the parts of each.
+
+    Parameters
+    ----------
+    confidence : float
+        Of the whole promise.
+    promise : Promise
+        Of a plan, whose numbers of parts are assumed.
+    """
+    numbers = len(promise.tanks), len(promise.stays), len(promise.launches)
+    kinds = sum(number > 0 for number in numbers)
+    return Levels(*(confidence ** (1.0 / max(1, kinds * number)) for number in numbers))
+
+
+def between(first: Levels, second: Levels, share: float) -> Levels:
+    """Levels on the way from one to the other, and beyond it, by their normal scores."""
+
+    def score(level: float) -> float:
+        return _NORMAL.inv_cdf(min(level, MOST_LEVEL))
+
+    return Levels(
+        *(
+            _NORMAL.cdf(score(a) + share * (score(b) - score(a)))
+            for a, b in zip(first, second, strict=True)
+        )
+    )

@@ -1,0 +1,240 @@
+"""Plans that keep what they promise with a confidence (docs/model.md section 13.4).
+
+All tanks together hold what their legs take, and each stay and each launch is in time, with that
+confidence; and so much of the plan is kept when it is followed in drawn worlds, where one delay
+leads to others. How likely each part has to be kept depends on how many there are. A first plan
+keeps each of them with the confidence itself, as every plan does that keeps its promise: what is
+proven of it is proven of all. The next ones share out the risk, and take back what turns out not to
+be needed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...common.clock import now_s
+from ...common.errors import InputError
+from ...common.progress import Progress, silent
+from ...common.stop import Stop
+from ...mission.problem import Problem
+from ...mission.result import Result
+from ...plan.plan import Plan
+from ...plan.routes import routes_of
+from ...problem.instance import AnyInstance, Instance, instance_of
+from ...problem.uncertainty import Uncertainty
+from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
+from ...run.methods import PLANNERS
+from ..departures import plan_of
+from ..rehearse.ground import Ground
+from ..rehearse.intended import Intended, intended
+from ..rehearse.sampling import Setting, flown_in
+from ..rehearse.tries import mean_worths
+from .careful_problem import careful_problem
+from .levels import Levels, between, equal, shared
+from .promise import Promise, promise_of
+from .robust_plan import Caution, RobustPlan
+
+FIRST_SHARE = 0.4
+"""Share of the time for the first plan and the bound on all."""
+
+MOST_ROUNDS = 6
+"""Maximum number of plans after the first."""
+
+WORLDS, FIRST_WORLD = 1000, 10**9
+"""Number of worlds in which a plan is followed, and their first seed, far from those of users."""
+
+NEAR = 0.1
+"""Difference of two cautions below which none between them is tried."""
+
+
+def robust(  # noqa: PLR0913
+    instance: AnyInstance,
+    uncertainty: Uncertainty,
+    confidence: float,
+    method: str = DEFAULT_METHOD,
+    *,
+    time_limit: float = DEFAULT_TIME_LIMIT_S,
+    seed: int = 0,
+    bound: str | None = None,
+    jobs: int | None = None,
+    stop: Stop | None = None,
+    progress: Progress = silent,
+    **method_options: Any,
+) -> RobustPlan:
+    """Plan a mission so that the plan is kept with a confidence.
+
+    Parameters
+    ----------
+    instance : Instance, path or dict
+    uncertainty : Uncertainty
+        What may go otherwise than planned.
+    confidence : float
+        Chance, from 0.5 up to below 1: that all tanks hold what their legs take, of each stay and
+        launch that the next leg departs in time, and that the plan is kept when it is followed.
+    method : str
+        Name of an installed planner.
+    time_limit : float
+        Wall time of all plans together [s].
+    seed, bound, jobs, **method_options
+        As :func:`adr_opt.solve` takes them.
+    stop : Stop, optional
+        A further criterion.
+    progress : callable
+        Called with worth and bound of the first plan whenever one improves.
+
+    Returns
+    -------
+    RobustPlan
+
+    Raises
+    ------
+    InputError
+        The confidence is out of range, the mission has a rule that rehearsals do not follow, or as
+        :func:`adr_opt.solve` raises it.
+    """
+    if not 0.5 <= confidence < 1.0:
+        raise InputError(f"confidence = {confidence!r}: must be at least 0.5 and below 1")
+    instance = instance_of(instance)
+    uncertainty.check_names(instance)
+    wanted = RunOptions(time_limit, seed, None, jobs=jobs, bound=bound, options=method_options)
+    return _Search(instance, uncertainty, confidence, method, wanted, stop).run(progress)
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A plan of the instance, with what it is worth and promises."""
+
+    plan: Plan
+    worth: float
+    promise: Promise
+    kept: float
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """The best plan is worth most, and takes least ΔV of those."""
+        return self.worth, -self.plan.delta_v_m_s
+
+
+class _Search:
+    """The search for the levels at which the best plan keeps its promise."""
+
+    def __init__(
+        self,
+        instance: Instance,
+        uncertainty: Uncertainty,
+        confidence: float,
+        method: str,
+        wanted: RunOptions,
+        stop: Stop | None,
+    ) -> None:
+        self._ground = Ground(instance)
+        self._uncertainty, self._confidence = uncertainty, confidence
+        self._method, self._wanted, self._stop = method, wanted, stop
+        self._began = now_s()
+        self._end = self._began + wanted.time_limit
+        self._whole = Problem(instance, connecting=self._ground.finder)
+        self._worths = mean_worths(instance, uncertainty)
+        self._prizes = {target.name: target.prize for target in instance.targets}
+        self._rounds: list[Caution] = []
+        self._best: _Made | None = None
+
+    def run(self, progress: Progress) -> RobustPlan:
+        """Plan, first for a bound on all plans, then with shared risks."""
+        first = equal(self._confidence)
+        result = self._result(first, FIRST_SHARE * self._wanted.time_limit, progress)
+        upper = result.upper_bound
+        made = self._adopt(first, result)
+        if self._best is not None and not self._is_over(upper):
+            # Nothing is gained by other levels: the same ones, with the rest of the time.
+            longer = self._result(first, self._end - now_s(), progress, result.plan)
+            upper = min(upper, longer.upper_bound)
+            self._adopt(first, longer)
+        elif made is not None:
+            for levels in self._cautions(first, made.promise):
+                if self._is_over(upper):
+                    break
+                last = len(self._rounds) == MOST_ROUNDS
+                left_s = self._end - now_s()
+                self._adopt(levels, self._result(levels, left_s * (1.0 if last else 0.4), silent))
+        best = self._best
+        return RobustPlan(
+            None if best is None else best.plan, None if best is None else best.promise,
+            self._confidence, -math.inf if best is None else best.worth, upper,
+            result.status == "infeasible", 0.0 if best is None else best.kept, WORLDS,
+            tuple(self._rounds), self._method, self._wanted.seed, now_s() - self._began,
+        )  # fmt: skip
+
+    def _cautions(self, first: Levels, promise: Promise) -> Iterator[Levels]:
+        """Levels to plan with: shared risks, more of that until a plan is kept, then less."""
+        full = shared(self._confidence, promise)
+        low, high, caution = 0.0, math.inf, 1.0
+        for _ in range(MOST_ROUNDS):
+            yield between(first, full, caution)
+            if self._rounds[-1].kept >= self._confidence:
+                high = caution
+            else:
+                low = caution
+            if high - low < NEAR:
+                return
+            caution = 1.3 * caution if high == math.inf else 0.5 * (low + high)
+
+    def _is_over(self, upper: float) -> bool:
+        """Whether there is no time left, or nothing left to gain."""
+        if self._end - now_s() <= 0.0 or (
+            self._stop is not None and self._stop.remaining_s() <= 0.0
+        ):
+            return True
+        return self._best is not None and self._whole.meets(self._best.worth, upper)
+
+    def _result(
+        self, levels: Levels, limit_s: float, progress: Progress, start: Plan | None = None
+    ) -> Result:
+        problem = careful_problem(self._ground, self._uncertainty, levels)
+        can_start = start is not None and spec_of(self._method).starts
+        wanted = replace(
+            self._wanted, time_limit=limit_s, start=start if can_start else None, repair=can_start
+        )
+        return run(PLANNERS, problem, self._method, wanted, stop=self._stop, progress=progress)
+
+    def _adopt(self, levels: Levels, result: Result) -> _Made | None:
+        """The plan of a result as one of the instance, which is kept if it keeps its promise."""
+        if result.plan is None:
+            self._rounds.append(Caution(levels, -math.inf, 0.0))
+            return None
+        plan = _as_it_is(self._whole, result)
+        planned = intended(self._ground, plan)
+        promise, kept = promise_of(self._ground, planned, self._uncertainty), 0.0
+        if promise.keeps(self._confidence):
+            kept = self._kept(planned)
+        made = _Made(plan, self._worth(plan), promise, kept)
+        self._rounds.append(Caution(levels, made.worth, kept))
+        if kept >= self._confidence and (self._best is None or made.rank > self._best.rank):
+            self._best = made
+        return made
+
+    def _kept(self, planned: Intended) -> float:
+        """Share of worlds in which a plan is kept that is followed."""
+        assert planned.plan is not None
+        setting = Setting(self._ground.instance, planned.plan, self._uncertainty, "follow")
+        worlds = range(FIRST_WORLD, FIRST_WORLD + WORLDS)
+        outcomes = (flown_in(self._ground, planned, setting, seed)[1] for seed in worlds)
+        return sum(each.as_planned for each in outcomes) / WORLDS
+
+    def _worth(self, plan: Plan) -> float:
+        prizes = self._worths or self._prizes
+        return math.fsum(prizes[leg.destination] for leg in plan.legs if leg.destination in prizes)
+
+
+def _as_it_is(problem: Problem, result: Result) -> Plan:
+    """A plan with reserves as a plan of the instance: the same connections at their own cost."""
+    assert result.plan is not None
+    legs = {
+        each.chaser.name: [
+            (leg.destination, leg.departure_s, leg.arrival_s) for _, leg in each.legs
+        ]
+        for each in routes_of(problem.instance, result.plan)
+    }
+    return plan_of(problem, legs if len(problem.missions) > 1 else next(iter(legs.values())))

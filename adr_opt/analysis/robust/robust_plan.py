@@ -1,0 +1,110 @@
+"""A plan that keeps what it promises with a confidence, and how it was found."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ...mission.result import Result
+from ...plan.plan import Plan, Status
+from .levels import Levels
+from .promise import Promise
+
+
+class Caution(NamedTuple):
+    """A plan on the way to the robust one.
+
+    Attributes
+    ----------
+    levels : Levels
+        That were asked for.
+    worth : float
+        What it collects on average; −inf without one.
+    kept : float
+        Share of rehearsals in which it was kept; 0 where its promise has too small a chance.
+    """
+
+    levels: Levels
+    worth: float
+    kept: float
+
+
+@dataclass(frozen=True)
+class RobustPlan:
+    """A plan that keeps what it promises with a confidence.
+
+    Attributes
+    ----------
+    plan : Plan or None
+        The best one found, of the instance as it is; None if none keeps its promise.
+    promise : Promise or None
+        Its promise.
+    confidence : float
+        That was asked for.
+    worth : float
+        What the plan collects on average; −inf without one.
+    upper_bound : float
+        Proven: no plan that keeps its promise with the confidence collects more on average.
+    infeasible : bool
+        Whether it is proven that no such plan services all required targets.
+    kept : float
+        Share of rehearsals in which it was kept when it was followed, in worlds of their own.
+    worlds : int
+        Number of these rehearsals.
+    rounds : tuple of Caution
+    method : str
+    seed : int
+    runtime_s : float
+    """
+
+    plan: Plan | None
+    promise: Promise | None
+    confidence: float
+    worth: float
+    upper_bound: float
+    infeasible: bool
+    kept: float
+    worlds: int
+    rounds: tuple[Caution, ...]
+    method: str
+    seed: int
+    runtime_s: float
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader has to know."""
+        notes = []
+        if self.promise is not None:
+            chances = f"all tanks hold with a chance of {self.promise.tanks_chance:.4g}"
+            if self.promise.stays or self.promise.launches:
+                chances += f", every stay and launch with {self.promise.least_chance:.4g} or more"
+            notes.append(
+                f"made to be kept with a confidence of {self.confidence:g}: {chances}; followed, "
+                f"{100.0 * self.kept:.1f} % of {self.worlds} rehearsals were as planned"
+            )
+        if math.isfinite(self.upper_bound):
+            notes.append(
+                f"no plan that is kept with this confidence collects more than "
+                f"{self.upper_bound:.6g} on average"
+            )
+        return tuple(notes)
+
+    @property
+    def result(self) -> Result:
+        """The plan as the result of a planner; what is proven is not proven of all plans."""
+        plan, notes = self.plan, self.notes
+        status: Status = "infeasible" if self.infeasible else "unknown"
+        if plan is None:
+            return Result(
+                self.method, None, None, -math.inf, math.inf, status, {}, self.seed,
+                self.runtime_s, notes,
+            )  # fmt: skip
+        plan = plan.replace(
+            notes=(*plan.notes, *notes), method=self.method, seed=self.seed,
+            runtime_s=self.runtime_s,
+        )  # fmt: skip
+        return Result(
+            self.method, None, plan, plan.objective, math.inf, plan.status, {}, self.seed,
+            self.runtime_s, plan.notes,
+        )  # fmt: skip
