@@ -58,8 +58,9 @@ class Target(Record):
     is its international designator, for exports. ``decay_m_per_day``: by what its semi-major axis
     shrinks, which makes its phase quadratic in time. ``fit``: further numbers of a fit of its orbit
     to an ephemeris. ``prize_until``: times and falling prizes, each of a service that ends by its
-    time, with the tow if there is one; ``prize`` is what is left after the last. None of the four
-    is in files that do not state it.
+    time, with the tow if there is one; ``prize`` is what is left after the last. ``success``: the
+    chance that a capture succeeds, for rehearsals and plans with a confidence. None of the five is
+    in files that do not state it.
     """
 
     name: Name
@@ -73,6 +74,7 @@ class Target(Record):
     decay_m_per_day: Decay | None = None
     fit: Fit | None = None
     prize_until: PrizesUntil | None = None
+    success: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
 
     def prize_at(self, end_s: float) -> float:
         """The prize of a service by its end, with the tow if there is one [s]."""
@@ -95,7 +97,7 @@ class Target(Record):
 
     @model_serializer(mode="wrap")
     def _without_unset(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "object_id", "decay_m_per_day", "fit", "prize_until")
+        return without(write(self), "object_id", "decay_m_per_day", "fit", "prize_until", "success")
 
     @model_validator(mode="after")
     def _has_what_decays(self) -> Self:

@@ -226,8 +226,10 @@ class Uncertainty(Record):
         """Write the uncertainty file, completely or not at all."""
         write_text(path, self.to_json())
 
-    def check_names(self, instance: Instance) -> None:
-        """Refuse names that an instance does not have.
+    def of(self, instance: Instance) -> Self:
+        """The uncertainty of an instance, with chances of captures that its targets state.
+
+        What the file says of captures, or of a target, goes before.
 
         Raises
         ------
@@ -245,6 +247,14 @@ class Uncertainty(Record):
                     f"launches.chasers: {name!r} is not a chaser of {instance.name!r} that is "
                     "launched"
                 )
+        if self.capture.success is not None:
+            return self
+        own = dict(self.targets)
+        for target in instance.targets:
+            stated = own.get(target.name, TargetUncertainty())
+            if target.success is not None and stated.success is None:
+                own[target.name] = stated.replace(success=target.success)
+        return self if own == self.targets else self.replace(targets=own)
 
     def factor_of(self, kind: str, destination: str | None) -> LognormalFactor | None:
         """Distribution of the factor on a leg's ΔV; None where it is 1.

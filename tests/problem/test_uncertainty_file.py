@@ -85,10 +85,10 @@ def test_what_makes_no_sense_is_refused(wrong: dict[str, object]) -> None:
 def test_names_that_the_instance_lacks_are_refused() -> None:
     """A target that is none, and a chaser that is not launched, are named in one sentence."""
     with pytest.raises(InputError, match="'nobody' is not a target"):
-        Uncertainty(targets={"nobody": {"gone": 0.5}}).check_names(INSTANCE)
+        Uncertainty(targets={"nobody": {"gone": 0.5}}).of(INSTANCE)
     launches = {"chasers": {"chaser": {"mean_s": 1.0}}}
     with pytest.raises(InputError, match="'chaser' is not a chaser"):
-        Uncertainty(launches=launches).check_names(INSTANCE)
+        Uncertainty(launches=launches).of(INSTANCE)
 
 
 def test_draws_are_functions_of_their_names_alone() -> None:
@@ -161,3 +161,16 @@ def test_a_target_of_its_own_overrides_the_rest_of_the_file() -> None:
     assert (uncertainty.tries_of(first.name), uncertainty.tries_of(second.name)) == (1, 2)
     assert DrawnWorld(INSTANCE, uncertainty, 0).is_gone(first.name)
     assert uncertainty.service_of(first.name) == uncertainty.service_s
+
+
+def test_chances_that_targets_state_count_where_the_file_says_nothing() -> None:
+    """The file's chances of captures go before those of targets, which files need not state."""
+    assert "success" not in INSTANCE.to_json()
+    first, second, *others = INSTANCE.targets
+    stated = INSTANCE.replace(
+        targets=(first.replace(success=0.25), second.replace(success=0.5), *others)
+    )
+    mine = Uncertainty(targets={second.name: {"success": 0.75}}).of(stated)
+    assert [mine.success_of(each.name) for each in stated.targets[:3]] == [0.25, 0.75, 1.0]
+    assert Uncertainty(capture={"success": 0.9}).of(stated).success_of(first.name) == 0.9
+    assert Uncertainty().of(INSTANCE) == Uncertainty()

@@ -206,7 +206,7 @@ def bounds(  # noqa: PLR0913
         Something does not fit the instance, or the file.
     """
     began = now_s()
-    setting = BoundSetting(instance, uncertainty, method, time_limit)
+    setting = BoundSetting(instance, uncertainty.of(instance), method, time_limit)
     check_worlds(samples, seed, jobs, cluster)
     file = prepared(setting, path)
     found = {} if file is None else {each.seed: each for each in file.found}
@@ -219,7 +219,7 @@ def bounds(  # noqa: PLR0913
         told(sum(number in found for number in wanted), samples)
     made = tuple(found[number] for number in wanted if number in found)
     required = any(target.required for target in instance.targets)
-    return Bounds(made, has_captures(instance, uncertainty), required, now_s() - began)
+    return Bounds(made, has_captures(instance, setting.uncertainty), required, now_s() - began)
 
 
 def prepared(
@@ -239,7 +239,6 @@ def prepared(
         Something does not fit the instance, or the file; the bound is unknown.
     """
     refuse(setting.instance)
-    setting.uncertainty.check_names(setting.instance)
     refuse_bounds(setting.instance, setting.uncertainty)
     spec_of(setting.method, BOUNDS)
     MaxRuntime(setting.time_limit_s)

@@ -124,7 +124,9 @@ def rehearse(  # noqa: PLR0913
         found |= {each.seed: each for each in outcomes}
         told(sum(number in found for number in wanted), samples)
     made = tuple(found[number] for number in wanted if number in found)
-    return Rehearsals(instance, setting.plan, uncertainty, policy, made, now_s() - began)
+    return Rehearsals(
+        instance, setting.plan, setting.uncertainty, policy, made, now_s() - began
+    )  # fmt: skip
 
 
 def setting_of(
@@ -138,7 +140,7 @@ def setting_of(
         Something does not fit the instance.
     """
     refuse(instance)
-    uncertainty.check_names(instance)
+    uncertainty = uncertainty.of(instance)
     policy_of(policy)
     if plan is None:
         if policy in NEED_PLAN:

@@ -98,7 +98,7 @@ def robust(  # noqa: PLR0913
     if not 0.5 <= confidence < 1.0:
         raise InputError(f"confidence = {confidence!r}: must be at least 0.5 and below 1")
     instance = instance_of(instance)
-    uncertainty.check_names(instance)
+    uncertainty = uncertainty.of(instance)
     wanted = RunOptions(time_limit, seed, None, jobs=jobs, bound=bound, options=method_options)
     return _Search(instance, uncertainty, confidence, method, wanted, stop).run(progress)
 

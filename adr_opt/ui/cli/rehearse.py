@@ -94,7 +94,7 @@ def command(
 
     instance = load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
-    uncertainty = Uncertainty.load(uncertainty_path)
+    uncertainty = Uncertainty.load(uncertainty_path).of(instance)
     read = (instance_path, plan_path, uncertainty_path)
     bounds_path = f"{resume_path}.bounds" if bounds and resume_path is not None else None
     check_out(out, *read, results=(resume_path, bounds_path, out_instance))
