@@ -27,10 +27,9 @@ from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bo
 from adr_opt.analysis.rehearse.flight import rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
-from adr_opt.analysis.rehearse.tries import rounded_up
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
-from adr_opt.analysis.rehearse.tries import TryWorths, worths_of_tries
+from adr_opt.analysis.rehearse.tries import TryWorths, rounded_up, worths_of_tries
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance

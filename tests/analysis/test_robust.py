@@ -245,28 +245,32 @@ def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) ->
     return best
 
 
-def test_bounds_hold_for_every_plan_that_keeps_its_promise() -> None:
+@pytest.mark.parametrize(
+    ("seed", "count", "most_missed"), [(3, 4, 1), pytest.param(4, 60, 12, marks=pytest.mark.slow)]
+)
+def test_bounds_hold_for_every_plan_that_keeps_its_promise(
+    seed: int, count: int, most_missed: int
+) -> None:
     """No plan found by exhaustive search collects more than the bound, and robust plans are some.
 
-    Most of them are the best there are.
+    Most of them are the best there are; those that are not have tanks that hold less often when
+    they are rehearsed than by the normal distribution.
     """
-    rng = np.random.default_rng(3)
-    drawn, reached = 0, 0
-    while drawn < 10:
+    rng, missed = np.random.default_rng(seed), 0
+    for _ in range(count):
         instance, uncertainty = _drawn(rng)
         ground = Ground(instance)
         worths = _worths(ground, uncertainty)
         made = robust(instance, uncertainty, CONFIDENCE, method="exact", time_limit=20.0)
         best = _best(ground, uncertainty, worths)
-        drawn += 1
         assert made.upper_bound >= best - 1e-6
         assert made.worth <= best + 1e-6 or made.plan is None
         if made.plan is not None:
             assert not adr_opt.check(instance, made.plan)
             promise = promise_of(ground, intended(ground, made.plan), uncertainty)
             assert promise.keeps(CONFIDENCE)
-        reached += max(made.worth, 0.0) >= best - 1e-6
-    assert reached >= 8
+        missed += max(made.worth, 0.0) < best - 1e-6
+    assert missed <= most_missed
 
 
 def _worths(ground: Ground, uncertainty: Uncertainty) -> dict[int, float]:
