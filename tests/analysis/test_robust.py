@@ -21,7 +21,7 @@ from adr_opt.analysis.rehearse.tries import mean_worths
 from adr_opt.analysis.robust.levels import between, equal, shared
 from adr_opt.analysis.robust.promise import promise_of
 from adr_opt.analysis.robust.robust import robust
-from adr_opt.analysis.robust.stays import Stay, slip_chance, slip_quantile
+from adr_opt.analysis.robust.stays import StayTime, slip_chance, slip_quantile
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.core.windows import service_begin
 from adr_opt.legs.risk_charge import Moments, RiskCharge
@@ -105,7 +105,7 @@ def test_stays_are_as_long_as_in_worlds() -> None:
         capture={"success": 0.7, "tries": 3}, gone=0.1,
     )  # fmt: skip
     name, planned_s = instance.targets[0].name, 5000.0
-    stay = Stay(uncertainty, name, planned_s)
+    stay = StayTime(uncertainty, name, planned_s)
     found = []
     for seed in range(4000):
         world = DrawnWorld(instance, uncertainty, seed)
@@ -117,7 +117,7 @@ def test_stays_are_as_long_as_in_worlds() -> None:
         assert stay.chance(time_s) == pytest.approx(share, abs=0.03)
     for level in (0.6, 0.9, 0.99):
         assert stay.chance(stay.quantile(level)) == pytest.approx(level, abs=1e-3)
-    assert Stay(Uncertainty(), name, planned_s).quantile(0.99) == planned_s
+    assert StayTime(Uncertainty(), name, planned_s).quantile(0.99) == planned_s
     slip = Delay(chance=0.4, mean_s=1000.0, most_s=2000.0)
     assert slip_quantile(slip, 0.5) == 0.0
     for level in (0.7, 0.9):
@@ -187,7 +187,9 @@ def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) ->
     share, share_sigma = (1.0, 0.0) if uncertainty.tanks is None else uncertainty.tanks.moments
     full = what.budget
     allotted = {
-        j: Stay(uncertainty, ground.names[j], float(what.limits.service[j])).quantile(CONFIDENCE)
+        j: StayTime(uncertainty, ground.names[j], float(what.limits.service[j])).quantile(
+            CONFIDENCE
+        )
         for j in worths
     }
 

@@ -20,7 +20,7 @@ from ...problem.uncertainty import Uncertainty
 from ..rehearse.ground import Ground
 from ..rehearse.tries import mean_worths, with_worths
 from .levels import Levels
-from .stays import Stay, slip_quantile
+from .stays import StayTime, slip_quantile
 
 _NORMAL = NormalDist()
 
@@ -85,7 +85,7 @@ def _services(ground: Ground, uncertainty: Uncertainty, level: float) -> dict[st
     for body in range(ground.first_target, len(ground.names)):
         name = ground.names[body]
         planned_s = float(limits.service[body]) - ground.tow_s.get(body, 0.0)
-        stay = Stay(uncertainty, name, planned_s)
+        stay = StayTime(uncertainty, name, planned_s)
         if stay.is_certain:
             continue
         longest_s = stay.quantile(level)

@@ -22,7 +22,7 @@ from ...problem.uncertainty import Uncertainty
 from ..rehearse.crafts import beginning, full_of
 from ..rehearse.ground import Ground, Hop
 from ..rehearse.intended import Intended
-from .stays import Stay, slip_chance
+from .stays import StayTime, slip_chance
 
 HALVINGS = 50
 """Bisections of the ΔV that a tank has to spare."""
@@ -140,7 +140,7 @@ def _stays(
         if j < ground.stations:
             continue
         tow_s = ground.tow_s.get(j, 0.0)
-        stay = Stay(uncertainty, ground.names[j], float(what.limits.service[j]) - tow_s)
+        stay = StayTime(uncertainty, ground.names[j], float(what.limits.service[j]) - tow_s)
         if stay.is_certain:
             continue
         begin = float(service_begin(hop.arrival, what.limits.opens[j]))

@@ -23,7 +23,7 @@ STEPS = 60
 """Bisections of a quantile."""
 
 
-class Stay:
+class StayTime:
     """Distribution of the time at a target.
 
     Parameters
