@@ -22,6 +22,7 @@ from ...problem.instance import Instance
 from ..plot.tracks import Track
 from .figures.orbits import kinds_shown
 from .greenwich import greenwich
+from .sun import sun
 from .text import in_chart
 
 ELEMENTS = (
@@ -53,7 +54,8 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
         and velocity [m/s] at the begin, pace and rate of the node [–, rad/s], as
         :class:`adr_opt.fly.trajectory.Arc` has them. ``legs`` say whose they are, where they lead,
         by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
-        ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s].
+        ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s]; ``sun`` is as
+        :class:`.Sun` has it.
     """
     shown = {name: kind for kind, names in kinds_shown(instance, plan) for name in names}
     at = {name: number for number, name in enumerate(shown)}
@@ -68,6 +70,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
         "mu": MU_M3_S2,
         "radius": EARTH_RADIUS_M,
         "sidereal": list(greenwich(instance)),
+        "sun": list(sun(instance)),
         "kinds": KINDS,
         "phases": {phase: [LABELS[phase], COLOURS[phase]] for phase in PHASES},
         "bodies": bodies,

@@ -73,7 +73,7 @@ def _distributions(told: Mapping[str, Any]) -> str:
     for key, name in (("required_met", "all required met"), ("returned", "ended where planned")):
         if told[key] is not None:
             rows.append(row((("", name), ("n", _share(told[key])), *[("n", "")] * 6)))
-    return table("Distributions", [("", ""), *_HEADINGS], rows)
+    return table("Distributions", [("figure", ""), *_HEADINGS], rows)
 
 
 _HEADINGS = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
+from . import controls
 from .tables import table
 from .text import escape
 
@@ -25,8 +26,9 @@ def flight(instance: Instance, plan: Plan) -> str:
     return (
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
         f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
-        "at most one revolution of each. Drag to turn, pinch or scroll to come nearer. Marks and "
-        "the Earth are as they are at the time of the slider.</p>\n"
+        "at most one revolution of each. Marks and the Earth are as they are at the time of the "
+        "slider, with day, night and, in orange, the line between them.</p>\n"
+        f"{controls.views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
@@ -68,16 +70,18 @@ def _ground(instance: Instance, plan: Plan) -> str:
         f'<tr data-chaser="{at}"><td><b>{escape(flown.chaser.name)}</b></td>'
         + "<td></td>" * 2
         + "<td class=n></td>" * 4
+        + "<td></td>"
         + "</tr>"
         for at, flown in enumerate(routes_of(instance, plan))
     )
     headings = (
         ("chaser", ""), ("leg", ""), ("phase", ""), ("altitude km", "n"), ("latitude °", "n"),
-        ("longitude °", "n"), ("from its target", "n"),
+        ("longitude °", "n"), ("from its target", "n"), ("Sun", ""),
     )  # fmt: skip
     return (
         f"<section>\n<h2>Over the ground</h2>\n<p>Where {who} is above the turning Earth at the "
         "time of the slider, with the way of the revolution before it and, dotted, of the next. "
+        "The map is darker where it is night, and a star marks where the Sun is overhead. "
         f"Latitudes are those of a sphere. {_longitudes(instance)} Coastlines are those of Natural "
         'Earth.</p>\n<div class="chart map" id="ground"></div>\n'
         + table("Where chasers are at the time of the slider", headings, rows)

@@ -33,9 +33,20 @@ function way(chaser, from, until) {
 }
 
 function groundTraces() {
+  const { x: east, y: north, sun } = night(time);
   const made = [{
+    type: "scatter", mode: "lines", name: "night", x: east, y: north, fill: "toself",
+    fillcolor: colour("night"), hoverinfo: "skip", line: { width: 0 },
+  }, {
     type: "scatter", mode: "lines", name: "coastlines", x: coast.longitude, y: coast.latitude,
     hoverinfo: "skip", line: { color: colour("line-strong"), width: 1 },
+  }, {
+    type: "scatter", mode: "markers", name: "Sun", x: [sun.longitude], y: [sun.latitude],
+    hovertemplate: "the Sun is overhead<extra></extra>",
+    marker: {
+      symbol: "star-diamond", size: 13, color: "#e0a010",
+      line: { width: 1, color: colour("text") },
+    },
   }];
   const chasers = present();
   for (const which of chasers) {
