@@ -74,15 +74,24 @@ const far = (metres) =>
 
 const signed = (value, digits) => value.toFixed(digits).replace("-", "−");
 
+// The phase, and where arcs are arcs of thrust whether it is on.
+function stage(state) {
+  if (!state.phase) return "done";
+  const [title] = motion.phases[state.phase];
+  if (!motion.spirals || state.arc[MIDDLE] === null) return title;
+  return `${title}, ${thrusts(state, time) ? "on" : "off"}`;
+}
+
 // What is told of the chasers by the text that is spoken.
 function whereabouts() {
-  return present().map(({ chaser, r, phase }) => {
+  return present().map((state) => {
+    const { chaser, r } = state;
     const { latitude, longitude, altitude } = above(r, time);
     const degrees = (value, [plus, minus]) => {
       const whole = Math.round(value);
       return `${Math.abs(whole)}°${whole ? ` ${whole < 0 ? minus : plus}` : ""}`;
     };
-    return `${plain(chaser.name)}: ${phase ? motion.phases[phase][0] : "done"}, ` +
+    return `${plain(chaser.name)}: ${stage(state)}, ` +
       `${far(altitude)} above ${degrees(latitude, ["north", "south"])}, ` +
       `${degrees(longitude, ["east", "west"])}, in ${isLit(r, time) ? "sunlight" : "shadow"}`;
   }).join(". ");
@@ -99,7 +108,7 @@ function status() {
       const goal = to === null ? null : motion.bodies[to];
       said = [
         state.phase ? `${leg}${goal ? ` → ${plain(goal.name)}` : ""}` : "—",
-        state.phase ? motion.phases[state.phase][0] : "done",
+        stage(state),
         signed(altitude / 1000, 1), signed(latitude, 2), signed(longitude, 2),
         goal ? far(size(sum(state.r, scaled(bodyState(goal, time).r, -1)))) : "—",
         isLit(state.r, time) ? "sunlight" : "shadow",

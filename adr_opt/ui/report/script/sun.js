@@ -18,6 +18,13 @@ function isLit(r, time) {
   return ahead > 0 || size(sum(r, scaled(sun, -ahead))) > motion.radius;
 }
 
+// Whether a chaser with low thrust thrusts: within a window about two opposite places, in sunlight.
+function thrusts({ arc, phase, r, latitude }, time) {
+  if (!motion.spirals || !phase || arc[MIDDLE] === null) return false;
+  const off = (latitude - arc[MIDDLE]) / Math.PI;
+  return Math.abs(off - Math.round(off)) * Math.PI <= arc[MIDDLE + 1] && isLit(r, time);
+}
+
 // Night on the map, as the outline of an area: along the line, and back along the dark pole.
 function night(time) {
   const { latitude, longitude } = above(sunDirection(time), time);
