@@ -146,19 +146,20 @@ def test_times_of_thrust_take_the_propellant() -> None:
 
 
 def test_the_page_shows_arcs_masses_and_times_of_thrust(tmp_path: Path) -> None:
-    """It has charts of orbits, altitude, nodes and mass, and tables of thrust, but no flight."""
+    """It has charts of orbits, altitude, nodes and mass, and tables of thrust, but no close-up."""
     instance, plan = electric()
     written = write_report(instance, plan, tmp_path / "a.html")
     assert written.trouble is None
     text = (tmp_path / "a.html").read_text(encoding="utf-8")
     shown = data(text)
     assert {"orbits", "altitude", "nodes", "mass", "lanes"} <= set(shown["figures"])
-    assert shown["motion"] is None
+    assert shown["motion"]["spirals"]
     for chart in ("orbits", "altitude", "mass"):
         assert f'id="{chart}"' in text
     assert "<h2>Thrust</h2>" in text
     assert 'data-phase="thrust"' in text
-    assert 'id="ground"' not in text
+    assert 'id="ground"' in text
+    assert 'id="closeup"' not in text
     traces = shown["figures"]["mass"]["data"]
     assert [trace["line"]["color"] for trace in traces] == list(chaser_colours(instance).values())
     phases = {trace.get("meta", {}).get("phase") for trace in shown["figures"]["altitude"]["data"]}

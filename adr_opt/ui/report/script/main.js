@@ -106,7 +106,7 @@ async function begin() {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     near.disconnect();
     draw("orbits").then(() => mark("complete"));
-  }, { rootMargin: "300px" });
+  }, { rootMargin: "400px" });
   near.observe(box("orbits"));
 }
 await begin();
