@@ -89,7 +89,7 @@ return found;
 
 LAYOUT = r"""
 const found = [];
-const width = innerWidth;
+const width = document.documentElement.clientWidth; // a phone zooms out if that is exceeded
 if (document.documentElement.scrollWidth > width) {
   found.push(`the page is ${document.documentElement.scrollWidth} px wide`);
 }
@@ -140,8 +140,10 @@ const ratio = (one, other) => {
   return (high + 0.05) / (low + 0.05);
 };
 // What is behind an element, and the opacity of all that holds it.
-const page = () => getComputedStyle(document.documentElement).colorScheme.includes('dark')
-  && matchMedia('(prefers-color-scheme: dark)').matches ? [18, 18, 18, 1] : [255, 255, 255, 1];
+const probe = document.body.appendChild(document.createElement('span'));
+probe.style.backgroundColor = 'Canvas';
+const page = parts(getComputedStyle(probe).backgroundColor);
+probe.remove();
 const behind = (one) => {
   const line = [];
   let opacity = 1;
@@ -151,7 +153,7 @@ const behind = (one) => {
     line.push(parts(style.backgroundColor));
     opacity *= Number(style.opacity);
   }
-  return [line.reverse().reduce((under, shade) => over(shade, under), page()), opacity];
+  return [line.reverse().reduce((under, shade) => over(shade, under), page), opacity];
 };
 // In a drawing, the last of the filled shapes around a text that were drawn before it.
 const drawnBehind = (one, under) => {
