@@ -64,8 +64,8 @@ async function moveInOrbits() {
   update.text = moved.map(({ text }) => text);
   update["marker.color"] = moved.map(({ marker }) => marker?.color);
   update["marker.size"] = moved.map(({ marker }) => marker?.size);
-  await Plotly.restyle(chart, update, moved.map((_, at) => count - moved.length + at));
-  return followInOrbits();
+  const traces = moved.map((_, at) => count - moved.length + at);
+  return Plotly.update(chart, update, viewNow(), traces);
 }
 
 // Lengths in metres below ten kilometres.

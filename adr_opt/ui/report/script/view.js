@@ -43,12 +43,11 @@ function flatBeside({ r }) {
   return { "xaxis.range": [x - room, x + room], "yaxis.range": [y - room, y + room] };
 }
 
-function followInOrbits() {
-  if (followed === null) return null;
-  const state = chaserState(motion.chasers[followed], time);
-  if (!state) return null;
-  const seen = drawsWith() === "" ? flatBeside(state) : { "scene.camera": cameraBeside(state) };
-  return Plotly.relayout(box("orbits"), seen);
+// Changes of the layout at the time that is shown.
+function viewNow() {
+  const state = followed === null ? null : chaserState(motion.chasers[followed], time);
+  if (!state) return {};
+  return drawsWith() === "" ? flatBeside(state) : { "scene.camera": cameraBeside(state) };
 }
 
 function seeFrom(camera) {
@@ -92,7 +91,7 @@ async function followChaser(which) {
   } else if (whole) {
     await Plotly.relayout(box("orbits"), { "xaxis.autorange": true, "yaxis.autorange": true });
   }
-  await followInOrbits();
+  await Plotly.relayout(box("orbits"), viewNow());
 }
 
 function listenToView() {
