@@ -52,7 +52,7 @@ function terminator(time, radius) {
 // Colours of points of the globe, from day to night over twilight, as [r, g, b].
 const DAY = [150, 178, 202];
 const NIGHT = [66, 84, 104];
-const TWILIGHT = 0.2; // sine of how far the Sun is below the horizon when it is dark
+const TWILIGHT = Math.sin(12 * Math.PI / 180); // how far the Sun is below the horizon in the dark
 function shade(r, sun) {
   const height = dot(r, sun) / size(r);
   const share = Math.min(1, Math.max(0, 1 + height / TWILIGHT));
