@@ -20,6 +20,9 @@ from ..plot.thrust_arcs import SpiralArc
 STEERED = "drift"
 """Phase in which the argument of latitude is turned to that of the target."""
 
+SAME_RAD = 1e-6
+"""Difference of arguments of latitude up to which a chaser is at a body."""
+
 
 def spirals(arcs: Iterable[SpiralArc], latitude: float | None) -> list[list[Any]]:
     """Arcs of a chaser, in order of time, as lists for the script of the page.
@@ -76,7 +79,9 @@ def _line(arc: SpiralArc, latitude: float | None, extra_rad_s: float) -> tuple[f
 
 def _leaves(arc: SpiralArc, latitude: float) -> bool:
     """Whether a chaser waits where a tow has left it, which is at no body."""
-    return arc.phase == "wait" and abs(_away(float(arc.latitudes_rad[0]), latitude)) > 1e-6
+    if arc.phase != "wait" or arc.latitudes_rad is None:
+        return False
+    return abs(_away(float(arc.latitudes_rad[0]), latitude)) > SAME_RAD
 
 
 def _steering(arcs: list[SpiralArc], latitude: float | None) -> float:
