@@ -15,7 +15,8 @@ import pytest
 from plans import with_legs
 
 import adr_opt
-from adr_opt.common.constants import EARTH_RADIUS_M
+from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.kernels.orbits import elements
 from adr_opt.plan.palette import chaser_colours
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.routes import routes_of
@@ -29,6 +30,7 @@ from adr_opt.ui.plot.thrust_arcs import thrust_arcs
 pytest.importorskip("plotly.graph_objects")
 
 from adr_opt.ui.report import page, write_report
+from adr_opt.ui.report.motion import motion
 from adr_opt.ui.report.thrust import thrust_times
 
 DAY_S = 86400.0
@@ -66,6 +68,36 @@ def test_courses_have_no_jumps() -> None:
             assert after.altitudes_m[0] == pytest.approx(before.altitudes_m[-1], abs=1.0)
             turned = math.remainder(after.nodes_deg[0] - before.nodes_deg[1], 360.0)
             assert abs(turned) < 2e-3
+
+
+def test_places_follow_one_another_and_lead_to_targets() -> None:
+    """Integrated in small steps, an arc ends where the next begins, and legs end at their targets.
+
+    Where a tow has ended nothing waits, and a chaser waits on from there.
+    """
+    instance, plan = electric()
+    held = motion(instance, plan, thrust_arcs(instance, plan))
+    assert held["spirals"]
+    rows = instance.orbits()
+    met = 0
+    for chaser in held["chasers"]:
+        for before, after in pairwise(chaser["arcs"]):
+            begin_s, end_s, speed, speed_rate = before[2:6]
+            steps = np.linspace(0.0, end_s - begin_s, 2001)
+            rates = (speed + speed_rate * steps) ** 3 / MU_M3_S2 + before[11]
+            here = before[10] + float(np.trapezoid(rates, steps))
+            assert math.remainder(here - after[10], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
+            assert after[2] == pytest.approx(end_s, abs=1e-3)
+            if before[1] == "thrust" and after[1] not in ("thrust", "drift"):
+                target = rows[instance.names.index(plan.legs[after[0] - 1].destination)]
+                wanted = float(elements.latitudes(target, after[2]))
+                off = math.remainder(after[10] - wanted, 2.0 * math.pi)
+                assert off == pytest.approx(0.0, abs=1e-9)
+                met += 1
+            if before[1] == "drift":
+                # at most half a revolution in all
+                assert abs(before[11]) * (end_s - begin_s) <= math.pi + 1e-9
+    assert met == sum(leg.manoeuvres is not None for leg in plan.legs)
 
 
 def test_between_its_arcs_a_leg_is_on_its_drift_orbit() -> None:
@@ -146,19 +178,20 @@ def test_times_of_thrust_take_the_propellant() -> None:
 
 
 def test_the_page_shows_arcs_masses_and_times_of_thrust(tmp_path: Path) -> None:
-    """It has charts of orbits, altitude, nodes and mass, and tables of thrust, but no flight."""
+    """It has charts of orbits, altitude, nodes and mass, and tables of thrust, but no close-up."""
     instance, plan = electric()
     written = write_report(instance, plan, tmp_path / "a.html")
     assert written.trouble is None
     text = (tmp_path / "a.html").read_text(encoding="utf-8")
     shown = data(text)
     assert {"orbits", "altitude", "nodes", "mass", "lanes"} <= set(shown["figures"])
-    assert shown["motion"] is None
+    assert shown["motion"]["spirals"]
     for chart in ("orbits", "altitude", "mass"):
         assert f'id="{chart}"' in text
     assert "<h2>Thrust</h2>" in text
     assert 'data-phase="thrust"' in text
-    assert 'id="ground"' not in text
+    assert 'id="ground"' in text
+    assert 'id="closeup"' not in text
     traces = shown["figures"]["mass"]["data"]
     assert [trace["line"]["color"] for trace in traces] == list(chaser_colours(instance).values())
     phases = {trace.get("meta", {}).get("phase") for trace in shown["figures"]["altitude"]["data"]}
@@ -192,12 +225,36 @@ def test_a_plan_whose_arcs_lead_nowhere_is_still_told_of() -> None:
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="no Chromium")
 @pytest.mark.parametrize("width", [1400, 390])
 def test_the_page_of_low_thrust_draws_everything(width: int, tmp_path: Path) -> None:
-    """In a browser all its charts are drawn, nothing goes wrong, and nothing is too wide."""
+    """In a browser all its charts are drawn, nothing goes wrong, and nothing is too wide.
+
+    Along spirals a chaser is above the ground where its orbit has it.
+    """
     instance, plan = electric()
+    held = motion(instance, plan, thrust_arcs(instance, plan))
     write_report(instance, plan, tmp_path / "a.html")
     with browser.Browser(tmp_path / "profile", width=width) as opened:
         opened.open_report(tmp_path / "a.html")
         for chart in ("altitude", "mass", "nodes", "gantt"):
             assert opened.evaluate(f"document.querySelectorAll('#{chart} .main-svg').length") > 0
+        arcs = held["chasers"][0]["arcs"]
+        for phase in ("thrust", "drift", "tow", "service"):
+            arc = next(arc for arc in arcs if arc[1] == phase)
+            opened.evaluate(
+                f"document.getElementById('time').value = {0.5 * (arc[2] + arc[3])};"
+                "document.getElementById('time').dispatchEvent(new Event('input'))"
+            )
+            now = opened.evaluate("Number(document.getElementById('time').value)")
+            _, _, begin_s, _, speed, speed_rate, tilt, tilt_rate, _, _, latitude, rate, *_ = next(
+                arc for arc in arcs if arc[2] <= now < arc[3]
+            )
+            since = np.linspace(0.0, now - begin_s, 20001)
+            speeds = speed + speed_rate * since
+            turned = latitude + rate * since[-1] + np.trapezoid(speeds**3 / MU_M3_S2, since)
+            north = math.asin(math.sin(tilt + tilt_rate * since[-1]) * math.sin(turned))
+            height = (MU_M3_S2 / speeds[-1] ** 2 - EARTH_RADIUS_M) / 1e3
+            cells = "[...document.querySelector('tr[data-chaser=\"0\"]').cells]"
+            number = f"Number({cells}[{{}}].textContent.replace('−', '-'))"
+            opened.wait_for(f"Math.abs({number.format(3)} - {height}) < 0.06")
+            opened.wait_for(f"Math.abs({number.format(4)} - {math.degrees(north)}) < 0.02")
         assert opened.evaluate("document.documentElement.scrollWidth") <= width
         assert [text for level, text in opened.complaints if level == "error"] == []

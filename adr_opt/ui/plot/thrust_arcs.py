@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,29 @@ class Circles(NamedTuple):
     nodes: Array
 
 
-def thrust_arcs(instance: Instance, plan: Plan) -> tuple[DrawnArc, ...]:
+@dataclass(frozen=True)
+class SpiralArc(DrawnArc):
+    """A piece of a course along which speed, inclination and node change uniformly.
+
+    Attributes
+    ----------
+    speeds_m_s, inclinations_rad : (2,) float64
+        Of the circular orbit at the first and the last of the times.
+    latitudes_rad : (2,) float64 or None
+        Arguments of latitude there, without a jump, of the body that the chaser is at; None if it
+        is under way.
+    window_rad : (2,) float64 or None
+        Middle and half width of one of the two windows in which thrust is on, but for the shadow;
+        None without thrust.
+    """
+
+    speeds_m_s: Array
+    inclinations_rad: Array
+    latitudes_rad: Array | None
+    window_rad: Array | None
+
+
+def thrust_arcs(instance: Instance, plan: Plan) -> tuple[SpiralArc, ...]:
     """Courses of all chasers with low thrust.
 
     Positions of thrust are those of its windows alone, with no regard to the shadow.
@@ -53,7 +76,7 @@ def thrust_arcs(instance: Instance, plan: Plan) -> tuple[DrawnArc, ...]:
         The plan belongs to another instance, or an arc leads to no orbit.
     """
     phases = segments(instance, plan)
-    found: list[DrawnArc] = []
+    found: list[SpiralArc] = []
     for flown in routes_of(instance, plan):
         drive = drive_of(flown.chaser, instance.targets)
         if drive is not None:
@@ -63,7 +86,7 @@ def thrust_arcs(instance: Instance, plan: Plan) -> tuple[DrawnArc, ...]:
 
 def _of_chaser(
     instance: Instance, drive: Drive, flown: Flown, phases: tuple[Segment, ...]
-) -> Iterator[DrawnArc]:
+) -> Iterator[SpiralArc]:
     there, leaving = instance.orbits(), leaving_orbits(instance, drive)
     for number, leg in flown.legs:
         for name in (leg.origin, leg.destination):
@@ -93,20 +116,25 @@ class _Course:
         self._instance, self._leg = instance, leg
         self._origin, self._destination = origin, destination
 
-    def drawn(self, segment: Segment, number: int) -> Iterator[DrawnArc]:
+    def drawn(self, segment: Segment, number: int) -> Iterator[SpiralArc]:
         """What is drawn of one phase; thrust and tows in pieces, all else in one."""
         changes = segment.phase in ("thrust", "tow")
         times = np.linspace(segment.start_s, segment.end_s, 1 + (PIECES if changes else 1))
         orbits = self._orbits(segment, times)
         if not np.all(np.isfinite(orbits.speeds) & (orbits.speeds > 0.0)):
             raise InputError(f"leg {number}: its arcs lead to no orbit")
+        body = self._body(segment)
         for at in range(times.size - 1):
             ends = slice(at, at + 2)
-            yield DrawnArc(
+            yield SpiralArc(
                 number, segment.phase, times[ends],
                 MU_M3_S2 / orbits.speeds[ends] ** 2 - EARTH_RADIUS_M,
                 self._around(segment, at, Circles(*(part[at] for part in orbits))),
                 np.degrees(orbits.nodes[ends]),
+                orbits.speeds[ends],
+                orbits.inclinations[ends],
+                None if body is None else elements.latitudes(body, times[ends]),
+                self._window(segment),
             )  # fmt: skip
 
     def _around(self, segment: Segment, at: int, circle: Circles) -> Array:
@@ -118,8 +146,21 @@ class _Course:
             return np.empty((0, 3))
         if segment.phase != "thrust":
             return _positions(circle, np.linspace(0.0, 2.0 * np.pi, POINTS_OF_A_RING))
+        return _windows(circle, self._arc(segment))
+
+    def _window(self, segment: Segment) -> Array | None:
+        """Window in which a phase thrusts; a tow thrusts all around."""
+        if segment.phase == "tow":
+            return np.array([0.0, 0.5 * np.pi])
+        if segment.phase != "thrust":
+            return None
+        arc = self._arc(segment)
+        return np.radians([arc.argument_of_latitude_deg, arc.window_deg])
+
+    def _arc(self, segment: Segment) -> LowThrustArc:
+        """The arc of a phase of thrust."""
         first, second = self._arcs()
-        return _windows(circle, first if segment.start_s < second.start_s else second)
+        return first if segment.start_s < second.start_s else second
 
     def _arcs(self) -> tuple[LowThrustArc, LowThrustArc]:
         """Both arcs, without which there is no phase of thrust."""

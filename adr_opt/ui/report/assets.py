@@ -22,8 +22,8 @@ def policy(*scripts: str) -> str:
 
 
 ROOMS = (
-    "library", "state", "look", "charts", "time", "motion", "earth", "moving", "ground", "closeup",
-    "files", "burns", "pictures", "main",
+    "library", "state", "look", "charts", "access", "time", "spoken", "motion", "sun", "earth",
+    "moving", "view", "ground", "closeup", "files", "burns", "pictures", "main",
 )  # fmt: skip
 """Parts of the script, in the order of assembly."""
 

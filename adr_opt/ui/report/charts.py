@@ -47,8 +47,11 @@ def drawn(chart: Chart, caption: str) -> str:
         f'<span><i class="dot" style="background:{line.colour}"></i>{escape(line.name)}</span> '
         for line in lines
     )
+    # A picture holds nothing that a reader could follow, such as a link.
+    links = any(isinstance(one, Link) for line in lines for one in line.of)
+    role = "group" if links else "img"
     return (
-        f'<figure class="drawn"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'<figure class="drawn"><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="{role}" '
         f'aria-label="{escape(caption)}">{"".join(parts)}</svg>'
         f"<figcaption>{legend}</figcaption></figure>"
     )

@@ -91,7 +91,7 @@ def figures(side: Side) -> tuple[str, ...]:
 
 
 def _sides(comparison: Comparison) -> str:
-    headings = (("", ""), *((name, "n") for name in comparison.plans))
+    headings = (("figure", ""), *((name, "n") for name in comparison.plans))
     columns = [figures(side) for side in comparison.sides]
     rows = (
         row((("", title), *(("n", column[at]) for column in columns)))
@@ -119,7 +119,7 @@ def _legs(comparison: Comparison, difference: Difference) -> str:
     headings = (
         *((("chaser", ""),) if whose else ()), ("destination", ""), ("leg", "n"),
         ("departs", "n"), ("ΔV m/s", "n"), ("leg there", "n"), ("departs there", "n"),
-        ("ΔV there", "n"), ("more ΔV", "n"), ("", ""),
+        ("ΔV there", "n"), ("more ΔV", "n"), ("difference", ""),
     )  # fmt: skip
     return table(f"Legs of {difference.name}", headings, _rows(difference, whose))
 

@@ -137,7 +137,7 @@ def _behind(study: DesignStudy, at: int, point: DesignPoint, files: Mapping[str,
         f'<a href="{escape(address)}">{escape(what)}</a>' for what, address in files.items()
     )
     more = f"<p>{linked}</p>" if linked else ""
-    return f'<div id="{anchor(at)}">{section(title, said, more + _legs(study, point))}</div>'
+    return f'<div id="{anchor(at)}">{section(title, said, more + _legs(study, at, point))}</div>'
 
 
 LEGS = ("chaser", "to", "kind", "departs day", "done day", "ΔV m/s")
@@ -145,7 +145,7 @@ KINDS_OF_LEGS = ("", "", "", "n", "n", "n", "n", "n")
 """Headings of the table of a plan's legs, and classes of its columns."""
 
 
-def _legs(study: DesignStudy, point: DesignPoint) -> str:
+def _legs(study: DesignStudy, at: int, point: DesignPoint) -> str:
     """A row for each leg of a plan, with the worth of its target."""
     assert point.plan is not None
     rows = [
@@ -156,7 +156,7 @@ def _legs(study: DesignStudy, point: DesignPoint) -> str:
     ]  # fmt: skip
     last = ("prize",) if study.rating.worths is None else ("floor", "alone")
     titles = (*LEGS, *last)
-    return table("Legs", list(zip(titles, KINDS_OF_LEGS, strict=False)), rows)
+    return table(f"Legs of design {at + 1}", list(zip(titles, KINDS_OF_LEGS, strict=False)), rows)
 
 
 def _leg(chaser: str, leg: Leg) -> tuple[str, ...]:

@@ -192,7 +192,7 @@ def _tanks(tanks: Sequence[TankFlight]) -> str:
     ]  # fmt: skip
     headings = (
         *([("chaser", "")] if whose else []), ("tank", "n"), ("legs", ""), ("of m/s", "n"),
-        ("planned m/s", "n"), ("flown m/s", "n"), ("left m/s", "n"), ("", ""),
+        ("planned m/s", "n"), ("flown m/s", "n"), ("left m/s", "n"), ("verdict", ""),
     )  # fmt: skip
     return "<h3>Its tanks</h3>" + table("Tanks when flown", headings, rows) if rows else ""
 

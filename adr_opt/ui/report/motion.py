@@ -12,16 +12,20 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
-from ...kernels.orbits import ephemeris
+from ...kernels.orbits import elements, ephemeris
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.phases import COLOURS, LABELS, PHASES
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
+from ..plot.strands import DrawnArc
+from ..plot.thrust_arcs import SpiralArc
 from ..plot.tracks import Track
 from .figures.orbits import kinds_shown
 from .greenwich import greenwich
+from .spirals import spirals
+from .sun import sun
 from .text import in_chart
 
 ELEMENTS = (
@@ -34,7 +38,7 @@ KINDS = {"station": STATION, "visited": VISITED, "not visited": UNVISITED}
 """Kinds of bodies, with their colours."""
 
 
-def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[str, Any]:
+def motion(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> dict[str, Any]:
     """Orbits of the displayed bodies and of the chasers, arc by arc.
 
     Parameters
@@ -42,8 +46,9 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
     instance : Instance
         Not one whose connections are given.
     plan : Plan
-    tracks : tuple of Track
-        The plan as flown; empty if it leads nowhere.
+    drawn : tuple of DrawnArc
+        The plan as flown, :class:`.Track`, or with low thrust as its arcs say,
+        :class:`.SpiralArc`; empty if it leads nowhere.
 
     Returns
     -------
@@ -51,9 +56,11 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
         ``bodies`` have a name, a kind and a ``row`` of :data:`ELEMENTS` at the epoch [m, rad,
         rad/s]. ``chasers`` have ``arcs``: number of the leg, phase, begin and end [s], position [m]
         and velocity [m/s] at the begin, pace and rate of the node [–, rad/s], as
-        :class:`adr_opt.fly.trajectory.Arc` has them. ``legs`` say whose they are, where they lead,
+        :class:`adr_opt.fly.trajectory.Arc` has them; if ``spirals`` is true, they are those of
+        :func:`.spirals`. ``legs`` say whose they are, where they lead,
         by number of the body, and when the chaser leaves, is at the stand-off and has docked [s].
-        ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s].
+        ``sidereal`` is the angle of Greenwich at the epoch and its rate [rad, rad/s]; ``sun`` is as
+        :class:`.Sun` has it.
     """
     shown = {name: kind for kind, names in kinds_shown(instance, plan) for name in names}
     at = {name: number for number, name in enumerate(shown)}
@@ -64,10 +71,14 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
     ]
     colours = chaser_colours(instance)
     routes = routes_of(instance, plan)
+    low = instance.has_low_thrust
+    tracks = tuple(arc for arc in drawn if isinstance(arc, Track))
     return {
+        "spirals": low,
         "mu": MU_M3_S2,
         "radius": EARTH_RADIUS_M,
         "sidereal": list(greenwich(instance)),
+        "sun": list(sun(instance)),
         "kinds": KINDS,
         "phases": {phase: [LABELS[phase], COLOURS[phase]] for phase in PHASES},
         "bodies": bodies,
@@ -75,7 +86,7 @@ def motion(instance: Instance, plan: Plan, tracks: tuple[Track, ...]) -> dict[st
             {
                 "name": in_chart(flown.chaser.name),
                 "colour": colours[flown.chaser.name] if several(instance) else None,
-                "arcs": _arcs(flown, tracks),
+                "arcs": _arcs(flown, tracks) if not low else _spirals(instance, flown, drawn),
                 "stays": not (flown.legs and flown.legs[-1][1].removal_burns),
             }
             for flown in routes
@@ -101,6 +112,19 @@ def _arcs(flown: Flown, tracks: tuple[Track, ...]) -> list[list[Any]]:
         for track in tracks
         if track.leg in mine
     ]  # fmt: skip
+
+
+def _spirals(instance: Instance, flown: Flown, drawn: tuple[DrawnArc, ...]) -> list[list[Any]]:
+    legs = dict(flown.legs)
+    mine = [arc for arc in drawn if isinstance(arc, SpiralArc) and arc.leg in legs]
+    if not mine:
+        return []
+    first = legs[mine[0].leg]
+    origin = instance.orbits()[instance.names.index(first.origin)]
+    begins_s = float(mine[0].times_s[0])
+    at_launch = first.traits.from_nowhere
+    latitude = None if at_launch else float(elements.latitudes(origin, begins_s))
+    return spirals(mine, latitude)
 
 
 def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:

@@ -173,7 +173,7 @@ def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
 
 
 def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[DrawnArc, ...], str | None]:
-    if not (instance.has_trajectories or instance.has_low_thrust):
+    if not _is_moved(instance):
         return (), None
     try:
         return arcs_of(instance, plan), None
@@ -242,6 +242,11 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
     )
 
 
+def _is_moved(instance: Instance) -> bool:
+    """Whether the page shows where chasers are at a time."""
+    return instance.has_trajectories or instance.has_low_thrust
+
+
 def _flown_arcs(known: _Found) -> tuple[Track, ...]:
     """What is drawn and has been flown, so that it can be moved along."""
     return tuple(arc for arc in known.drawn if isinstance(arc, Track))
@@ -251,14 +256,14 @@ def _data(
     instance: Instance, plan: Plan, known: _Found, burned: tuple[burns.ReportedBurn, ...]
 ) -> dict[str, Any]:
     """Data for the script of the page."""
-    drawn, is_flown = known.drawn, instance.has_trajectories
+    drawn, is_moved = known.drawn, _is_moved(instance)
     numbers = range(1, len(plan.legs) + 1)
     charts = {
         "budget": figures.budget(instance, plan),
         "costs": figures.costs(plan, known.refined),
         "gantt": figures.gantt(instance, plan),
     }
-    if is_flown or instance.has_low_thrust:
+    if is_moved:
         charts["altitude"] = figures.altitude(instance, plan, drawn)
         charts["orbits"] = figures.orbits(instance, plan, drawn)
     if instance.has_low_thrust:
@@ -273,8 +278,8 @@ def _data(
     return {
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
-        "motion": motion(instance, plan, _flown_arcs(known)) if is_flown else None,
-        "coast": json.loads(asset("coast/coastline.json")) if is_flown else None,
+        "motion": motion(instance, plan, drawn) if is_moved else None,
+        "coast": json.loads(asset("coast/coastline.json")) if is_moved else None,
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],

@@ -73,7 +73,7 @@ def _distributions(told: Mapping[str, Any]) -> str:
     for key, name in _SHARES.items():
         if told[key] is not None:
             rows.append(row((("", name), ("n", _share(told[key])), *[("n", "")] * 6)))
-    return table("Distributions", [("", ""), *_HEADINGS], rows)
+    return table("Distributions", [("figure", ""), *_HEADINGS], rows)
 
 
 _SHARES = {

@@ -107,7 +107,7 @@ def _sums(told: Mapping[str, Any]) -> str:
         row((("", said), *(("n", _value(told["sums"][case][name])) for case in cases)))
         for name, said in DIFFERENCES.items()
     )
-    headings = (("", ""), *((case, "n") for case in cases))
+    headings = (("sum", ""), *((case, "n") for case in cases))
     return table("Sums over the years", headings, rows)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ...plan.plan import Plan
 from ...plan.routes import routes_of, several
 from ...problem.instance import Instance
+from . import controls
 from .tables import table
 from .text import escape
 
@@ -17,7 +18,7 @@ def path_of(instance: Instance) -> str:
 def flight(instance: Instance, plan: Plan) -> str:
     """Sections with the path of the chaser."""
     if instance.has_low_thrust:
-        return _thrust(instance)
+        return _thrust(instance, plan)
     if not instance.has_trajectories:
         return ""
     flies = "the chasers fly" if several(instance) else "the chaser flies"
@@ -25,8 +26,9 @@ def flight(instance: Instance, plan: Plan) -> str:
     return (
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
         f"<p>To scale, in the inertial frame of the elements: {bodies}, and the arcs that {flies}, "
-        "at most one revolution of each. Drag to turn, pinch or scroll to come nearer. Marks and "
-        "the Earth are as they are at the time of the slider.</p>\n"
+        "at most one revolution of each. Marks and the Earth are as they are at the time of the "
+        "slider, with day, night and, in orange, the line between them.</p>\n"
+        f"{controls.views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
         f"{_ground(instance, plan)}\n{_closeup()}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>{_altitude_note(instance)}</p>\n"
@@ -34,7 +36,7 @@ def flight(instance: Instance, plan: Plan) -> str:
     )
 
 
-def _thrust(instance: Instance) -> str:
+def _thrust(instance: Instance, plan: Plan) -> str:
     """The same of chasers with low thrust, which are drawn by their arcs."""
     others = any(chaser.thrust_n is None for chaser in instance.chasers)
     missing = " Chasers without low thrust are left out." if others else ""
@@ -42,9 +44,11 @@ def _thrust(instance: Instance) -> str:
         f"<section>\n<h2>Orbits and {path_of(instance)}</h2>\n"
         "<p>To scale, in the inertial frame of the elements: visited and unvisited targets, drift "
         "orbits and tows, of each at most one revolution, and along arcs of thrust the windows in "
-        "which it is on, shadow or not, as they turn with the node. Drag to turn, pinch or scroll "
-        f"to come nearer.{missing}</p>\n"
+        "which it is on, shadow or not, as they turn with the node. Marks and the Earth are as "
+        "they are at the time of the slider, with day, night and, in orange, the line between them."
+        f"{missing}</p>\n{controls.views(instance)}"
         '<div class="chart tall" id="orbits"></div>\n</section>\n'
+        f"{_ground(instance, plan)}\n"
         f"<section>\n<h2>Altitude</h2>\n<p>Between its arcs of thrust a leg is on its drift "
         f"orbit. {_altitude_note(instance)}</p>\n"
         '<div class="chart" id="altitude"></div>\n</section>'
@@ -68,20 +72,33 @@ def _ground(instance: Instance, plan: Plan) -> str:
         f'<tr data-chaser="{at}"><td><b>{escape(flown.chaser.name)}</b></td>'
         + "<td></td>" * 2
         + "<td class=n></td>" * 4
+        + "<td></td>"
         + "</tr>"
         for at, flown in enumerate(routes_of(instance, plan))
     )
     headings = (
         ("chaser", ""), ("leg", ""), ("phase", ""), ("altitude km", "n"), ("latitude °", "n"),
-        ("longitude °", "n"), ("from its target", "n"),
+        ("longitude °", "n"), ("from its target", "n"), ("Sun", ""),
     )  # fmt: skip
     return (
         f"<section>\n<h2>Over the ground</h2>\n<p>Where {who} is above the turning Earth at the "
         "time of the slider, with the way of the revolution before it and, dotted, of the next. "
-        f"Latitudes are those of a sphere. {_longitudes(instance)} Coastlines are those of Natural "
+        "The map is darker where it is night, and a star marks where the Sun is overhead. "
+        f"{_places(instance)}Latitudes are those of a sphere. {_longitudes(instance)} "
+        "Coastlines are those of Natural "
         'Earth.</p>\n<div class="chart map" id="ground"></div>\n'
         + table("Where chasers are at the time of the slider", headings, rows)
         + "\n</section>"
+    )
+
+
+def _places(instance: Instance) -> str:
+    """What is thick on the way, and how exact its places are."""
+    if not instance.has_low_thrust:
+        return ""
+    return (
+        "The way is thick where thrust is on. The plan states orbits; places on them are such that "
+        "each leg begins at its origin and ends at its target. "
     )
 
 

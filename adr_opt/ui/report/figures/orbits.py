@@ -114,7 +114,8 @@ def _earth() -> dict[str, Any]:
         "color": "#8ba6bd",
         "hoverinfo": "skip",
         "showlegend": False,
-        "lighting": {"ambient": 0.72, "diffuse": 0.45, "specular": 0.05, "roughness": 0.9},
+        # The page paints day and night, so no lamp of the library lights it.
+        "lighting": {"ambient": 1.0, "diffuse": 0.0, "specular": 0.0, "fresnel": 0.0},
     }
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from ....common.constants import EARTH_RADIUS_M
 from ....fly.trajectory.kepler import Array
-from ....plan.palette import REASONS, chaser_colours
+from ....plan.palette import REASONS
 from ....plan.plan import Plan
-from ....plan.routes import Flown, routes_of, several
+from ....plan.routes import Flown, routes_of
 from ....problem.instance import Instance
 from ...plot.chart import KM_M, Line, Series
 from ...plot.fields import planes_chart, raan_deg, way
@@ -77,13 +77,12 @@ def _order(instance: Instance, flown: Flown) -> dict[str, Any]:
         if leg and body >= instance.first_target
     ]  # fmt: skip
     numbers, sides = [legs[at] for at in shown], _sides(across, up)
-    colour = chaser_colours(instance)[flown.chaser.name]
     return {
         "type": "scatter", "mode": "markers+text", "name": "order", "showlegend": False,
         "x": column(across[shown], 4), "y": column(up[shown], 4),
         "text": [str(number) for number in numbers], "customdata": numbers,
         "textposition": [sides[at] for at in shown],
-        "textfont": {"size": 11, **({"color": colour} if several(instance) else {})}, **SILENT,
+        "textfont": {"size": 11}, **SILENT,
         # not seen, but texts keep off marks
         "marker": {"size": 9, "color": "rgba(0,0,0,0)"},
     }  # fmt: skip

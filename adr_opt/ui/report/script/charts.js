@@ -9,7 +9,8 @@ function only(trace, leg) {
 
 function traces(name) {
   const shown = tracesOf(name);
-  return name === "orbits" && motion ? [...shown, ...earthLines(), ...moving()] : shown;
+  if (name !== "orbits" || !motion) return shown;
+  return [...shown.map(inDaylight), ...earthLines(), ...moving()];
 }
 
 function tracesOf(name) {
@@ -48,8 +49,8 @@ function drawsWith() {
   return means;
 }
 
-// Without WebGL, the scene is seen from its camera as a flat drawing, without the Earth's far side.
-function flat(data) {
+// Axes of the flat drawing: to the right, up, and towards the eye.
+function flatAxes() {
   const { eye } = figures.orbits.layout.scene.camera;
   const length = Math.hypot(eye.x, eye.y, eye.z);
   const n = [eye.x / length, eye.y / length, eye.z / length];
@@ -60,6 +61,12 @@ function flat(data) {
     n[2] * right[0] - n[0] * right[2],
     n[0] * right[1] - n[1] * right[0],
   ];
+  return [right, up, n];
+}
+
+// Without WebGL, the scene is seen from its camera as a flat drawing, without the Earth's far side.
+function flat(data) {
+  const [right, up, n] = flatAxes();
   const seen = (trace, x, at) =>
     x !== null && !(trace.meta?.earth && x * n[0] + trace.y[at] * n[1] + trace.z[at] * n[2] < 0);
   const along = (trace, way) =>
@@ -86,7 +93,7 @@ function draw(name) {
     made.xaxis = { visible: false };
     made.yaxis = { visible: false, scaleanchor: "x" };
   }
-  return Plotly.react(box(name), data, made, options);
+  return Plotly.react(box(name), data, made, options).then(madeReachable);
 }
 
 // What depends on the time is made anew where it is seen.

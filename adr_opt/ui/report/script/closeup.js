@@ -139,4 +139,4 @@ function listenToCloseup() {
   }
 }
 
-if (motion) views.push({ chart: "closeup", show: moveInCloseup });
+if (motion && box("closeup")) views.push({ chart: "closeup", show: moveInCloseup });

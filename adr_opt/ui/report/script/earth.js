@@ -42,6 +42,28 @@ function onGlobe({ longitude, latitude }) {
   });
 }
 
+// The globe in the colours of day and night, which are those of this place of the Sun.
+const STALE = Math.cos(0.5 * Math.PI / 180); // of the Sun since
+let painted = null;
+
+function facesNow(trace) {
+  const sun = sunDirection(time);
+  painted = sun;
+  return trace.x.map((x, at) => {
+    const [r, g, b] = shade([x, trace.y[at], trace.z[at]], sun);
+    return `rgb(${r},${g},${b})`;
+  });
+}
+
+const inDaylight = (trace) =>
+  (trace.type === "mesh3d" ? { ...trace, vertexcolor: facesNow(trace) } : trace);
+
+function daylight(chart) {
+  if (painted && dot(painted, sunDirection(time)) > STALE) return null;
+  const at = chart.data.findIndex(({ type }) => type === "mesh3d");
+  return at < 0 ? null : Plotly.restyle(chart, { vertexcolor: [facesNow(chart.data[at])] }, [at]);
+}
+
 const coast = motion && unpacked(mission.coast);
 const globe = motion && [
   { name: "graticule", width: 1, colour: () => "#b4c7d6", points: onGlobe(graticule()) },
@@ -52,8 +74,13 @@ const globe = motion && [
 // The lines of the globe at the time that is shown.
 function earthLines() {
   const [angle, rate] = motion.sidereal;
-  return globe.map(({ name, width, colour: painted, points }) => {
-    const now = points.map((point) => point && turned(point, angle + rate * time));
+  const lines = [...globe, {
+    name: "day and night", width: 3, colour: () => "#d98a00", still: true,
+    points: terminator(time, ABOVE * motion.radius / 1000),
+  }];
+  return lines.map(({ name, width, colour: painted, points, still }) => {
+    const turn = still ? 0 : angle + rate * time;
+    const now = turn ? points.map((point) => point && turned(point, turn)) : points;
     const [x, y, z] = [0, 1, 2].map((axis) => now.map((point) => point && point[axis]));
     return {
       type: "scatter3d", mode: "lines", name, showlegend: false, hoverinfo: "skip", x, y, z,

@@ -64,7 +64,12 @@ function listen() {
   for (const name of ["lanes", "gantt", "costs"].filter((name) => name in figures)) {
     box(name).on("plotly_click", (event) => choose(event.points[0].customdata));
   }
-  for (const query of [dark, narrow]) query.addEventListener("change", () => drawAgain());
+  for (const query of [dark, narrow]) {
+    query.addEventListener("change", async () => {
+      await drawAgain();
+      for (const { chart, show: shown } of views) if (derived.has(chart)) await shown();
+    });
+  }
 }
 
 // One chart per task, so that the page can be scrolled in between; the orbits, which take
@@ -85,6 +90,8 @@ async function begin() {
   listenToCloseup();
   listenToBurns();
   listenToPictures();
+  listenToView();
+  listenToTools();
   sides();
   mark("ready");
   for (const view of views.filter(({ chart }) => derived.has(chart))) {
@@ -99,7 +106,7 @@ async function begin() {
     if (!entries.some((entry) => entry.isIntersecting)) return;
     near.disconnect();
     draw("orbits").then(() => mark("complete"));
-  }, { rootMargin: "300px" });
+  }, { rootMargin: "400px" });
   near.observe(box("orbits"));
 }
 await begin();

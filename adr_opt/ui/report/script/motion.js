@@ -51,8 +51,22 @@ function anomaly(mean, c, s) {
   return x;
 }
 
+// Of a chaser with low thrust: a circle whose speed, inclination and node change evenly. Argument of
+// latitude: the integral of v³/μ, and a rate in addition.
+const [SPEED, TILT, SPIRAL_NODE, LATITUDE, MIDDLE] = [4, 6, 8, 10, 12]; // each before its rate
+function spiralState(arc, time) {
+  const since = time - arc[BEGIN];
+  const now = (at) => arc[at] + arc[at + 1] * since;
+  const [first, speed] = [arc[SPEED], now(SPEED)];
+  const cubes = speed ** 3 + speed ** 2 * first + speed * first ** 2 + first ** 3;
+  const row = [motion.mu / speed ** 2, now(TILT), now(SPIRAL_NODE), 0,
+    now(LATITUDE) + since * cubes / (4 * motion.mu), 0];
+  return { ...bodyState({ row }, 0), latitude: row[4] };
+}
+
 // On the orbit of an arc, run through at its pace, in a plane that turns with the node.
 function arcState(arc, time) {
+  if (motion.spirals) return spiralState(arc, time);
   const r = arc.slice(STATE, STATE + 3);
   const v = arc.slice(STATE + 3, STATE + 6);
   const since = time - arc[BEGIN];

@@ -1,5 +1,6 @@
 // Marks that move among the orbits, and the table of where the chasers are.
 const MARKS = { station: 9, visited: 6, "not visited": 4 };
+const MOST_TOLD = 3; // chasers, of which the spoken text says where they are
 const GOAL = 10; // where the leg leads
 
 const kilometres = (points) => [0, 1, 2].map((axis) => points.map((r) => r[axis] / 1000));
@@ -52,8 +53,9 @@ function moving() {
   });
 }
 
-function moveInOrbits() {
+async function moveInOrbits() {
   const chart = box("orbits");
+  if (drawsWith() !== "") await daylight(chart);
   const count = chart.data.length;
   let moved = [...earthLines(), ...moving()];
   if (drawsWith() === "") moved = flat(moved);
@@ -62,7 +64,8 @@ function moveInOrbits() {
   update.text = moved.map(({ text }) => text);
   update["marker.color"] = moved.map(({ marker }) => marker?.color);
   update["marker.size"] = moved.map(({ marker }) => marker?.size);
-  return Plotly.restyle(chart, update, moved.map((_, at) => count - moved.length + at));
+  const traces = moved.map((_, at) => count - moved.length + at);
+  return Plotly.update(chart, update, viewNow(), traces);
 }
 
 // Lengths in metres below ten kilometres.
@@ -71,10 +74,33 @@ const far = (metres) =>
 
 const signed = (value, digits) => value.toFixed(digits).replace("-", "−");
 
+// The phase, and where arcs are arcs of thrust whether it is on.
+function stage(state) {
+  if (!state.phase) return "done";
+  const [title] = motion.phases[state.phase];
+  if (!motion.spirals || state.arc[MIDDLE] === null) return title;
+  return `${title}, ${thrusts(state, time) ? "on" : "off"}`;
+}
+
+// What is told of the chasers by the text that is spoken.
+function whereabouts() {
+  return present().map((state) => {
+    const { chaser, r } = state;
+    const { latitude, longitude, altitude } = above(r, time);
+    const degrees = (value, [plus, minus]) => {
+      const whole = Math.round(value);
+      return `${Math.abs(whole)}°${whole ? ` ${whole < 0 ? minus : plus}` : ""}`;
+    };
+    return `${plain(chaser.name)}: ${stage(state)}, ` +
+      `${far(altitude)} above ${degrees(latitude, ["north", "south"])}, ` +
+      `${degrees(longitude, ["east", "west"])}, in ${isLit(r, time) ? "sunlight" : "shadow"}`;
+  }).join(". ");
+}
+
 function status() {
   for (const row of document.querySelectorAll("tr[data-chaser]")) {
     const state = chaserState(motion.chasers[Number(row.dataset.chaser)], time);
-    let said = ["—", "—", "—", "—", "—", "—"];
+    let said = ["—", "—", "—", "—", "—", "—", "—"];
     if (state) {
       const { latitude, longitude, altitude } = above(state.r, time);
       const leg = state.arc[LEG];
@@ -82,9 +108,10 @@ function status() {
       const goal = to === null ? null : motion.bodies[to];
       said = [
         state.phase ? `${leg}${goal ? ` → ${plain(goal.name)}` : ""}` : "—",
-        state.phase ? motion.phases[state.phase][0] : "done",
+        stage(state),
         signed(altitude / 1000, 1), signed(latitude, 2), signed(longitude, 2),
         goal ? far(size(sum(state.r, scaled(bodyState(goal, time).r, -1)))) : "—",
+        isLit(state.r, time) ? "sunlight" : "shadow",
       ];
     }
     [...row.cells].slice(1).forEach((cell, at) => { cell.textContent = said[at]; });
@@ -94,4 +121,6 @@ function status() {
 if (motion) {
   if (figures.orbits) views.push({ chart: "orbits", show: moveInOrbits });
   views.push({ show: status });
+  if (motion.chasers.length <= MOST_TOLD) tellers.push(whereabouts);
+  stages.push(() => present().map(({ phase }) => phase).join());
 }

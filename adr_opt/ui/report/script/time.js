@@ -9,7 +9,11 @@ const seen = new Set(); // charts near the window
 
 const pad = (value) => String(value).padStart(2, "0");
 
-function clock(seconds) {
+function clock(seconds, fine = false) {
+  if (fine) {
+    const whole = Math.floor(seconds);
+    return `${clock(60 * Math.floor(whole / 60))}:${pad(whole % 60)}`;
+  }
   const minutes = Math.round(seconds / 60);
   const hours = Math.floor(minutes / 60);
   return `${Math.floor(hours / 24)}\u202fd ${pad(hours % 24)}:${pad(minutes % 60)}`;
@@ -39,10 +43,14 @@ function called(leg) {
 
 function readings() {
   const said = legsAt(time).map(called).join("; ");
-  box("now").textContent = clock(time);
+  box("now").textContent = clock(time, Number(box("speed").value) < 60);
   box("then").textContent = calendar(time);
   box("doing").textContent = said;
-  box("time").setAttribute("aria-valuetext", `${clock(time)}, ${said || "no leg"}`);
+  // While time is played the slider would speak at every picture.
+  if (playing === null) {
+    box("time").setAttribute("aria-valuetext", `${clock(time)}, ${said || "no leg"}`);
+  }
+  speakLater();
 }
 
 // Charts of times have a line at the time, laid over them: to draw them again would be slow.
@@ -149,6 +157,14 @@ function play() {
   next();
 }
 
+// The next of the speeds, or the one before it.
+function playFaster(by) {
+  const list = box("speed");
+  list.selectedIndex = Math.min(list.length - 1, Math.max(0, list.selectedIndex + by));
+  list.dispatchEvent(new Event("change"));
+  box("spoken").textContent = `speed ${list.selectedOptions[0].textContent}`;
+}
+
 function listenToTime() {
   const slider = box("time");
   slider.addEventListener("input", () => {
@@ -156,11 +172,13 @@ function listenToTime() {
     setTime(Number(slider.value));
   });
   slider.addEventListener("keydown", (event) => {
-    if (event.key !== " ") return;
+    const faster = { "+": 1, "=": 1, "-": -1 }[event.key];
+    if (event.key === " ") box("play").click();
+    else if (faster && !event.ctrlKey && !event.metaKey) playFaster(faster);
+    else return;
     event.preventDefault();
-    box("play").click();
   });
-  box("speed").addEventListener("change", () => { paced = true; });
+  box("speed").addEventListener("change", () => { paced = true; readings(); });
   box("play").addEventListener("click", () => (playing === null ? play() : pausePlay()));
   document.addEventListener("visibilitychange", () => {
     if (document.hidden && playing !== null) pausePlay();
