@@ -180,6 +180,12 @@ class _Way:
         )  # fmt: skip
 
 
+def _stay(ground: Ground, uncertainty: Uncertainty, target: int) -> StayTime:
+    """Distribution of the time at a target."""
+    planned_s = float(ground.chasers[0].limits.service[target])
+    return StayTime(uncertainty, ground.names[target], planned_s)
+
+
 def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) -> float:
     """The most that any plan of one chaser with a tank in ΔV collects that keeps its promise."""
     what = ground.chasers[0]
