@@ -26,6 +26,10 @@ from next_leg.walks import Decision, walk
 from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer
 
 
+WALKS = 4
+"""Number of walks through each mission."""
+
+
 def main() -> None:
     """Train and write."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -51,7 +55,7 @@ def main() -> None:
         made: list[Decision] = []
         while len(made) < wanted:
             mission = drawn_mission(rng, domain_randomised=not arguments.nominal)
-            for _ in range(3):
+            for _ in range(WALKS):
                 made += walk(mission, rng, scorer)
         decisions += made
         if arguments.decisions is not None:

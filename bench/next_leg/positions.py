@@ -13,7 +13,10 @@ from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.loads import full_tank
 from adr_opt.kernels.rules.resources import Resources
 from adr_opt.kernels.tables import timetable
-from adr_opt.learning.next_leg.features import Choices, Standing, features
+from adr_opt.kernels.tables.rows_of_body import from_rules
+from adr_opt.learning.next_leg.choices import Choices, Standing
+from adr_opt.learning.next_leg.features import features
+from adr_opt.learning.next_leg.onward import onward, unknown
 from adr_opt.learning.next_leg.surroundings import Surroundings
 from adr_opt.mission.mission import Mission
 from solvers.beams.beams import beam_kernel, usual_settings
@@ -91,6 +94,8 @@ class Position:
     other : int
         Body at which another chaser is; −1 without one.
     next_planned : int
+    looks_ahead : bool
+        Whether legs after the next one are seen.
     """
 
     mission: Mission
@@ -104,6 +109,7 @@ class Position:
     worths: FloatArray
     other: int = -1
     next_planned: int = 0
+    looks_ahead: bool = True
     _halt: BoolArray = field(default_factory=lambda: np.zeros(1, dtype=np.bool_))
 
     def advance(self) -> None:
@@ -151,7 +157,19 @@ class Position:
             np.ones(bodies.size, dtype=np.bool_), ranks[bodies], self.elsewhere[bodies], apart,
         )  # fmt: skip
         worths = np.where(self.visited, 0.0, self.worths)
-        return choices, *features(standing, choices, places, worths, self.mission.is_required)
+        ahead = unknown(bodies.size)
+        if self.looks_ahead:
+            ahead = onward(choices, places, worths, rules.duration, rules.stations, self.connecting)
+        required = self.mission.is_required
+        return choices, *features(standing, choices, ahead, places, worths, required)
+
+    def connecting(
+        self, origins: IntArray, ready: FloatArray, destinations: IntArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Connections of some pairs at some times."""
+        delta_v, arrival = np.empty(origins.size), np.empty(origins.size)
+        from_rules(self.mission.rules, origins, ready, destinations, delta_v, arrival)
+        return delta_v, arrival
 
     def move(self, body: int) -> None:
         """Make a legal move."""

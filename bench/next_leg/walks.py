@@ -24,15 +24,15 @@ SLOTS = 64
 PLAN_WIDTH = 150
 """Width of the beam that makes the plan that a walk begins with."""
 
-LABEL_WIDTH = 16
-NOISES = (0.0, 0.3, 0.3)
+LABEL_WIDTH = 6
+NOISES = (0.0, *(0.4,) * 7)
 """Width of the beams that judge moves, and the random parts of their comparisons."""
 
 TRIED = 7
 """Moves judged by cost, and again as many by the present scores."""
 
-PLANNED, UNCERTAIN, SHARED = 0.6, 0.6, 0.25
-"""Shares of walks that begin with a plan, in uncertain worlds, and beside another chaser."""
+PLANNED, UNCERTAIN, SHARED, AHEAD = 0.5, 0.6, 0.2, 0.85
+"""Shares of walks that begin with a plan, in uncertain worlds, beside another chaser, and\nwith legs after the next one in sight."""
 
 LABELLED = 0.45
 """Share of decisions that are judged."""
@@ -128,6 +128,7 @@ def begun(mission: Mission, rng: np.random.Generator) -> Position:
         at.visited[theirs[:cut]] = True
         at.elsewhere[theirs[cut:]] = True
         at.other = int(theirs[cut])
+    at.looks_ahead = bool(rng.random() < AHEAD)
     if rng.random() < PLANNED:
         _plan(at, rng)
     else:

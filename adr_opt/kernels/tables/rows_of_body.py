@@ -1,4 +1,4 @@
-"""Connections chosen from one body to some others at one time."""
+"""Connections chosen from bodies at times, several at once."""
 
 from ..core.compile import kernel
 from ..core.memory import borrowed
@@ -6,28 +6,30 @@ from . import on_demand, timetable
 
 
 @kernel
-def from_source(source, body, ready, destinations, delta_v, arrival):
+def from_source(source, origins, ready, destinations, delta_v, arrival):
     """Connections computed on demand.
 
     Parameters
     ----------
     source : adr_opt.kernels.tables.on_demand.Source
-    body : int
-    ready : float
+    origins : (legs,) int64
+    ready : (legs,) float64
         Since when a chaser is free there [s].
-    destinations : (destinations,) int64
-    delta_v, arrival : (destinations,) float64
+    destinations : (legs,) int64
+    delta_v, arrival : (legs,) float64
         Written: [m/s], [s]; +inf where there is none.
     """
-    for place in range(destinations.size):
-        delta_v[place], arrival[place] = on_demand.chosen(source, body, destinations[place], ready)
+    for leg in range(destinations.size):
+        delta_v[leg], arrival[leg] = on_demand.chosen(
+            source, origins[leg], destinations[leg], ready[leg]
+        )
 
 
 @kernel
-def from_rules(rules, body, ready, destinations, delta_v, arrival):
+def from_rules(rules, origins, ready, destinations, delta_v, arrival):
     """The same from the timetable of a mission, whether filled or on demand."""
     rules = borrowed(rules)
-    for place in range(destinations.size):
-        delta_v[place], arrival[place] = timetable.lookup(
-            rules.table, body, destinations[place], ready
+    for leg in range(destinations.size):
+        delta_v[leg], arrival[leg] = timetable.lookup(
+            rules.table, origins[leg], destinations[leg], ready[leg]
         )

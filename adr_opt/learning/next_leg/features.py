@@ -7,21 +7,16 @@ clipped at ±5. See docs/rehearsing.md.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-import numpy.typing as npt
 
 from ...common.constants import DAY_S, HOUR_S
+from .choices import M_S_PER_HOUR, BoolArray, Choices, FloatArray, IntArray, Standing
+from .onward import Onward
 from .surroundings import Places
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-BoolArray = npt.NDArray[np.bool_]
-
 TEN_HOURS_S = 10.0 * HOUR_S
-M_S_PER_HOUR = 450.0
-"""ΔV that counts as an hour in the cost of a leg, as in the observations of the environment."""
+RATES_M_S = (120.0, 1500.0)
+"""Other values of an hour, for missions that are short of ΔV, or of time [m/s]."""
 
 DENSITIES_M_S = (60.0, 150.0, 400.0)
 """Lengths over which targets near a body count less and less [m/s]."""
@@ -31,93 +26,24 @@ PLANNED_DECAY = 0.7
 
 CLIP = 5.0
 
-LEG_FEATURES = 31
+LEG_FEATURES = 38
 """Numbers for each leg."""
 
 MISSION_FEATURES = 15
 """Numbers of the mission."""
 
 
-class Standing(NamedTuple):
-    """A chaser that decides, and its mission.
-
-    Attributes
-    ----------
-    body : int
-    time, end : float
-        Now, and the end of the mission or of the chaser's availability [s].
-    left, full : float
-        ΔV in the tank, and in a full one [m/s].
-    since : int
-        Targets serviced since the last refuelling.
-    stations : int
-        Bodies with smaller numbers are stations.
-    chasers : int
-    tank_ahead, time_ahead : float or None
-        By how much the tank and the clock are better than planned before the next planned leg
-        [m/s], [s]; None without a plan.
-    """
-
-    body: int
-    time: float
-    end: float
-    left: float
-    full: float
-    since: int
-    stations: int
-    chasers: int
-    tank_ahead: float | None
-    time_ahead: float | None
-
-
-class Choices(NamedTuple):
-    """Legs from which a chaser may choose.
-
-    Attributes
-    ----------
-    bodies : (legs,) int64
-        Where they lead.
-    delta_v : (legs,) float64
-        Of the legs [m/s].
-    arrival, free : (legs,) float64
-        Arrival, and when the chaser is free again [s].
-    left : (legs,) float64
-        ΔV left then, after tows, kits and refuelling [m/s].
-    closes : (legs,) float64
-        When a service there has to be over [s].
-    waits : (legs,) float64
-        Between arrival and the opening of the window [s].
-    legal : (legs,) bool
-    ranks : (legs,) int64
-        Place among the planned legs that are left, from 0; −1 for none.
-    planned_elsewhere : (legs,) bool
-        Whether another chaser plans to go there.
-    others_apart : (legs,) float64
-        Distance of the nearest other chaser [m/s]; +inf without one.
-    """
-
-    bodies: IntArray
-    delta_v: FloatArray
-    arrival: FloatArray
-    free: FloatArray
-    left: FloatArray
-    closes: FloatArray
-    waits: FloatArray
-    legal: BoolArray
-    ranks: IntArray
-    planned_elsewhere: BoolArray
-    others_apart: FloatArray
-
-
-def features(
-    standing: Standing, choices: Choices, places: Places, worths: FloatArray, required: BoolArray
-) -> tuple[FloatArray, FloatArray]:
+def features(  # noqa: PLR0913
+    standing: Standing, choices: Choices, onward: Onward, places: Places, worths: FloatArray,
+    required: BoolArray,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """What the policy sees.
 
     Parameters
     ----------
     standing : Standing
     choices : Choices
+    onward : Onward
     places : Places
     worths : (bodies,) float64
         Of targets that are open, over the mean of all targets with a prize; 0 of all others.
@@ -181,6 +107,16 @@ def features(
     order[np.argsort(np.where(targets, cost, np.inf), kind="stable")] = np.arange(at.size)
     legs[:, 29] = np.minimum(order, 20.0) / 10.0
     legs[:, 30] = (choices.left - home < 0.0) & ~station
+    for column, rate in enumerate(RATES_M_S, start=31):
+        priced = took / HOUR_S + delta_v / rate
+        legs[:, column] = (priced - (priced[targets].min() if targets.any() else 0.0)) / 10.0
+    known = onward.known
+    both = cost + onward.cost
+    legs[:, 33] = known
+    legs[:, 34] = onward.cost / 10.0
+    legs[:, 35] = np.where(known, both - (both[known].min() if known.any() else 0.0), 0.0) / 10.0
+    legs[:, 36] = onward.delta_v / 300.0
+    legs[:, 37] = onward.next_cost / 10.0
     np.clip(legs, -CLIP, CLIP, out=legs)
     tank, clock = standing.tank_ahead, standing.time_ahead
     mission = np.array(

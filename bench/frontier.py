@@ -1,0 +1,234 @@
+"""Quality against time: the learned policy, guarded greedy, beams on demand, and replanning.
+
+    python bench/frontier.py known --targets 50 500 --fields 40
+    python bench/frontier.py uncertain --targets 50 --fields 40
+
+Fields of the family nominal with seeds from 200 on, of which none was used in training, with more
+targets as told. ``known``: missions as planned. ``uncertain``: worlds in which legs cost a factor of
+spread 0.1, services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and
+5 % of the targets are gone; one world a field, the same for all. Nobody has a plan to begin with,
+but for ``replan``, which makes its own; greedy and beams are asked anew for every leg where worlds
+are uncertain, and keep the same reserve in their tanks as the learned policy does.
+
+Times are those of the processor, in one thread: for a decision, and for everything with all tables,
+from the instance to the end of the mission. The learned policy holds a point of the frontier if
+every other method is either worse or slower in total, each by Wilcoxon's signed-rank test over the
+fields with p < 0.01.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from machine import heading
+from next_leg.rivals import AskedAnew, beam_next, greedy_next, on_demand
+from scipy.stats import wilcoxon
+from solvers.beams.beams import beam_search, usual_settings, with_time_value
+from solvers.beams.greedy_order import guarded_sequence
+
+import adr_opt
+from adr_opt.analysis.rehearse.flight import MissionPolicy, Situation, rehearsed
+from adr_opt.analysis.rehearse.ground import Ground
+from adr_opt.analysis.rehearse.intended import Intended, intended
+from adr_opt.analysis.rehearse.learned import USUAL_LEGS, Learned
+from adr_opt.analysis.rehearse.prospect import CAUTION
+from adr_opt.analysis.rehearse.replanning import AtDeviations
+from adr_opt.learning.next_leg.scorer import load_scorer, shipped
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.world import DrawnWorld
+
+FIRST_SEED = 200
+SPREAD = 0.1
+MIXED = Uncertainty(
+    legs={"delta_v_factor": {"lognormal_sigma": SPREAD}},
+    service_s={"factor": {"lognormal_sigma": 0.5}},
+    capture={"success": 0.8, "tries": 2},
+    gone=0.05,
+)
+RESERVE = CAUTION * SPREAD / math.sqrt(USUAL_LEGS)
+SIGNIFICANT = 0.01
+
+
+class Run(NamedTuple):
+    """What a method did in one field: prize, and times for a decision and for everything [s]."""
+
+    prize: float
+    decision_s: float
+    total_s: float
+
+
+class Clocked:
+    """A policy whose decisions are timed."""
+
+    def __init__(self, policy: MissionPolicy) -> None:
+        self._policy = policy
+        self.tries_again = policy.tries_again
+        self.spent_s, self.decisions = 0.0, 0
+
+    def next_leg(self, now: Situation) -> object:
+        """The decision of the policy."""
+        began = time.process_time()
+        found = self._policy.next_leg(now)
+        self.spent_s += time.process_time() - began
+        self.decisions += 1
+        return found
+
+
+Maker = Callable[[Ground, Uncertainty], MissionPolicy]
+
+
+def flown(instance: Instance, uncertainty: Uncertainty, seed: int, made: Maker) -> Run:
+    """A mission flown by a policy, from the instance on."""
+    began = time.process_time()
+    ground = Ground(instance, cores=1)
+    policy = Clocked(made(ground, uncertainty))
+    world = DrawnWorld(instance, uncertainty, seed)
+    done = rehearsed(ground, world, policy, (0,) * len(ground.chasers))  # type: ignore[arg-type]
+    total_s = time.process_time() - began
+    return Run(done.prize, policy.spent_s / max(1, policy.decisions), total_s)
+
+
+def planned(instance: Instance, width: int) -> Run:
+    """A mission planned by a beam of a width on demand; by guarded greedy for width 0."""
+    began = time.process_time()
+    mission = on_demand(Ground(instance))
+    if width:
+        mission = with_time_value(mission)
+    ready = time.process_time()
+    if width:
+        sequence = beam_search(mission, usual_settings(mission, width))[0]
+    else:
+        sequence = guarded_sequence(mission)
+    ended = time.process_time()
+    prize = float(mission.rules.prize[sequence].sum())
+    return Run(prize, (ended - ready) / max(1, sequence.size), ended - began)
+
+
+def learned(path: str | None) -> Maker:
+    """The learned policy without a plan."""
+    scorer = shipped() if path is None else load_scorer(path)
+
+    def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
+        nothing = Intended(None, ((),) * len(ground.chasers), (0,) * len(ground.chasers))
+        return Learned(ground, nothing, uncertainty, 0, scorer)
+
+    return made
+
+
+def asked_anew(width: int) -> Maker:
+    """Guarded greedy or a beam, asked for every leg."""
+
+    def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
+        chooser = beam_next(width) if width else greedy_next
+        return AskedAnew(ground, on_demand(ground), chooser, RESERVE)
+
+    return made
+
+
+def replanning(limit_s: float) -> Maker:
+    """Replanning from a plan of `beam` made under a time limit."""
+
+    def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
+        plan = adr_opt.solve(ground.instance, "beam", time_limit=limit_s).plan
+        assert plan is not None
+        return AtDeviations(ground, intended(ground, plan), uncertainty, 0)
+
+    return made
+
+
+def methods(arguments: argparse.Namespace) -> dict[str, Callable[[Instance, int], Run]]:
+    """The methods by name, each a function of an instance and the seed of a world."""
+    known = arguments.what == "known"
+    uncertainty = Uncertainty() if known else MIXED
+    by_learning = learned(arguments.weights)
+    found: dict[str, Callable[[Instance, int], Run]] = {
+        "learned": lambda instance, seed: flown(instance, uncertainty, seed, by_learning)
+    }
+    for width in (0, *arguments.widths):
+        name = f"beam of {width}" if width else "guarded greedy"
+        if known:
+            found[name] = lambda instance, seed, width=width: planned(instance, width)
+        else:
+            found[name] = lambda instance, seed, width=width: flown(
+                instance, uncertainty, seed, asked_anew(width)
+            )
+    if not known and arguments.replans:
+        found["replan"] = lambda instance, seed: flown(
+            instance, uncertainty, seed, replanning(arguments.plan_limit)
+        )
+    return found
+
+
+def chance(better: np.ndarray, worse: np.ndarray) -> float:
+    """Chance of so large a lead in paired samples if neither were better (Wilcoxon, one-sided)."""
+    ahead = better - worse
+    if not ahead.any():
+        return 1.0
+    return float(wilcoxon(ahead, alternative="greater").pvalue)
+
+
+def table(runs: dict[str, list[Run]]) -> None:
+    """Print the rows of a size, and whether the learned policy holds a point of the frontier."""
+    own = np.array(runs["learned"])
+    held = []
+    for name, made in runs.items():
+        each = np.array(made)
+        mine = own[: len(each)]
+        prize = f"{each[:, 0].mean():.2f}"
+        if len(each) > 1:
+            prize += f" ± {1.96 * each[:, 0].std(ddof=1) / math.sqrt(len(each)):.2f}"
+        cells = [
+            f"`{name}`" if name == "learned" else name, str(len(each)), prize,
+            f"{1e3 * np.median(each[:, 1]):.3g} ms", f"{np.median(each[:, 2]):.3g} s",
+        ]  # fmt: skip
+        if name == "learned":
+            cells += ["", "", ""]
+        else:
+            better, quicker = chance(mine[:, 0], each[:, 0]), chance(each[:, 2], mine[:, 2])
+            decides = chance(each[:, 1], mine[:, 1])
+            cells += [f"{better:.2g}", f"{decides:.2g}", f"{quicker:.2g}"]
+            held.append((min(better, decides) < SIGNIFICANT, min(better, quicker) < SIGNIFICANT))
+        print(f"| {' | '.join(cells)} |", flush=True)
+    for name, at in (("time per decision", 0), ("total time", 1)):
+        says = "holds" if all(each[at] for each in held) else "does not hold"
+        print(f"learned {says} a point of the frontier of quality against {name}")
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("what", choices=["known", "uncertain"])
+    parser.add_argument("--targets", type=int, nargs="+", default=[50])
+    parser.add_argument("--fields", type=int, default=40)
+    parser.add_argument("--widths", type=int, nargs="+", default=[1, 4, 16, 64])
+    parser.add_argument("--replans", type=int, default=0, help="fields of which replan flies")
+    parser.add_argument("--plan-limit", type=float, default=5.0)
+    parser.add_argument("--weights", help="weights other than those that come with the package")
+    arguments = parser.parse_args()
+    print(heading())
+    known = methods(arguments)
+    for name, run in known.items():  # kernels are loaded before anything is timed
+        run(adr_opt.generate("nominal", FIRST_SEED - 1, targets=30), 0)
+        assert name
+    for targets in arguments.targets:
+        runs: dict[str, list[Run]] = {name: [] for name in known}
+        for number in range(arguments.fields):
+            instance = adr_opt.generate("nominal", FIRST_SEED + number, targets=targets)
+            for name, run in known.items():
+                if name == "replan" and number >= arguments.replans:
+                    continue
+                runs[name].append(run(instance, number))
+        print(f"\n**{targets} targets, {arguments.what} worlds**\n")
+        print("| method | fields | prize | a decision | all | p better | p quicker | p sooner |")
+        print("|---|---|---|---|---|---|---|---|")
+        table(runs)
+
+
+if __name__ == "__main__":
+    main()
