@@ -22,6 +22,7 @@ import argparse
 import math
 import time
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -38,10 +39,12 @@ from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import USUAL_LEGS, Learned
 from adr_opt.analysis.rehearse.prospect import CAUTION
 from adr_opt.analysis.rehearse.replanning import AtDeviations
+from adr_opt.analysis.rehearse.sight import RANKS as LEARNED_RANKS
 from adr_opt.learning.next_leg.scorer import load_scorer, shipped
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
+from adr_opt.run.table_budget import RANKS
 
 FIRST_SEED = 200
 SPREAD = 0.1
@@ -94,10 +97,10 @@ def flown(instance: Instance, uncertainty: Uncertainty, seed: int, made: Maker) 
     return Run(done.prize, policy.spent_s / max(1, policy.decisions), total_s)
 
 
-def planned(instance: Instance, width: int) -> Run:
+def planned(instance: Instance, width: int, ranks: int) -> Run:
     """A mission planned by a beam of a width on demand; by guarded greedy for width 0."""
     began = time.process_time()
-    mission = on_demand(Ground(instance))
+    mission = on_demand(Ground(instance), ranks)
     if width:
         mission = with_time_value(mission)
     ready = time.process_time()
@@ -121,12 +124,12 @@ def learned(path: str | None) -> Maker:
     return made
 
 
-def asked_anew(width: int) -> Maker:
+def asked_anew(width: int, ranks: int) -> Maker:
     """Guarded greedy or a beam, asked for every leg."""
 
     def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
         chooser = beam_next(width) if width else greedy_next
-        return AskedAnew(ground, on_demand(ground), chooser, RESERVE)
+        return AskedAnew(ground, on_demand(ground, ranks), chooser, RESERVE)
 
     return made
 
@@ -150,14 +153,17 @@ def methods(arguments: argparse.Namespace) -> dict[str, Callable[[Instance, int]
     found: dict[str, Callable[[Instance, int], Run]] = {
         "learned": lambda instance, seed: flown(instance, uncertainty, seed, by_learning)
     }
-    for width in (0, *arguments.widths):
+    for width, ranks in product((0, *arguments.widths), arguments.ranks):
         name = f"beam of {width}" if width else "guarded greedy"
-        if known:
-            found[name] = lambda instance, seed, width=width: planned(instance, width)
-        else:
-            found[name] = lambda instance, seed, width=width: flown(
-                instance, uncertainty, seed, asked_anew(width)
-            )
+        if ranks < RANKS:
+            name += f", nearest {ranks}"
+
+        def run(instance: Instance, seed: int, width: int = width, ranks: int = ranks) -> Run:
+            if known:
+                return planned(instance, width, ranks)
+            return flown(instance, uncertainty, seed, asked_anew(width, ranks))
+
+        found[name] = run
     if not known and arguments.replans:
         found["replan"] = lambda instance, seed: flown(
             instance, uncertainty, seed, replanning(arguments.plan_limit)
@@ -207,6 +213,10 @@ def main() -> None:
     parser.add_argument("--targets", type=int, nargs="+", default=[50])
     parser.add_argument("--fields", type=int, default=40)
     parser.add_argument("--widths", type=int, nargs="+", default=[1, 4, 16, 64])
+    parser.add_argument(
+        "--ranks", type=int, nargs="+", default=[RANKS, LEARNED_RANKS],
+        help="nearest destinations of each body for greedy and beams",
+    )
     parser.add_argument("--replans", type=int, default=0, help="fields of which replan flies")
     parser.add_argument("--plan-limit", type=float, default=5.0)
     parser.add_argument("--weights", help="weights other than those that come with the package")

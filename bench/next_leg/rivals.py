@@ -27,10 +27,10 @@ Chooser = Callable[[Mission, rule_kernels.State, npt.NDArray[np.bool_]], int]
 """The next body from a state with targets that are done; −1 for none."""
 
 
-def on_demand(ground: Ground) -> Mission:
+def on_demand(ground: Ground, ranks: int = RANKS) -> Mission:
     """The mission of the only chaser, with connections computed on demand as planners do."""
     mission = Mission(ground.instance, connecting=ground.finder)
-    mission.ask(neighbours(ground.instance, RANKS))
+    mission.ask(neighbours(ground.instance, ranks))
     return mission
 
 
