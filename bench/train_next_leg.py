@@ -34,10 +34,10 @@ def main() -> None:
     """Train and write."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--rounds", type=int, nargs="+", default=[2500, 4000, 6000])
+    parser.add_argument("--rounds", type=int, nargs="+", default=[1500, 3000])
     parser.add_argument("--epochs", type=int, default=30)
     parser.add_argument("--width", type=int, default=48)
-    parser.add_argument("--held", type=int, default=24)
+    parser.add_argument("--held", type=int, default=12)
     parser.add_argument("--nominal", action="store_true", help="no drawn budgets and durations")
     parser.add_argument("--start", help="file of weights that the first round walks by")
     parser.add_argument("--decisions", type=Path, help="file to keep judged decisions in")

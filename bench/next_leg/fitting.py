@@ -74,9 +74,7 @@ class Fitted(NamedTuple):
     regret: float
 
 
-def fit(
-    network: NextLegNetwork, decisions: Sequence[Decision], epochs: int, seed: int
-) -> Fitted:
+def fit(network: NextLegNetwork, decisions: Sequence[Decision], epochs: int, seed: int) -> Fitted:
     """Fit a network to nine tenths of decisions; the last tenth judges it."""
     torch.manual_seed(seed)
     torch.set_num_threads(1)

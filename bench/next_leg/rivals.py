@@ -68,9 +68,7 @@ def greedy_next(mission: Mission, state: rule_kernels.State, done: npt.NDArray[n
 def beam_next(width: int) -> Chooser:
     """The first leg of the plan of a beam of a width."""
 
-    def chosen(
-        mission: Mission, state: rule_kernels.State, done: npt.NDArray[np.bool_]
-    ) -> int:
+    def chosen(mission: Mission, state: rule_kernels.State, done: npt.NDArray[np.bool_]) -> int:
         usual, has = usual_settings(mission, width), state.resources
         weights = Weights(
             width, usual.time_weight / 3600.0, usual.delta_v_weight / 1000.0, usual.crowding, 0.0,
@@ -101,9 +99,7 @@ class AskedAnew:
         Share of a full tank.
     """
 
-    def __init__(
-        self, ground: Ground, mission: Mission, chooser: Chooser, reserve: float
-    ) -> None:
+    def __init__(self, ground: Ground, mission: Mission, chooser: Chooser, reserve: float) -> None:
         self._ground, self._mission, self._chooser = ground, mission, chooser
         self._reserve = reserve
 

@@ -60,9 +60,7 @@ class Decision(NamedTuple):
     worth: npt.NDArray[np.float32]
 
 
-def walk(
-    mission: Mission, rng: np.random.Generator, scorer: LegScorer | None
-) -> list[Decision]:
+def walk(mission: Mission, rng: np.random.Generator, scorer: LegScorer | None) -> list[Decision]:
     """Judged decisions of one walk through a mission."""
     at = begun(mission, rng)
     uncertain = rng.random() < UNCERTAIN

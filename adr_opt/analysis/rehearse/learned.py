@@ -19,14 +19,6 @@ from .prospect import CAUTION
 from .replanning import AtDeviations
 from .sight import Sight
 
-FloatArray = npt.NDArray[np.float64]
-
-TRIED, PLANNED_TRIED = 5, 3
-"""Number of legs that score best, and of the next planned ones, after which the plan is flown on."""
-
-SHARE_OF_SCORE, LEAST_LEAD = 0.05, 5.0
-"""Worth of a unit of the score [mean prizes], and the largest difference of scores that counts."""
-
 USUAL_LEGS = 8
 """Number of legs of a tank for which a reserve is kept where there is no plan."""
 
@@ -110,7 +102,7 @@ class Learned(AtDeviations):
         choices = sight.choices(craft, now.closed, planned, elsewhere, others, own)
         if not choices.legal.any():
             return None
-        scores = self._scored(now, choices, planned)
+        scores = self._scored(now, choices)
         unguarded: Hop | None = None
         for at in np.argsort(-scores):
             if not choices.legal[at]:
@@ -125,8 +117,8 @@ class Learned(AtDeviations):
             unguarded = unguarded or hop
         return unguarded
 
-    def _scored(self, now: Situation, choices: Choices, planned: list[int]) -> FloatArray:
-        """Scores of legs, with what the rest of the plan is worth after those that score best."""
+    def _scored(self, now: Situation, choices: Choices) -> npt.NDArray[np.float32]:
+        """Scores of legs, of tanks that keep a reserve for dear ones."""
         ground, craft, sight = self._ground, now.craft, self._sight
         what, ahead = ground.chasers[craft.chaser], self._ahead[craft.chaser]
         full = full_of(what, craft.kits)
@@ -142,23 +134,9 @@ class Learned(AtDeviations):
         worths[list(now.closed)] = 0.0
         left = choices.left - np.where(choices.bodies < ground.stations, reserve, kept)
         choices = choices._replace(left=left)
-        places, ahead_of = sight.around.at(craft.free_s), sight.onward(craft, choices, worths)
-        seen, numbers = features(standing, choices, ahead_of, places, worths, sight.required)
-        scores = self._scorer.scores(seen, numbers, choices.legal).astype(np.float64)
-        if not planned or not sight.knows_rest(craft):
-            return scores
-        rest = np.array(planned, dtype=np.int64)
-        tried = set(np.argsort(-scores)[:TRIED].tolist())
-        tried |= set(np.flatnonzero((choices.ranks >= 0) & (choices.ranks < PLANNED_TRIED)))
-        tried |= set(np.flatnonzero(choices.bodies < ground.stations))
-        found = np.full(scores.size, -np.inf)
-        for at in tried:
-            if choices.legal[at]:
-                worth = sight.worth_with_rest(craft, choices, at, rest, worths, full - reserve)
-                found[at] = worth + SHARE_OF_SCORE * max(scores[at] - scores.max(), -LEAST_LEAD)
-        others = choices.legal & ~np.isfinite(found)
-        found[others] = scores[others] - 1e6
-        return found
+        places, onward = sight.around.at(craft.free_s), sight.onward(craft, choices, worths)
+        seen, numbers = features(standing, choices, onward, places, worths, sight.required)
+        return self._scorer.scores(seen, numbers, choices.legal)
 
     def _reserve_m_s(self, full: float) -> float:
         """Reserve of a full tank: that of the plan, or of usual legs without one [m/s]."""

@@ -8,7 +8,6 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, shortest_sortie
-from ...kernels.tables.flown_on_demand import collected_along
 from ...kernels.tables.rows_of_body import from_source
 from ...learning.next_leg.choices import Choices
 from ...learning.next_leg.onward import Onward, onward, unknown
@@ -146,43 +145,6 @@ class Sight:
         places, end_s = self.around.at(craft.free_s), ground.chasers[chaser].limits.duration
         return onward(choices, places, worths, end_s, ground.stations, connecting)
 
-    def knows_rest(self, craft: Craft) -> bool:
-        """Whether the worth of the rest of a plan can be told: legs are on demand, without loads."""
-        if self._ground.chasers[craft.chaser].loads is not None or self._ground.tow_s:
-            return False
-        return self._source(craft.chaser, False) is not None and not self._is_launching(craft)
-
-    def worth_with_rest(
-        self, craft: Craft, choices: Choices, at: int, rest: IntArray, worths: FloatArray,
-        full: float,
-    ) -> float:  # fmt: skip
-        """Worth of a leg with the rest of the plan after it, over the mean worth.
-
-        Parameters
-        ----------
-        craft : Craft
-        choices : Choices
-        at : int
-            Number of the leg.
-        rest : (legs,) int64
-            Bodies of the plan that are left; what cannot be reached any more is left out.
-        worths : (bodies,) float64
-            Of open targets.
-        full : float
-            ΔV of a full tank [m/s].
-        """
-        j, stations = int(choices.bodies[at]), self._ground.stations
-        own = 0.0
-        if j >= stations:
-            own, worths = float(worths[j]), worths.copy()
-            worths[j] = 0.0
-        state = j, float(choices.free[at]), float(choices.left[at])
-        source = self._source(craft.chaser, False)
-        assert source is not None
-        return own + float(
-            collected_along(source, stations, rest, worths, state, full)
-        )
-
     def way_back_m_s(self, craft: Craft, body: int, free_s: float) -> float:
         """Least ΔV from a body to a station; 0 if nothing could be serviced after refuelling there.
 
@@ -222,7 +184,9 @@ class Sight:
             places = self.around.at(craft.free_s)
             if self._is_launching(craft):
                 near = (self.worths * is_open)[places.near[targets]]
-                away = -(self.worths[targets] + (near * np.exp(-places.apart[targets] / 150.0)).sum(1))
+                away = -(
+                    self.worths[targets] + (near * np.exp(-places.apart[targets] / 150.0)).sum(1)
+                )
             else:
                 away = places.distances(craft.body, targets)
             away = np.where(self.required[targets], -np.inf, away)
