@@ -4,11 +4,12 @@
     python bench/frontier.py uncertain --targets 50 --fields 40
 
 Fields of the family nominal with seeds from 200 on, of which none was used in training, with more
-targets as told. ``known``: missions as planned. ``uncertain``: worlds in which legs cost a factor of
-spread 0.1, services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and
-5 % of the targets are gone; one world a field, the same for all. Greedy and beams are asked anew for
-every leg there, and keep the same reserve in their tanks as the learned policy does. Policies "with
-a plan" begin with that of a beam of width 64 on the timetable, whose time counts for everything.
+targets as told. ``known``: missions as planned. ``uncertain``: worlds in which legs cost a factor
+of spread 0.1, services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and
+5 % of the targets are gone; one world a field, the same for all. Greedy and beams are asked anew
+for every leg there, and keep the same reserve in their tanks as the learned policy does. Policies
+"with a plan" begin with that of a beam of width 64 on the timetable, whose time counts for
+everything.
 
 Times are those of the processor, in one thread: for a decision, and for everything with all tables,
 from the instance to the end of the mission. A learned policy holds a point of the frontier if every
@@ -29,16 +30,14 @@ import numpy as np
 from machine import heading
 from next_leg.rivals import AskedAnew, beam_next, greedy_next, on_demand
 from scipy.stats import wilcoxon
-from solvers.beams.beams import beam_search, usual_settings, with_time_value
-from solvers.beams.greedy_order import guarded_sequence
 
 import adr_opt
 from adr_opt.analysis.rehearse.flight import MissionPolicy, Situation, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import USUAL_LEGS, Learned
-from adr_opt.analysis.rehearse.prospect import CAUTION
 from adr_opt.analysis.rehearse.policies import policy_of
+from adr_opt.analysis.rehearse.prospect import CAUTION
 from adr_opt.analysis.rehearse.sight import RANKS as LEARNED_RANKS
 from adr_opt.learning.next_leg.scorer import load_scorer, shipped
 from adr_opt.plan.plan import Plan
@@ -46,6 +45,8 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
 from adr_opt.run.table_budget import RANKS
+from solvers.beams.beams import beam_search, usual_settings, with_time_value
+from solvers.beams.greedy_order import guarded_sequence
 
 FIRST_SEED = 200
 SPREAD = 0.1

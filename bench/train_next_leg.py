@@ -25,7 +25,6 @@ from next_leg.walks import Decision, walk
 
 from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer
 
-
 WALKS = 4
 """Number of walks through each mission."""
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
+from adr_opt.learning.next_leg.features import LEG_FEATURES
 from adr_opt.learning.next_leg.scorer import LegScorer
 from adr_opt.learning.next_leg.surroundings import Surroundings
 from adr_opt.mission.mission import Mission
@@ -32,7 +32,8 @@ TRIED = 7
 """Moves judged by cost, and again as many by the present scores."""
 
 PLANNED, UNCERTAIN, SHARED, AHEAD = 0.5, 0.6, 0.2, 0.85
-"""Shares of walks that begin with a plan, in uncertain worlds, beside another chaser, and\nwith legs after the next one in sight."""
+"""Shares of walks that begin with a plan, in uncertain worlds, beside another chaser, and
+with legs after the next one in sight."""
 
 LABELLED = 0.45
 """Share of decisions that are judged."""
@@ -152,7 +153,7 @@ def decision_order(cost: FloatArray, count: int) -> npt.NDArray[np.int64]:
     return order
 
 
-def _judged(  # noqa: PLR0913
+def _judged(
     at: Position, bodies: npt.NDArray[np.int64], legs: FloatArray, numbers: FloatArray,
     scores: npt.NDArray[np.float32] | None,
 ) -> Decision:  # fmt: skip
@@ -173,7 +174,7 @@ def _judged(  # noqa: PLR0913
     return Decision(padded, numbers.astype(np.float32), bodies.size, worth)
 
 
-def _disturbed(  # noqa: PLR0913
+def _disturbed(
     at: Position, before: object, delta_v: float, rng: np.random.Generator, factors: float,
     delays: float,
 ) -> rule_kernels.State:  # fmt: skip

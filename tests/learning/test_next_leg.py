@@ -21,7 +21,7 @@ from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sight import RANKS, Sight
 from adr_opt.common.errors import InputError
 from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
-from adr_opt.learning.next_leg.scorer import LegScorer, Layers, load_scorer, shapes, shipped
+from adr_opt.learning.next_leg.scorer import Layers, LegScorer, load_scorer, shapes, shipped
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld

@@ -33,7 +33,7 @@ MISSION_FEATURES = 15
 """Numbers of the mission."""
 
 
-def features(  # noqa: PLR0913
+def features(
     standing: Standing, choices: Choices, onward: Onward, places: Places, worths: FloatArray,
     required: BoolArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
@@ -121,7 +121,8 @@ def features(  # noqa: PLR0913
     tank, clock = standing.tank_ahead, standing.time_ahead
     mission = np.array(
         [
-            standing.left / full, left_s / max(standing.end, 1.0), left_s / (7.0 * DAY_S), full / 1000.0,
+            standing.left / full, left_s / max(standing.end, 1.0), left_s / (7.0 * DAY_S),
+            full / 1000.0,
             np.log10(1.0 + np.count_nonzero(worths)) / 2.0, standing.stations > 0,
             standing.since > 0, tank is not None,
             0.0 if tank is None else 10.0 * tank / full,
