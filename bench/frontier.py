@@ -1,15 +1,15 @@
 """Quality against time: the learned policy, guarded greedy, beams on demand, and replanning.
 
     python bench/frontier.py known --targets 50 500 --fields 40
-    python bench/frontier.py uncertain --targets 50 --fields 40
+    python bench/frontier.py uncertain --scenarios dear captures slow mixed --fields 40
 
 Fields of the family nominal with seeds from 200 on, of which none was used in training, with more
-targets as told. ``known``: missions as planned. ``uncertain``: worlds in which legs cost a factor
-of spread 0.1, services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and
-5 % of the targets are gone; one world a field, the same for all. Greedy and beams are asked anew
-for every leg there, and keep the same reserve in their tanks as the learned policy does. Policies
-"with a plan" begin with that of a beam of width 64 on the timetable, whose time counts for
-everything.
+targets as told. ``known``: missions as planned. ``uncertain``: one world a field, the same for all,
+in the scenarios of ``bench/rehearse.py``, and in ``mixed``, where legs cost a factor of spread 0.1,
+services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and 5 % of the
+targets are gone. Greedy and beams are asked anew for every leg there, and keep the same reserve in
+their tanks as the learned policy does. Policies "with a plan" begin with that of a beam of width 64
+on the timetable, whose time counts for everything.
 
 Times are those of the processor, in one thread: for a decision, and for everything with all tables,
 from the instance to the end of the mission. A learned policy holds a point of the frontier if every
@@ -29,6 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from machine import heading
 from next_leg.rivals import AskedAnew, beam_next, greedy_next, on_demand
+from rehearse import SCENARIOS
 from scipy.stats import wilcoxon
 
 import adr_opt
@@ -49,14 +50,13 @@ from solvers.beams.beams import beam_search, usual_settings, with_time_value
 from solvers.beams.greedy_order import guarded_sequence
 
 FIRST_SEED = 200
-SPREAD = 0.1
 MIXED = Uncertainty(
-    legs={"delta_v_factor": {"lognormal_sigma": SPREAD}},
+    legs={"delta_v_factor": {"lognormal_sigma": 0.1}},
     service_s={"factor": {"lognormal_sigma": 0.5}},
     capture={"success": 0.8, "tries": 2},
     gone=0.05,
 )
-RESERVE = CAUTION * SPREAD / math.sqrt(USUAL_LEGS)
+WORLDS = {**SCENARIOS, "mixed": MIXED}
 SIGNIFICANT = 0.01
 PLAN_WIDTH = 64
 """Width of the beam that makes the plans with which policies begin that have one."""
@@ -157,15 +157,19 @@ def asked_anew(width: int, ranks: int) -> Maker:
 
     def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
         chooser = beam_next(width) if width else greedy_next
-        return AskedAnew(ground, on_demand(ground, ranks), chooser, RESERVE)
+        factor = uncertainty.legs.delta_v_factor
+        spread = 0.0 if factor is None else factor.lognormal_sigma
+        reserve = CAUTION * spread / math.sqrt(USUAL_LEGS)
+        return AskedAnew(ground, on_demand(ground, ranks), chooser, reserve)
 
     return made
 
 
-def methods(arguments: argparse.Namespace) -> dict[str, Callable[[Instance, int], Run]]:
+def methods(
+    arguments: argparse.Namespace, uncertainty: Uncertainty
+) -> dict[str, Callable[[Instance, int], Run]]:
     """The methods by name, each a function of an instance and the seed of a world."""
     known = arguments.what == "known"
-    uncertainty = Uncertainty() if known else MIXED
     by_learning = learned(arguments.weights)
     found: dict[str, Callable[[Instance, int], Run]] = {
         "learned": lambda instance, seed: flown(instance, uncertainty, seed, by_learning)
@@ -232,6 +236,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("what", choices=["known", "uncertain"])
     parser.add_argument("--targets", type=int, nargs="+", default=[50])
+    parser.add_argument("--scenarios", nargs="+", default=list(WORLDS), choices=WORLDS)
     parser.add_argument("--fields", type=int, default=40)
     parser.add_argument("--widths", type=int, nargs="+", default=[1, 4, 16, 64])
     parser.add_argument(
@@ -245,11 +250,13 @@ def main() -> None:
     parser.add_argument("--weights", help="weights other than those that come with the package")
     arguments = parser.parse_args()
     print(heading())
-    known = methods(arguments)
-    for name, run in known.items():  # kernels are loaded before anything is timed
-        run(adr_opt.generate("nominal", FIRST_SEED - 1, targets=30), 0)
-        assert name
-    for targets in arguments.targets:
+    worlds = {"known": Uncertainty()}
+    if arguments.what == "uncertain":
+        worlds = {name: WORLDS[name] for name in arguments.scenarios}
+    for (world, uncertainty), targets in product(worlds.items(), arguments.targets):
+        known = methods(arguments, uncertainty)
+        for run in known.values():  # kernels are loaded before anything is timed
+            run(adr_opt.generate("nominal", FIRST_SEED - 1, targets=30), 0)
         runs: dict[str, list[Run]] = {name: [] for name in known}
         for number in range(arguments.fields):
             instance = adr_opt.generate("nominal", FIRST_SEED + number, targets=targets)
@@ -257,7 +264,7 @@ def main() -> None:
                 if name.startswith("replan") and number >= arguments.replans:
                     continue
                 runs[name].append(run(instance, number))
-        print(f"\n**{targets} targets, {arguments.what} worlds**\n")
+        print(f"\n**{targets} targets, {world}**\n")
         print("| method | fields | prize | a decision | all |")
         print("|---|---|---|---|---|")
         table(runs)

@@ -106,12 +106,14 @@ class Sight:
         if what.most_targets is not None and craft.serviced >= what.most_targets:
             legal &= station
         if what.loads is not None:
-            for at in np.flatnonzero(legal & ~station):
-                left[at], kits = after_service(what.loads, int(bodies[at]), craft.kits, left[at])
-                legal[at] = kits >= 0 and left[at] >= 0.0
+            for leg in np.flatnonzero(legal & ~station).tolist():
+                left[leg], kits = after_service(what.loads, int(bodies[leg]), craft.kits, left[leg])
+                legal[leg] = kits >= 0 and left[leg] >= 0.0
         ranks = np.full(len(ground.names), -1)
         for rank, j in reversed(list(enumerate(planned))):
             ranks[j] = rank
+        theirs = np.zeros(ranks.size, dtype=np.bool_)
+        theirs[list(elsewhere)] = True
         apart = np.full(bodies.size, np.inf)
         places = self.around.at(craft.free_s)
         for body in others:
@@ -119,7 +121,7 @@ class Sight:
         return Choices(
             bodies, delta_v, arrival, free + self._later_s[bodies], left, limits.closes[bodies],
             np.maximum(limits.opens[bodies] - arrival, 0.0), legal, ranks[bodies],
-            np.isin(bodies, list(elsewhere)), apart,
+            theirs[bodies], apart,
         )  # fmt: skip
 
     def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> Onward:
