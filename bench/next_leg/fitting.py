@@ -10,7 +10,7 @@ import torch
 from torch import nn
 
 from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
-from adr_opt.learning.next_leg.scorer import Layers
+from adr_opt.learning.next_leg.scorer import ScorerLayers
 
 from .walks import Decision
 
@@ -46,13 +46,13 @@ class NextLegNetwork(nn.Module):
         head = torch.relu(self.own(codes) + pooled[:, None, :])
         return self.out(head)[:, :, 0].masked_fill(~there, -1e9)
 
-    def layers(self) -> Layers:
+    def layers(self) -> ScorerLayers:
         """The weights."""
 
         def of(tensor: torch.Tensor) -> np.ndarray:
             return tensor.detach().numpy().astype(np.float32)
 
-        return Layers(
+        return ScorerLayers(
             of(self.leg.weight), of(self.mission.weight), of(self.leg.bias),
             of(self.inner.weight), of(self.inner.bias), of(self.own.weight), of(self.mean.weight),
             of(self.most.weight), of(self.own.bias), of(self.out.weight[0]),

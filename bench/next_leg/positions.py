@@ -16,8 +16,8 @@ from adr_opt.kernels.tables import timetable
 from adr_opt.kernels.tables.rows_of_body import from_rules
 from adr_opt.learning.next_leg.choices import Choices, Standing
 from adr_opt.learning.next_leg.features import features
+from adr_opt.learning.next_leg.near_orbits import NearOrbits
 from adr_opt.learning.next_leg.onward import onward, unknown
-from adr_opt.learning.next_leg.surroundings import Surroundings
 from adr_opt.mission.mission import Mission
 from solvers.beams.beams import beam_kernel, usual_settings
 from solvers.beams.levels import Weights
@@ -79,7 +79,7 @@ class Position:
     Attributes
     ----------
     mission : Mission
-    around : Surroundings
+    around : NearOrbits
     state : State
     visited : (bodies,) bool
         Targets that are done, or left to another chaser.
@@ -99,7 +99,7 @@ class Position:
     """
 
     mission: Mission
-    around: Surroundings
+    around: NearOrbits
     state: State
     visited: BoolArray
     plan: IntArray

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.learning.next_leg.features import LEG_FEATURES
+from adr_opt.learning.next_leg.near_orbits import NearOrbits
 from adr_opt.learning.next_leg.scorer import LegScorer
-from adr_opt.learning.next_leg.surroundings import Surroundings
 from adr_opt.mission.mission import Mission
 from solvers.beams.beams import beam_search, usual_settings
 
@@ -108,7 +108,7 @@ def unplanned(mission: Mission) -> Position:
     prizes[rules.first_target :] = [target.prize for target in mission.instance.targets]
     mean = prizes[prizes > 0.0].mean() if (prizes > 0.0).any() else 1.0
     return Position(
-        mission, Surroundings(mission.instance), state, np.zeros(bodies, dtype=np.bool_), none,
+        mission, NearOrbits(mission.instance), state, np.zeros(bodies, dtype=np.bool_), none,
         np.empty(0), np.empty(0), np.zeros(bodies, dtype=np.bool_), prizes / mean,
     )  # fmt: skip
 

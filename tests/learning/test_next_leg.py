@@ -21,7 +21,7 @@ from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sight import RANKS, Sight
 from adr_opt.common.errors import InputError
 from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
-from adr_opt.learning.next_leg.scorer import Layers, LegScorer, load_scorer, shapes, shipped
+from adr_opt.learning.next_leg.scorer import LegScorer, ScorerLayers, load_scorer, shapes, shipped
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
@@ -35,7 +35,7 @@ def drawn_scorer(seed: int) -> LegScorer:
         name: (0.3 * rng.standard_normal(shape)).astype(np.float32)
         for name, shape in shapes(16).items()
     }
-    return LegScorer(Layers(**drawn), {"seed": seed})
+    return LegScorer(ScorerLayers(**drawn), {"seed": seed})
 
 
 def without_plan(ground: Ground) -> Intended:

@@ -10,8 +10,8 @@ from ...kernels.rules.loads import after_service
 from ...kernels.tables.on_demand import Source, shortest_sortie
 from ...kernels.tables.rows_of_body import from_source
 from ...learning.next_leg.choices import Choices
-from ...learning.next_leg.onward import Onward, onward, unknown
-from ...learning.next_leg.surroundings import Surroundings
+from ...learning.next_leg.near_orbits import NearOrbits
+from ...learning.next_leg.onward import OnwardLegs, onward, unknown
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
@@ -47,7 +47,7 @@ class Sight:
 
     Attributes
     ----------
-    around : Surroundings
+    around : NearOrbits
     worths : (bodies,) float64
         Of going to each target on average, over the mean of all that are worth something.
     required : (bodies,) bool
@@ -57,7 +57,7 @@ class Sight:
         self._ground = ground
         instance = ground.instance
         bodies = len(ground.names)
-        self.around = Surroundings(instance)
+        self.around = NearOrbits(instance)
         tries = TryWorths(instance, uncertainty)
         worths = np.array([tries.most(j) if j in ground.prizes else 0.0 for j in range(bodies)])
         positive = worths > 0.0
@@ -124,7 +124,7 @@ class Sight:
             theirs[bodies], apart,
         )  # fmt: skip
 
-    def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> Onward:
+    def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> OnwardLegs:
         """The legs after the next one; unknown where connections are listed."""
         chaser, ground = craft.chaser, self._ground
         sources = self._source(chaser, False), self._source(chaser, True)

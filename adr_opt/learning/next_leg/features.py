@@ -11,8 +11,8 @@ import numpy as np
 
 from ...common.constants import DAY_S, HOUR_S
 from .choices import M_S_PER_HOUR, BoolArray, Choices, FloatArray, IntArray, Standing
-from .onward import Onward
-from .surroundings import Places
+from .near_orbits import OrbitPlaces
+from .onward import OnwardLegs
 
 TEN_HOURS_S = 10.0 * HOUR_S
 RATES_M_S = (120.0, 1500.0)
@@ -34,7 +34,7 @@ MISSION_FEATURES = 15
 
 
 def features(
-    standing: Standing, choices: Choices, onward: Onward, places: Places, worths: FloatArray,
+    standing: Standing, choices: Choices, onward: OnwardLegs, places: OrbitPlaces, worths: FloatArray,
     required: BoolArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """What the policy sees.
@@ -43,8 +43,8 @@ def features(
     ----------
     standing : Standing
     choices : Choices
-    onward : Onward
-    places : Places
+    onward : OnwardLegs
+    places : OrbitPlaces
     worths : (bodies,) float64
         Of targets that are open, over the mean of all targets with a prize; 0 of all others.
     required : (bodies,) bool
@@ -134,7 +134,7 @@ def features(
     return legs, np.clip(mission, -CLIP, CLIP)
 
 
-def _way_back(places: Places, at: IntArray, stations: int) -> FloatArray:
+def _way_back(places: OrbitPlaces, at: IntArray, stations: int) -> FloatArray:
     """Distance from some bodies to the nearest station [m/s]; 0 without one."""
     found = np.zeros(at.size)
     for number in range(stations):

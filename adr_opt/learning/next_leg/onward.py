@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ...common.constants import HOUR_S
 from .choices import M_S_PER_HOUR, Choices
-from .surroundings import Places
+from .near_orbits import OrbitPlaces
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -28,7 +28,7 @@ Connecting = Callable[[IntArray, FloatArray, IntArray], tuple[FloatArray, FloatA
 """ΔV [m/s] and arrivals [s] of legs by their origins, ready times [s] and destinations."""
 
 
-class Onward(NamedTuple):
+class OnwardLegs(NamedTuple):
     """The cheapest legs after each leg, by hours and ΔV.
 
     Attributes
@@ -47,22 +47,22 @@ class Onward(NamedTuple):
     delta_v: FloatArray
 
 
-def unknown(legs: int) -> Onward:
+def unknown(legs: int) -> OnwardLegs:
     """Nothing known of what follows."""
     nothing = np.zeros(legs)
-    return Onward(np.zeros(legs, dtype=np.bool_), nothing, nothing, nothing)
+    return OnwardLegs(np.zeros(legs, dtype=np.bool_), nothing, nothing, nothing)
 
 
 def onward(
-    choices: Choices, places: Places, worths: FloatArray, end_s: float, stations: int,
+    choices: Choices, places: OrbitPlaces, worths: FloatArray, end_s: float, stations: int,
     connecting: Connecting,
-) -> Onward:  # fmt: skip
+) -> OnwardLegs:  # fmt: skip
     """Legs after the cheapest legs, computed by a function.
 
     Parameters
     ----------
     choices : Choices
-    places : Places
+    places : OrbitPlaces
     worths : (bodies,) float64
         More than 0 of open targets.
     end_s : float
@@ -96,4 +96,4 @@ def onward(
     cost, later, least = np.zeros_like(found.cost), np.zeros_like(found.cost), found.delta_v.copy()
     cost[at], later[at] = taken[rows, order[:, 0]], taken[rows, order[:, 1]]
     least[at] = np.where(fits, delta_v, 0.0)[rows, order[:, 0]]
-    return Onward(found.known, cost, later, least)
+    return OnwardLegs(found.known, cost, later, least)

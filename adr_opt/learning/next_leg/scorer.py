@@ -25,7 +25,7 @@ SHIPPED = "next-leg.npz"
 """File of the weights that come with the package."""
 
 
-class Layers(NamedTuple):
+class ScorerLayers(NamedTuple):
     """Weights of the network; `width` hidden units.
 
     Attributes
@@ -66,12 +66,12 @@ class LegScorer:
 
     Parameters
     ----------
-    layers : Layers
+    layers : ScorerLayers
     facts : dict
         How they were trained.
     """
 
-    def __init__(self, layers: Layers, facts: dict[str, Any]) -> None:
+    def __init__(self, layers: ScorerLayers, facts: dict[str, Any]) -> None:
         self.layers, self.facts = layers, facts
 
     def scores(
@@ -125,7 +125,7 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
         raise InputError(wrong) from error
     try:
         facts = json.loads(found.pop("facts").tobytes().decode())
-        layers = Layers(**found)
+        layers = ScorerLayers(**found)
         good = facts.pop("format") == FORMAT
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(wrong) from error
@@ -134,7 +134,9 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
         good = good and array.shape == wanted[name] and bool(np.isfinite(array).all())
     if not good:
         raise InputError(wrong)
-    return LegScorer(Layers(*(np.ascontiguousarray(each, np.float32) for each in layers)), facts)
+    return LegScorer(
+        ScorerLayers(*(np.ascontiguousarray(each, np.float32) for each in layers)), facts
+    )
 
 
 @cache

@@ -20,7 +20,7 @@ NEIGHBOURS = 16
 
 
 @dataclass(frozen=True)
-class Places:
+class OrbitPlaces:
     """Orbits as points whose distances approximate ΔV, in one period of a mission.
 
     Attributes
@@ -44,8 +44,8 @@ class Places:
         return found
 
 
-class Surroundings:
-    """Places of the bodies of an instance, made for a period when first asked for.
+class NearOrbits:
+    """OrbitPlaces of the bodies of an instance, made for a period when first asked for.
 
     Bodies with given connections, or without an orbit, are near to none: their distances are 0.
 
@@ -58,9 +58,9 @@ class Surroundings:
         self._instance = instance
         periods = PERIODS if planes_drift(instance.oblateness_m2) else 1
         self._length_s = max(instance.mission.duration_s, 1.0) / periods
-        self._made: list[Places | None] = [None] * periods
+        self._made: list[OrbitPlaces | None] = [None] * periods
 
-    def at(self, time_s: float) -> Places:
+    def at(self, time_s: float) -> OrbitPlaces:
         """The places in the period of a time."""
         period = min(max(int(time_s / self._length_s), 0), len(self._made) - 1)
         made = self._made[period]
@@ -68,7 +68,7 @@ class Surroundings:
             made = self._made[period] = self._of((period + 0.5) * self._length_s)
         return made
 
-    def _of(self, time_s: float) -> Places:
+    def _of(self, time_s: float) -> OrbitPlaces:
         instance, first = self._instance, self._instance.first_target
         bodies = len(instance.names)
         points = np.zeros((bodies, 7))
@@ -77,13 +77,13 @@ class Surroundings:
         count = min(NEIGHBOURS, bodies - first - 1)
         if count < 1:
             nothing = np.empty((bodies, 0))
-            return Places(points, nothing.astype(np.int64), nothing)
+            return OrbitPlaces(points, nothing.astype(np.int64), nothing)
         apart, near = KDTree(points[first:]).query(points, k=np.arange(1, count + 2))
         near = near + first
         # Without itself, wherever it stands among bodies at equal places.
         itself = near == np.arange(bodies)[:, None]
         order = np.argsort(itself, axis=1, kind="stable")[:, :count]
-        return Places(
+        return OrbitPlaces(
             points,
             np.take_along_axis(near, order, axis=1),
             np.take_along_axis(apart, order, axis=1),
