@@ -34,8 +34,8 @@ MISSION_FEATURES = 15
 
 
 def features(
-    standing: Standing, choices: Choices, onward: OnwardLegs, places: OrbitPlaces, worths: FloatArray,
-    required: BoolArray,
+    standing: Standing, choices: Choices, onward: OnwardLegs, places: OrbitPlaces,
+    worths: FloatArray, required: BoolArray,
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """What the policy sees.
 
