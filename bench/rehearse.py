@@ -6,7 +6,7 @@
 ``speed`` times rehearsals of the best-known plan of a field of the family nominal by ``follow`` and
 ``replan``, and bounds of perfect information, in the scenario ``dear``; wall and processor time,
 after a warm-up. ``scenarios`` rehearses it by each policy in three scenarios, in the same worlds,
-and bounds every policy in the first of them:
+and bounds every policy in the first of them, or in none with ``--worlds 0``:
 
 * ``dear``: legs cost a factor of lognormal spread 0.1;
 * ``captures``: a try succeeds with a chance of 0.8, two tries, and 5 % of the targets are gone;
@@ -45,7 +45,7 @@ SCENARIOS = {
     ),
 }
 
-POLICIES = ("follow", "skip", "replan", "beam")
+POLICIES = ("follow", "skip", "replan", "beam", "learned")
 
 Made = TypeVar("Made")
 
@@ -108,16 +108,18 @@ def scenarios(arguments: argparse.Namespace) -> None:
     print("|---|---|---|---|---|---|---|")
     for name in arguments.scenarios:
         uncertainty = SCENARIOS[name]
-        found = bounds(
-            instance, uncertainty, samples=arguments.worlds, method=arguments.method,
-            time_limit=arguments.time_limit, jobs=arguments.jobs,
-        )  # fmt: skip
-        told = found.to_dict()
-        proven = f"{told['proven']} of {told['samples']} proven"
-        for kind in ("perfect", "penalised"):
-            if kind == "penalised" and not found.has_captures:
-                continue
-            print(f"| {name} | {kind} bound | {proven} | {_mean(told[kind])} | | | |")
+        found = None
+        if arguments.worlds:
+            found = bounds(
+                instance, uncertainty, samples=arguments.worlds, method=arguments.method,
+                time_limit=arguments.time_limit, jobs=arguments.jobs,
+            )  # fmt: skip
+            told = found.to_dict()
+            proven = f"{told['proven']} of {told['samples']} proven"
+            for kind in ("perfect", "penalised"):
+                if kind == "penalised" and not found.has_captures:
+                    continue
+                print(f"| {name} | {kind} bound | {proven} | {_mean(told[kind])} | | | |")
         for policy in arguments.policies:
             quick = policy in ("follow", "skip")
             number = 10 * arguments.rehearsals if quick else arguments.rehearsals
@@ -125,11 +127,11 @@ def scenarios(arguments: argparse.Namespace) -> None:
                 instance, plan, uncertainty, policy=policy, samples=number,
                 jobs=1 if quick else arguments.jobs,
             )  # fmt: skip
-            answer, gaps = made.to_dict(), found.gaps(made)
+            answer, gaps = made.to_dict(), None if found is None else found.gaps(made)
             cells = [
                 name, f"`{policy}`", str(number),
-                _mean(answer["prize"]), _gap(gaps["perfect"]),
-                _gap(gaps["penalised"]) if found.has_captures else "",
+                _mean(answer["prize"]), "" if gaps is None else _gap(gaps["perfect"]),
+                "" if found is None or not found.has_captures else _gap(gaps["penalised"]),
                 f"{made.runtime_s / number:.3f}",
             ]  # fmt: skip
             print(f"| {' | '.join(cells)} |", flush=True)

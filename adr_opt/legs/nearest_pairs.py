@@ -43,7 +43,7 @@ def nearest_pairs(instance: Instance, first: Sequence[str], ranks: int) -> Pairs
     instance : Instance
     first : sequence of str
         Bodies that are wanted before all others; the others come in order of their distance from
-        where chasers start. The nearest of each are found by :func:`_places`.
+        where chasers start. The nearest of each are found by :func:`places_of`.
     ranks : int
         Number of destinations of each body.
 
@@ -97,7 +97,7 @@ def _from_start(instance: Instance, first: Sequence[str]) -> list[int]:
     unwanted = [name not in wanted for name in instance.names]
     fixed = range(instance.first_target)
     if instance.given is None:
-        places = _places(instance, 0.5 * instance.mission.duration_s)
+        places = places_of(instance, 0.5 * instance.mission.duration_s)
         away = [np.linalg.norm(places - places[home], axis=1) for home in set(instance.starts)]
     else:
         away = [_given_from(instance, home) for home in set(instance.starts)]
@@ -114,7 +114,7 @@ def _is_worthless(instance: Instance) -> npt.NDArray[np.bool_]:
     return np.array([*(False for _ in range(instance.first_target)), *worthless])
 
 
-def _places(instance: Instance, time_s: float) -> FloatArray:
+def places_of(instance: Instance, time_s: float) -> FloatArray:
     """Points whose distances approximate the ΔV between bodies, shape (bodies, 7) [m/s].
 
     The normal of the plane times the speed (a turn costs v Δ), half the relative height times the
@@ -143,7 +143,7 @@ def _places(instance: Instance, time_s: float) -> FloatArray:
 
 def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64]:
     """Destinations of each body, nearest first at a time, shape (bodies, ranks)."""
-    places, bodies, first = _places(instance, time_s), len(instance.names), instance.first_target
+    places, bodies, first = places_of(instance, time_s), len(instance.names), instance.first_target
     stations, worthless = len(instance.stations), _is_worthless(instance)
     # Stations are near to all, and so is what must be serviced; what is worth nothing, or is the
     # start of a chaser, to none.

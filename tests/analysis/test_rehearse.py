@@ -57,7 +57,9 @@ def flown(instance: Instance, plan: Plan, policy: str, uncertainty: Uncertainty,
     ("kind", "policy"),
     [
         ("single", "beam"),  # of the others it may find a better plan
-        *product(("single", "campaign", "launched", "towed"), ("follow", "skip", "replan")),
+        *product(
+            ("single", "campaign", "launched", "towed"), ("follow", "skip", "replan", "learned")
+        ),
     ],
 )
 def test_without_uncertainty_every_policy_flies_the_plan(kind: str, policy: str) -> None:
@@ -240,7 +242,7 @@ def test_check_accepts_replays(draw) -> None:  # type: ignore[no-untyped-def]
         if plan is None:
             continue
         uncertainty = drawn_uncertainty(instance, number)
-        for policy in ("follow", "replan"):
+        for policy in ("follow", "replan", "learned"):
             made = replay(Setting(instance, plan, uncertainty, policy), number)
             assert adr_opt.check(made.instance, made.plan) == ()
             assert made.plan.objective == pytest.approx(made.outcome.prize)

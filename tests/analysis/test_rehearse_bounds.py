@@ -79,7 +79,7 @@ def _all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no
     plan = adr_opt.solve(ground.instance, time_limit=5.0).plan
     if plan is not None:
         planned = intended(ground, plan)
-        for name in ("follow", "skip", "replan"):
+        for name in ("follow", "skip", "replan", "learned"):
             yield rehearsed(
                 ground, world, policy_of(name)(ground, planned, world.uncertainty, 0), planned.kits
             )

@@ -109,6 +109,8 @@ class Ground:
     ----------
     prospect : tuple or None
         What policies expect that plan, for what (:func:`.prospect.prospect_of`).
+    sight : tuple or None
+        What the learned policy sees, for what (:func:`.learned.sight_of`).
 
     Raises
     ------
@@ -140,6 +142,7 @@ class Ground:
         )
         self.chasers = tuple(map(self._limits, range(len(instance.chasers))))
         self.prospect: tuple[Any, Any, Any] | None = None
+        self.sight: tuple[Any, Any] | None = None
         self._rows: dict[tuple[int, int, bool], Rows] = {}
 
     def _limits(self, chaser: int) -> ChaserLimits:
@@ -163,11 +166,15 @@ class Ground:
         at = body - self.first_target
         return at >= 0 and self.instance.targets[at].service.takes_kit
 
+    def finder_of(self, *, towed: bool) -> ConnectionFinder:
+        """Finder of connections from where bodies are, or from disposal orbits if towed."""
+        return self.finder if towed else self._visited
+
     def rows(self, i: int, j: int, *, towed: bool) -> Rows:
         """Connections of a pair at their own cost; from a disposal orbit if towed."""
         key = i, j, towed and i in self.tow_s
         if key not in self._rows:
-            finder = self.finder if key[2] or i not in self.tow_s else self._visited
+            finder = self.finder_of(towed=key[2]) if i in self.tow_s else self.finder
             found = finder.of_pair(i, j, finder.planning_resolution_m_s)
             value = self.instance.time_value_m_s_per_h / HOUR_S
             best = best_from(found.departure, found.arrival, found.delta_v, 1.0, value)
@@ -181,7 +188,7 @@ class Ground:
         """The connection that a chaser takes that is ready: best by the value of time."""
         rows = self.rows(i, j, towed=towed)
         first = int(np.searchsorted(rows.departure, ready_s - SLACK_S))
-        return None if first == rows.best.size else _hop(j, rows, int(rows.best[first]))
+        return None if first == rows.best.size else hop_of(j, rows, int(rows.best[first]))
 
     def of_leg(self, leg: Leg, i: int, *, towed: bool) -> Hop:
         """The connection that a leg of a plan flies; the leg itself where it is none of them.
@@ -195,13 +202,14 @@ class Ground:
             near = (rows.family == family) & (np.abs(rows.arrival - leg.arrival_s) < MATCH_S)
             for row in np.flatnonzero(near & (rows.departure <= leg.departure_s + SLACK_S))[::-1]:
                 if abs(rows.delta_v[row] - leg.delta_v_m_s) < SLACK_M_S:
-                    return _hop(j, rows, int(row))
+                    return hop_of(j, rows, int(row))
         return Hop(
             j, leg.departure_s, leg.arrival_s, leg.delta_v_m_s, family, leg.phasing_revolutions
         )
 
 
-def _hop(j: int, rows: Rows, row: int) -> Hop:
+def hop_of(j: int, rows: Rows, row: int) -> Hop:
+    """A connection of a pair that leads to body j."""
     return Hop(
         j, float(rows.departure[row]), float(rows.arrival[row]), float(rows.delta_v[row]),
         int(rows.family[row]), int(rows.revolutions[row]),

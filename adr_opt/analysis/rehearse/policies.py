@@ -28,6 +28,8 @@ BUILT_IN: Mapping[str, tuple[str, str]] = {
     "skip": ("keeping", "Skip"),
     "replan": ("replanning", "AtDeviations"),
     "beam": ("replanning", "AtEveryService"),
+    "learned": ("learned", "Learned"),
+    "ppo": ("learned", "Learned"),
 }
 """Module and class of each policy, imported on use."""
 

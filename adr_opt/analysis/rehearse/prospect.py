@@ -66,7 +66,7 @@ class Prospect:
         """Reserve for the legs of a chaser up to its next refuelling [m/s]."""
         squares = 0.0
         for hop in hops:
-            squares += (self._sigma(hop) * hop.delta_v) ** 2
+            squares += (self.sigma(hop) * hop.delta_v) ** 2
             if hop.destination < self._ground.stations:
                 return CAUTION * math.sqrt(squares)
         return 0.0  # nothing comes after this tank that could be lost
@@ -83,8 +83,8 @@ class Prospect:
             initial = min(max(initial - share * self.reserve_m_s, 0.0), full)
         return chaser.replace(tank=Tank(delta_v_m_s=full, initial_delta_v_m_s=initial))
 
-    def _sigma(self, hop: Hop) -> float:
-        """Spread of the factor on a leg."""
+    def sigma(self, hop: Hop) -> float:
+        """Spread of the factor on a leg; 0 where it is 1."""
         ground, kind = self._ground, leg_kinds()[hop.family].name
         is_station = hop.destination < ground.stations
         name = None if is_station else ground.names[hop.destination]
@@ -97,7 +97,7 @@ class Prospect:
         for route in intended.routes:
             squares = 0.0
             for each in route:
-                squares += (self._sigma(each.hop) * each.hop.delta_v) ** 2
+                squares += (self.sigma(each.hop) * each.hop.delta_v) ** 2
                 if each.hop.destination < self._ground.stations:
                     needed.append(CAUTION * math.sqrt(squares))
                     squares = 0.0

@@ -85,7 +85,8 @@ def rehearse(  # noqa: PLR0913
         Of this instance; None for a policy that plans, which then begins with a plan of "auto".
     uncertainty : Uncertainty
     policy : str
-        "follow", "skip", "replan", "beam", or one that an installed package brings.
+        "follow", "skip", "replan", "beam", "learned" (or "ppo"), or one that an installed
+        package brings.
     samples : int
         Number of worlds.
     seed : int

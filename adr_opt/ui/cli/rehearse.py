@@ -35,8 +35,8 @@ NOT_OF_REPLAYS = {
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
 @take.word(
-    "--policy", "NAME", "follow, skip, replan, beam, or an installed one.", default="follow",
-    show_default=True,
+    "--policy", "NAME", "follow, skip, replan, beam, learned, or an installed one.",
+    default="follow", show_default=True,
 )  # fmt: skip
 @take.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")

@@ -1,0 +1,177 @@
+"""The learned policy: keeps to the plan where that can be flown, else scores the next legs."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from ...learning.next_leg.choices import Choices, Standing
+from ...learning.next_leg.features import features
+from ...learning.next_leg.scorer import LegScorer, shipped
+from ...problem.uncertainty import Uncertainty
+from .crafts import FINISHED, Craft, as_planned, beginning, full_of, refused
+from .flight import Halt, Situation
+from .ground import Ground, Hop
+from .intended import Intended, PlannedHop
+from .prospect import CAUTION
+from .replanning import AtDeviations
+from .sight import Sight
+
+USUAL_LEGS = 8
+"""Number of legs of a tank for which a reserve is kept where there is no plan."""
+
+
+class Learned(AtDeviations):
+    """Keeps to the plan as `replan` does, and chooses the next leg by a network otherwise.
+
+    No plan is made in flight: the network sees the connections of the present body at the present
+    time, what comes of the legs on average, and how the tank and the clock compare with the plan.
+    A chaser does not go where it could no longer refuel, unless nothing else is left or nothing
+    could be serviced afterwards.
+
+    Parameters
+    ----------
+    ground : Ground
+    intended : Intended
+    uncertainty : Uncertainty
+    seed : int
+        Not used: scores are not drawn.
+    scorer : LegScorer, optional
+        The one that comes with the package by default.
+    """
+
+    def __init__(
+        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0,
+        scorer: LegScorer | None = None,
+    ) -> None:  # fmt: skip
+        super().__init__(ground, intended, uncertainty, seed)
+        self._scorer = shipped() if scorer is None else scorer
+        self._sight = sight_of(ground, uncertainty)
+        self._ahead = [
+            _forecasts(ground, chaser, route, intended.kits[chaser])
+            for chaser, route in enumerate(intended.routes)
+        ]
+        factor = uncertainty.legs.delta_v_factor
+        self._sigma = 0.0 if factor is None else factor.lognormal_sigma
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """The planned leg, or the one that scores best among those that may begin."""
+        craft = now.craft
+        self._pass_what_is_done(now)
+        route = self._routes[craft.chaser]
+        if route and not self._has_changed(now):
+            hop = route.pop(0).hop
+            self._ahead[craft.chaser].pop(0)
+        else:
+            found = self._best_scored(now)
+            if found is None:
+                return Halt(FINISHED)
+            hop = found
+        self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
+        return hop
+
+    def _pass_what_is_done(self, now: Situation) -> None:
+        """Drop planned legs to targets that are closed, and to stations that are of no use now."""
+        craft, stations = now.craft, self._ground.stations
+        route, ahead = self._routes[craft.chaser], self._ahead[craft.chaser]
+        while route:
+            j = route[0].hop.destination
+            used = j < stations and (craft.since == 0 or j == craft.body)
+            if not (used or j in now.closed):
+                return
+            route.pop(0)
+            ahead.pop(0)
+
+    def _best_scored(self, now: Situation) -> Hop | None:
+        """The leg of the largest score that may begin and leaves a way to refuel, if one does."""
+        ground, craft, sight = self._ground, now.craft, self._sight
+        route = self._routes[craft.chaser]
+        planned = [each.hop.destination for each in route]
+        elsewhere = {
+            each.hop.destination
+            for chaser, routed in enumerate(self._routes)
+            for each in routed
+            if chaser != craft.chaser
+        }
+        others = [each.body for each in now.crafts if each.chaser != craft.chaser]
+        own = None
+        if route and (route[0].origin, route[0].towed) == (craft.body, craft.towed):
+            own = route[0].hop if route[0].departs(craft.free_s) else None
+        choices = sight.choices(craft, now.closed, planned, elsewhere, others, own)
+        if not choices.legal.any():
+            return None
+        scores = self._scored(now, choices)
+        unguarded: Hop | None = None
+        for at in np.argsort(-scores):
+            if not choices.legal[at]:
+                break
+            j = int(choices.bodies[at])
+            is_own = own is not None and own.destination == j
+            hop = own if is_own else sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            if hop is None or refused(ground, craft, hop):
+                continue
+            if self._is_guarded(craft, hop, choices, int(at)):
+                return hop
+            unguarded = unguarded or hop
+        return unguarded
+
+    def _scored(self, now: Situation, choices: Choices) -> npt.NDArray[np.float32]:
+        """Scores of legs, of tanks that keep a reserve for dear ones."""
+        ground, craft, sight = self._ground, now.craft, self._sight
+        what, ahead = ground.chasers[craft.chaser], self._ahead[craft.chaser]
+        full = full_of(what, craft.kits)
+        reserve = self._reserve_m_s(full)
+        kept = math.sqrt(min(max(craft.left / full, 0.0), 1.0)) * reserve if full > 0.0 else 0.0
+        standing = Standing(
+            craft.body, craft.free_s, what.limits.duration, craft.left - kept, full - reserve,
+            craft.since, ground.stations, len(now.crafts),
+            craft.left - kept - ahead[0].left if ahead else None,
+            ahead[0].free_s - craft.free_s if ahead else None,
+        )  # fmt: skip
+        worths = sight.worths.copy()
+        worths[list(now.closed)] = 0.0
+        left = choices.left - np.where(choices.bodies < ground.stations, reserve, kept)
+        choices = choices._replace(left=left)
+        places, onward = sight.around.at(craft.free_s), sight.onward(craft, choices, worths)
+        seen, numbers = features(standing, choices, onward, places, worths, sight.required)
+        return self._scorer.scores(seen, numbers, choices.legal)
+
+    def _reserve_m_s(self, full: float) -> float:
+        """Reserve of a full tank: that of the plan, or of usual legs without one [m/s]."""
+        if self._prospect.reserve_m_s > 0.0 or not self._ground.stations:
+            return min(self._prospect.reserve_m_s, 0.5 * full)
+        return min(CAUTION * self._sigma / math.sqrt(USUAL_LEGS), 0.5) * full
+
+    def _is_guarded(self, craft: Craft, hop: Hop, choices: Choices, at: int) -> bool:
+        """Whether a leg leaves a way to refuel, also if it and the way are dear."""
+        ground = self._ground
+        if hop.destination < ground.stations or not ground.stations:
+            return True
+        back = self._sight.way_back_m_s(craft, hop.destination, float(choices.free[at]))
+        if back == 0.0:
+            return True
+        spread = CAUTION * self._prospect.sigma(hop) * math.hypot(hop.delta_v, back)
+        return bool(back + spread <= choices.left[at])
+
+
+def _forecasts(
+    ground: Ground, chaser: int, route: tuple[PlannedHop, ...], kits: int
+) -> list[Craft]:
+    """The chaser before each of its planned legs, if all goes as planned."""
+    craft = beginning(ground, chaser, kits, ground.chasers[chaser].limits.ready, 1.0)
+    found = []
+    for each in route:
+        found.append(craft)
+        craft = as_planned(ground, craft, each.hop)
+    return found
+
+
+def sight_of(ground: Ground, uncertainty: Uncertainty) -> Sight:
+    """What policies see of a mission, which its rehearsals share."""
+    known = ground.sight
+    if known is None or known[0] is not uncertainty:
+        known = ground.sight = uncertainty, Sight(ground, uncertainty)
+    made: Sight = known[1]
+    return made

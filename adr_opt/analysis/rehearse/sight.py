@@ -1,0 +1,270 @@
+"""What a policy sees from where a chaser is: legs to bodies nearby, computed when asked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import SLACK_S
+from ...kernels.rules.loads import after_service
+from ...kernels.tables.on_demand import Source, shortest_sortie
+from ...kernels.tables.rows_of_body import from_source
+from ...learning.next_leg.choices import Choices
+from ...learning.next_leg.near_orbits import NearOrbits
+from ...learning.next_leg.onward import OnwardLegs, onward, unknown
+from ...legs.connection_finder import ConnectionFinder
+from ...legs.families.ends import is_regular
+from ...plan.leg_kinds import LAUNCH, SHORT
+from ...problem.uncertainty import Uncertainty
+from .crafts import Craft, full_of
+from .ground import MATCH_S, Ground, Hop, hop_of
+from .tries import TryWorths
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
+
+RANKS = 64
+"""Number of nearest open targets to which legs are considered; required ones are always added."""
+
+MATCH_M_S = 1e-3
+"""Tolerance of costs when a connection computed on demand is looked for among those of a pair."""
+
+GRID = (np.arange(64) + 0.5) / 64
+"""Quantiles over which means of distributions are taken."""
+
+
+class Sight:
+    """Legs from a body at a time, and what they lead to on average; shared by rehearsals.
+
+    Where all legs between bodies are short, connections are computed on demand, as those of large
+    fields are by planners; otherwise they come from the lists of the pairs of the body.
+
+    Parameters
+    ----------
+    ground : Ground
+    uncertainty : Uncertainty
+
+    Attributes
+    ----------
+    around : NearOrbits
+    worths : (bodies,) float64
+        Of going to each target on average, over the mean of all that are worth something.
+    required : (bodies,) bool
+    """
+
+    def __init__(self, ground: Ground, uncertainty: Uncertainty) -> None:
+        self._ground = ground
+        instance = ground.instance
+        bodies = len(ground.names)
+        self.around = NearOrbits(instance)
+        tries = TryWorths(instance, uncertainty)
+        worths = np.array([tries.most(j) if j in ground.prizes else 0.0 for j in range(bodies)])
+        positive = worths > 0.0
+        self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
+        self.required = np.array([j in ground.required for j in range(bodies)])
+        self._later_s = np.array([self._mean_delay_s(j, uncertainty) for j in range(bodies)])
+        self._towed = np.array([j in ground.tow_s for j in range(bodies)])
+        self._stations = np.arange(ground.stations)
+        self._targets = np.arange(ground.first_target, bodies)
+        self._sources: dict[tuple[int, bool], Source | None] = {}
+        self._sorties: dict[int, float] = {}
+
+    def choices(
+        self, craft: Craft, closed: set[int], planned: list[int], elsewhere: set[int],
+        others: list[int], own: Hop | None,
+    ) -> Choices:  # fmt: skip
+        """The legs from which a chaser may choose.
+
+        Parameters
+        ----------
+        craft : Craft
+        closed : set of int
+            Targets that are done, or on the way to which a chaser is.
+        planned : list of int
+            Bodies to which the rest of its plan leads, in order.
+        elsewhere : set of int
+            Targets to which plans of others lead.
+        others : list of int
+            Bodies at which other chasers are.
+        own : Hop or None
+            The planned leg, in place of the connection chosen now to the same body.
+        """
+        ground, what = self._ground, self._ground.chasers[craft.chaser]
+        limits = what.limits
+        bodies = self._candidates(craft, closed, planned)
+        delta_v, arrival = self._rows(craft, bodies)
+        if own is not None:
+            at = np.flatnonzero(bodies == own.destination)
+            delta_v[at], arrival[at] = own.delta_v, own.arrival
+        begin = np.maximum(arrival, limits.opens[bodies])
+        free = begin + limits.service[bodies]
+        station = bodies < ground.stations
+        legal = (free <= limits.closes[bodies]) & (free <= limits.duration)
+        legal &= (delta_v <= craft.left) & (~station | (craft.since > 0))
+        left = np.where(station, full_of(what, craft.kits), craft.left - delta_v)
+        if what.most_targets is not None and craft.serviced >= what.most_targets:
+            legal &= station
+        if what.loads is not None:
+            for leg in np.flatnonzero(legal & ~station).tolist():
+                left[leg], kits = after_service(what.loads, int(bodies[leg]), craft.kits, left[leg])
+                legal[leg] = kits >= 0 and left[leg] >= 0.0
+        ranks = np.full(len(ground.names), -1)
+        for rank, j in reversed(list(enumerate(planned))):
+            ranks[j] = rank
+        theirs = np.zeros(ranks.size, dtype=np.bool_)
+        theirs[list(elsewhere)] = True
+        apart = np.full(bodies.size, np.inf)
+        places = self.around.at(craft.free_s)
+        for body in others:
+            apart = np.minimum(apart, places.distances(body, bodies))
+        return Choices(
+            bodies, delta_v, arrival, free + self._later_s[bodies], left, limits.closes[bodies],
+            np.maximum(limits.opens[bodies] - arrival, 0.0), legal, ranks[bodies],
+            theirs[bodies], apart,
+        )  # fmt: skip
+
+    def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> OnwardLegs:
+        """The legs after the next one; unknown where connections are listed."""
+        chaser, ground = craft.chaser, self._ground
+        sources = self._source(chaser, False), self._source(chaser, True)
+
+        def connecting(
+            origins: IntArray, ready: FloatArray, destinations: IntArray
+        ) -> tuple[FloatArray, FloatArray]:
+            delta_v, arrival = np.empty(origins.size), np.empty(origins.size)
+            towed = self._towed[origins]
+            for source, is_towed in zip(sources, (False, True), strict=True):
+                at = np.flatnonzero(towed == is_towed)
+                if at.size:
+                    found = np.empty(at.size), np.empty(at.size)
+                    from_source(source, origins[at], ready[at], destinations[at], *found)
+                    delta_v[at], arrival[at] = found
+            return delta_v, arrival
+
+        if sources[0] is None or sources[1] is None:
+            return unknown(choices.bodies.size)
+        places, end_s = self.around.at(craft.free_s), ground.chasers[chaser].limits.duration
+        return onward(choices, places, worths, end_s, ground.stations, connecting)
+
+    def way_back_m_s(self, craft: Craft, body: int, free_s: float) -> float:
+        """Least ΔV from a body to a station; 0 if nothing could be serviced after refuelling there.
+
+        +inf where no station can be reached in time.
+        """
+        ground, limits = self._ground, self._ground.chasers[craft.chaser].limits
+        there = Craft(craft.chaser, body, bool(self._towed[body]), free_s, 0.0, craft.kits)
+        delta_v, arrival = self._rows(there, self._stations)
+        ends = arrival + limits.service[: ground.stations]
+        if not (ends <= limits.duration - self._sortie_s(craft.chaser)).any():
+            return 0.0
+        return float(delta_v[ends <= limits.duration].min())
+
+    def hop(self, craft: Craft, body: int, arrival_s: float, delta_v_m_s: float) -> Hop | None:
+        """The connection of a leg among those of its pair; else the one chosen there, or none."""
+        ground = self._ground
+        rows = ground.rows(craft.body, body, towed=craft.towed)
+        if self._is_launching(craft):
+            return hop_of(body, rows, 0) if rows.arrival.size else None
+        first = int(np.searchsorted(rows.departure, craft.free_s - SLACK_S))
+        off = np.abs(rows.arrival[first:] - arrival_s) / MATCH_S
+        off += np.abs(rows.delta_v[first:] - delta_v_m_s) / MATCH_M_S
+        if off.size and off.min() < 1.0:
+            return hop_of(body, rows, first + int(np.argmin(off)))
+        return ground.best(craft.body, body, craft.free_s, towed=craft.towed)
+
+    def _is_launching(self, craft: Craft) -> bool:
+        return self._ground.chasers[craft.chaser].is_launched and not craft.made
+
+    def _candidates(self, craft: Craft, closed: set[int], planned: list[int]) -> IntArray:
+        """Stations and open targets, of many the nearest."""
+        is_open = np.ones(len(self._ground.names), dtype=np.bool_)
+        is_open[list(closed)] = False
+        is_open[craft.body] = False
+        targets = self._targets[is_open[self._targets]]
+        if targets.size > RANKS:
+            places = self.around.at(craft.free_s)
+            if self._is_launching(craft):
+                near = (self.worths * is_open)[places.near[targets]]
+                away = -(
+                    self.worths[targets] + (near * np.exp(-places.apart[targets] / 150.0)).sum(1)
+                )
+            else:
+                away = places.distances(craft.body, targets)
+            away = np.where(self.required[targets], -np.inf, away)
+            few = RANKS + int(self.required[targets].sum())
+            nearest = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
+            first = [j for j in planned[:2] if j >= self._ground.stations and is_open[j]]
+            targets = np.union1d(nearest, np.array(first, dtype=np.int64))
+        stations = self._stations[is_open[: self._ground.stations]]
+        return np.concatenate([stations, targets])
+
+    def _rows(self, craft: Craft, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+        """ΔV and arrival of the connection chosen to each body; +inf where there is none."""
+        ground, here, ready = self._ground, craft.body, craft.free_s
+        delta_v, arrival = np.full(bodies.size, np.inf), np.full(bodies.size, np.inf)
+        if self._is_launching(craft):
+            for at, j in enumerate(bodies.tolist()):
+                rows = ground.rows(here, j, towed=False)
+                if rows.arrival.size:
+                    delta_v[at], arrival[at] = rows.delta_v[0], max(rows.arrival[0], ready)
+            return delta_v, arrival
+        source = self._source(craft.chaser, craft.towed and here in ground.tow_s)
+        if source is not None:
+            origins, since = np.full(bodies.size, here), np.full(bodies.size, ready)
+            from_source(source, origins, since, bodies, delta_v, arrival)
+            return delta_v, arrival
+        for at, j in enumerate(bodies.tolist()):
+            hop = None if j == here else ground.best(here, j, ready, towed=craft.towed)
+            if hop is not None:
+                delta_v[at], arrival[at] = hop.delta_v, hop.arrival
+        return delta_v, arrival
+
+    def _source(self, chaser: int, towed: bool) -> Source | None:
+        """Data for connections on demand; None where they are listed."""
+        key = chaser, towed
+        if key not in self._sources:
+            ground = self._ground
+            finder = ground.finder_of(towed=towed)
+            self._sources[key] = _source_of(finder, ground, chaser)
+        return self._sources[key]
+
+    def _sortie_s(self, chaser: int) -> float:
+        """Least time from a station to the end of a service, as far as it is known quickly [s]."""
+        if chaser not in self._sorties:
+            source, ground = self._source(chaser, False), self._ground
+            self._sorties[chaser] = (
+                float(ground.chasers[chaser].limits.service[ground.first_target :].min(initial=0.0))
+                if source is None
+                else float(shortest_sortie(source, ground.stations, ground.first_target))
+            )
+        return self._sorties[chaser]
+
+    def _mean_delay_s(self, body: int, uncertainty: Uncertainty) -> float:
+        """By how much later than planned a service ends on average, all tries counted [s]."""
+        ground = self._ground
+        if body < ground.first_target:
+            return 0.0
+        name = ground.names[body]
+        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
+        model, took = uncertainty.service_of(name), planned
+        if model.factor is not None:
+            took *= float(np.mean([model.factor.at(float(u)) for u in GRID]))
+        if model.added is not None:
+            took += float(np.mean([model.added.at(float(u)) for u in GRID]))
+        failing = 1.0 - uncertainty.success_of(name)
+        tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
+        return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
+
+
+def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source | None:
+    instance = ground.instance
+    kinds = {family.kind for family in finder.families}
+    if not kinds <= {SHORT, LAUNCH} or instance.given is not None or instance.spent_m_s:
+        return None
+    rule = instance.transfer_rule(instance.time_value_m_s_per_h)
+    most = np.inf if finder.times is None else finder.times.most
+    return Source(
+        *finder.inputs[:3], rule, ground.chasers[chaser].limits, np.zeros((1, 1, 1), np.int32), 1.0,
+        not is_regular(instance), instance.transfer.departure_spacing_s, most,
+    )  # fmt: skip

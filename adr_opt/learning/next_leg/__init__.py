@@ -1,0 +1,1 @@
+"""A learned choice of the next leg, from the connections of one body at one time."""

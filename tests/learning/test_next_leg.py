@@ -1,0 +1,183 @@
+"""The learned choice of the next leg: what it sees, how it scores, and that it is flown by."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import launched
+import numpy as np
+import pytest
+import towed_fields
+from drawn_worlds import drawn_uncertainty
+from random_rules import random_campaign, random_mission
+
+import adr_opt
+from adr_opt.analysis.rehearse.crafts import beginning, refused
+from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
+from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.intended import Intended
+from adr_opt.analysis.rehearse.learned import Learned
+from adr_opt.analysis.rehearse.policies import policy_of
+from adr_opt.analysis.rehearse.sight import RANKS, Sight
+from adr_opt.common.errors import InputError
+from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
+from adr_opt.learning.next_leg.scorer import LegScorer, ScorerLayers, load_scorer, shapes, shipped
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.world import DrawnWorld
+
+CERTAIN = Uncertainty()
+
+
+def drawn_scorer(seed: int) -> LegScorer:
+    rng = np.random.default_rng(seed)
+    drawn = {
+        name: (0.3 * rng.standard_normal(shape)).astype(np.float32)
+        for name, shape in shapes(16).items()
+    }
+    return LegScorer(ScorerLayers(**drawn), {"seed": seed})
+
+
+def without_plan(ground: Ground) -> Intended:
+    most = [0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers]
+    return Intended(None, ((),) * len(ground.chasers), tuple(most))
+
+
+def test_scores_do_not_depend_on_the_order_of_legs() -> None:
+    """Legs in another order have the same scores, and those that are not legal have none."""
+    rng = np.random.default_rng(0)
+    scorer = drawn_scorer(1)
+    legs, mission = rng.normal(size=(9, LEG_FEATURES)), rng.normal(size=MISSION_FEATURES)
+    legal = rng.random(9) < 0.7
+    scores = scorer.scores(legs, mission, legal)
+    order = rng.permutation(9)
+    assert scorer.scores(legs[order], mission, legal[order]) == pytest.approx(
+        scores[order], rel=1e-4
+    )
+    assert (np.isneginf(scores) == ~legal).all()
+    assert len(set(scores[legal].tolist())) == legal.sum()
+    # What the others are counts, but not what is not legal.
+    other = legs.copy()
+    other[~legal] += 1.0
+    assert (scorer.scores(other, mission, legal) == scores).all()
+    assert np.isneginf(scorer.scores(legs, mission, np.zeros(9, dtype=np.bool_))).all()
+
+
+def test_the_weights_that_come_along_are_small_and_say_how_they_were_made() -> None:
+    """The file is below 200 kB, and has its seed and the number of its decisions."""
+    path = Path(adr_opt.__file__).parent / "learning" / "next_leg" / "weights" / "next-leg.npz"
+    assert path.stat().st_size < 200_000
+    assert {"seed", "rounds", "decisions"} <= set(shipped().facts)
+
+
+def test_weights_are_read_as_they_were_written(tmp_path: Path) -> None:
+    """A file gives the same scores again; anything else is refused in a sentence."""
+    scorer = drawn_scorer(2)
+    scorer.save(tmp_path / "own.npz")
+    again = load_scorer(tmp_path / "own.npz")
+    assert again.facts == {"seed": 2}
+    for one, other in zip(again.layers, scorer.layers, strict=True):
+        assert (one == other).all()
+    wrong = scorer.layers._replace(out=np.zeros(3, dtype=np.float32))
+    LegScorer(wrong, {}).save(tmp_path / "wrong.npz")
+    bad = scorer.layers._replace(out=np.full(16, np.nan, dtype=np.float32))
+    LegScorer(bad, {}).save(tmp_path / "bad.npz")
+    (tmp_path / "text.npz").write_text("no weights", encoding="utf-8")
+    np.savez(tmp_path / "other.npz", facts=np.zeros(3))
+    for name in ("wrong.npz", "bad.npz", "text.npz", "other.npz", "none.npz"):
+        with pytest.raises(InputError, match="not a file of weights"):
+            load_scorer(tmp_path / name)
+
+
+@pytest.mark.parametrize("zones", [0, 3])
+def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
+    """What is seen from a body is what a chaser takes that is ready there."""
+    instance = adr_opt.generate("tiny", 3, targets=8, zones=zones)
+    ground = Ground(instance)
+    sight = Sight(ground, CERTAIN)
+    seen = 0
+    for body, free_s in ((0, 0.0), (3, 20_000.0), (5, 61_234.5)):
+        craft = beginning(ground, 0, 0, free_s, 1.0)
+        craft.body, craft.since = body, 1
+        choices = sight.choices(craft, {2}, [], set(), [], None)
+        assert 2 not in choices.bodies
+        assert body not in choices.bodies
+        for at, j in enumerate(choices.bodies.tolist()):
+            hop = ground.best(body, j, free_s, towed=False)
+            if hop is None or refused(ground, craft, hop) == "duration":
+                assert not choices.legal[at]
+                continue
+            assert (choices.delta_v[at], choices.arrival[at]) == pytest.approx(
+                (hop.delta_v, hop.arrival), rel=1e-9
+            )
+            assert sight.hop(craft, j, choices.arrival[at], choices.delta_v[at]) == hop
+            assert choices.legal[at] == (not refused(ground, craft, hop))
+            seen += 1
+    assert seen > 15
+
+
+def test_few_of_many_targets_are_looked_at() -> None:
+    """Of a large field only the nearest, and what is required or planned next, are candidates."""
+    instance = adr_opt.generate("nominal", 3, targets=150)
+    far = instance.targets[-1].replace(required=True)
+    instance = instance.replace(targets=(*instance.targets[:-1], far))
+    ground = Ground(instance)
+    craft = beginning(ground, 0, 0, 0.0, 1.0)
+    choices = Sight(ground, CERTAIN).choices(craft, set(), [140], set(), [], None)
+    assert RANKS < choices.bodies.size <= RANKS + 3
+    assert {140, 150} <= set(choices.bodies.tolist())
+
+
+class Watched(Learned):
+    """The learned policy, whose legs are looked at before they are flown."""
+
+    flown = 0
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """A leg that may begin, to a body that is open."""
+        found = super().next_leg(now)
+        if isinstance(found, Hop) and now.craft.made:
+            assert not refused(self._ground, now.craft, found)
+        if isinstance(found, Hop):
+            assert found.destination not in now.closed
+            assert found.destination != now.craft.body
+            Watched.flown += 1
+        return found
+
+
+def tiny(seed: int) -> Instance:
+    return adr_opt.generate("tiny", seed, targets=8)
+
+
+@pytest.mark.parametrize("draw", [random_mission, random_campaign, tiny])
+def test_every_leg_may_begin(draw) -> None:  # type: ignore[no-untyped-def]
+    """Whatever the weights, rules and worlds, no leg is chosen that a chaser may not fly."""
+    Watched.flown = 0
+    for seed in range(8):
+        instance = draw(seed)
+        uncertainty = drawn_uncertainty(instance, seed)
+        ground = Ground(instance)
+        planned = without_plan(ground)
+        policy = Watched(ground, planned, uncertainty, 0, drawn_scorer(seed))
+        rehearsed(ground, DrawnWorld(instance, uncertainty, seed), policy, planned.kits)
+    assert Watched.flown > 3
+
+
+@pytest.mark.parametrize("kind", ["launched", "towed", "drifting"])
+def test_campaigns_with_kits_tows_and_drifts_are_flown_without_a_plan(kind: str) -> None:
+    """Where connections are listed, and loads change the tank, targets are serviced as well."""
+    instance: Instance = {
+        "launched": lambda: launched.campaign("two-body"),
+        "towed": towed_fields.field,
+        "drifting": lambda: launched.campaign("j2"),
+    }[kind]()
+    ground = Ground(instance)
+    planned = without_plan(ground)
+    policy = Watched(ground, planned, CERTAIN, 0)
+    done = rehearsed(ground, DrawnWorld(instance, CERTAIN, 0), policy, planned.kits)
+    assert done.serviced
+
+
+def test_ppo_is_another_name_of_it() -> None:
+    """`--policy ppo` is the learned policy."""
+    assert policy_of("ppo") is policy_of("learned") is Learned
