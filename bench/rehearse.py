@@ -29,10 +29,11 @@ from machine import heading
 import adr_opt
 from adr_opt.analysis.rehearse.bounds import bounds
 from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.common.constants import DAY_S
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import Chaser, Tank
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.uncertainty import ServiceUncertainty, Uncertainty
 
 BEST_KNOWN = Path(__file__).parents[1] / "instances" / "best-known"
 
@@ -108,11 +109,13 @@ def scenarios(arguments: argparse.Namespace) -> None:
     print("|---|---|---|---|---|---|---|")
     for name in arguments.scenarios:
         uncertainty = SCENARIOS[name]
-        found = None
+        found, price = None, 0.0
+        if uncertainty.service_s == ServiceUncertainty():  # penalties price the time of tries
+            price = plan.objective / (instance.mission.duration_s / DAY_S)
         if arguments.worlds:
             found = bounds(
                 instance, uncertainty, samples=arguments.worlds, method=arguments.method,
-                time_limit=arguments.time_limit, jobs=arguments.jobs,
+                time_limit=arguments.time_limit, time_price=price, jobs=arguments.jobs,
             )  # fmt: skip
             told = found.to_dict()
             proven = f"{told['proven']} of {told['samples']} proven"

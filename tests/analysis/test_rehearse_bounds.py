@@ -24,12 +24,13 @@ from verify_fields import campaign_with_cargo
 import adr_opt
 from adr_opt.analysis.rehearse import bounds as bounding
 from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bounds
-from adr_opt.analysis.rehearse.flight import rehearsed
+from adr_opt.analysis.rehearse.flight import FlownMission, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths, rounded_up, worths_of_tries
+from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
@@ -68,6 +69,81 @@ def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: i
             best = max(best, flown.prize)
         met += best > bound.perfect - EPSILON
     assert met  # a bound that nobody meets may be worth nothing
+
+
+@over_kinds(
+    "draw, seeds",
+    single=(random_mission, range(40), 3),
+    campaign=(random_campaign, range(20), 1),
+    launched=(roomy_launched, range(20), 1),
+    towing=(towing_mission, range(20), 1),
+    kits=(campaign_with_cargo, range(20), 1),
+)
+def test_no_policy_exceeds_a_bound_with_a_price_of_time(draw, seeds) -> None:  # type: ignore[no-untyped-def]
+    """With the time of tries priced, what tries are worth stays below the bound, in every world.
+
+    The price is part of what they are worth before, so that its mean is nothing.
+    """
+    for seed in seeds:
+        instance = draw(seed)
+        targets = {target.name: {"tries": 1 + at % 3} for at, target in enumerate(instance.targets)}
+        uncertainty = Uncertainty(
+            capture={"success": 0.6, "tries": 2}, gone=0.1, targets=targets
+        ).of(instance)
+        ground, per_day = (
+            Ground(instance),
+            float(10.0 ** np.random.default_rng(seed).uniform(-1, 2)),
+        )
+        setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
+        bound, world = world_bounds(ground, setting, seed), DrawnWorld(instance, uncertainty, seed)
+        for flown in _all_flown(ground, world, seed):
+            assert _priced(ground, uncertainty, flown, per_day) <= bound.penalised + EPSILON, seed
+
+
+def test_a_price_of_time_changes_no_mean() -> None:
+    """What tries are worth with a price of their time has the mean of the prize."""
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, "beam").plan
+    uncertainty = Uncertainty(capture={"success": 0.6, "tries": 3}, gone=0.1)
+    ground = Ground(instance)
+    planned = intended(ground, plan)
+    differences = []
+    for seed in range(1500):
+        world = DrawnWorld(instance, uncertainty, seed)
+        policy = policy_of("skip")(ground, planned, uncertainty, 0)
+        flown = rehearsed(ground, world, policy, planned.kits)
+        differences.append(_priced(ground, uncertainty, flown, 3.0) - flown.prize)
+    error = np.std(differences) / math.sqrt(len(differences))
+    assert abs(np.mean(differences)) < 4.0 * error
+
+
+def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_day: float) -> float:
+    """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
+    total = 0.0
+    for craft in flown.crafts:
+        for made in craft.made:
+            j = made.hop.destination
+            if j < ground.stations or (made.outcome == "dry" and not made.tries):
+                continue
+            name = ground.names[j]
+            try_s = float(ground.chasers[0].limits.service[j]) - ground.tow_s.get(j, 0.0)
+            worths = worths_of_tries(
+                ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name),
+                per_day * try_s / DAY_S,
+            )  # fmt: skip
+            after = [max(worth, 0.0) for worth in worths[1:]]
+            gone = uncertainty.gone_of(name)
+            if made.outcome == "gone":
+                total += (1.0 - gone) * worths[0]
+                continue
+            total += (1.0 - gone) * worths[0] - worths[0]
+            drawn = made.tries - (made.outcome in ("late", "dry"))
+            for attempt in range(drawn):
+                caught = made.outcome == "serviced" and attempt == drawn - 1
+                success = uncertainty.success_of(name)
+                mean = success * ground.prizes[j] + (1.0 - success) * after[attempt]
+                total += mean if caught else mean - after[attempt]
+    return total
 
 
 def _all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]

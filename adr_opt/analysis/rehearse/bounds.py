@@ -16,6 +16,8 @@ import numpy as np
 from pydantic import ConfigDict
 
 from ...common.clock import now_s
+from ...common.constants import DAY_S
+from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
@@ -56,17 +58,21 @@ class BoundSetting(NamedTuple):
         Name of a bound.
     time_limit_s : float
         Of each proof [s].
+    per_day : float
+        Price of the time of tries in penalties [prize per day].
     """
 
     instance: Instance
     uncertainty: Uncertainty
     method: str
     time_limit_s: float
+    per_day: float = 0.0
 
     @property
     def digest(self) -> str:
         """Identity of everything that the bounds depend on but the time of proofs."""
-        return f"{self.instance.sha256} {self.method} {self.uncertainty.to_json()}"
+        price = f" {self.per_day!r}" if self.per_day else ""
+        return f"{self.instance.sha256} {self.method}{price} {self.uncertainty.to_json()}"
 
 
 @dataclass(frozen=True)
@@ -177,6 +183,7 @@ def bounds(  # noqa: PLR0913
     seed: int = 0,
     method: str = METHOD,
     time_limit: float = TIME_LIMIT_S,
+    time_price: float = 0.0,
     jobs: int = 1,
     cluster: str | None = None,
     path: str | os.PathLike[str] | None = None,
@@ -197,6 +204,9 @@ def bounds(  # noqa: PLR0913
         Name of an installed bound.
     time_limit : float
         Of each proof; what is proven by then is valid [s].
+    time_price : float
+        Price of the time of tries in penalties, where services take as long as planned
+        [prize per day]. Any is valid; what a plan collects in a day is a good one.
     jobs, cluster, path, stop, told
         As :func:`.sampling.rehearse` takes them.
 
@@ -206,7 +216,7 @@ def bounds(  # noqa: PLR0913
         Something does not fit the instance, or the file.
     """
     began = now_s()
-    setting = BoundSetting(instance, uncertainty.of(instance), method, time_limit)
+    setting = BoundSetting(instance, uncertainty.of(instance), method, time_limit, time_price)
     check_worlds(samples, seed, jobs, cluster)
     file = prepared(setting, path)
     found = {} if file is None else {each.seed: each for each in file.found}
@@ -241,8 +251,28 @@ def prepared(
     refuse(setting.instance)
     refuse_bounds(setting.instance, setting.uncertainty)
     spec_of(setting.method, BOUNDS)
+    _check_price(setting)
     MaxRuntime(setting.time_limit_s)
     return None if path is None else RowsFile(path, setting.digest, WorldBounds)
+
+
+def _check_price(setting: BoundSetting) -> None:
+    """Refuse a price of time that is none, or that is not a valid penalty.
+
+    Raises
+    ------
+    InputError
+        It is negative or not finite, or services may take longer than planned.
+    """
+    price, uncertainty = setting.per_day, setting.uncertainty
+    if not 0.0 <= price < math.inf:
+        raise InputError(f"time price = {price!r}: must be 0 or more, in prize per day")
+    services = [uncertainty.service_of(target.name) for target in setting.instance.targets]
+    if price > 0.0 and any(each.factor or each.added for each in services):
+        raise InputError(
+            "time price: penalties may price the time of tries only where services take as long "
+            "as planned; leave it out"
+        )
 
 
 def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
@@ -293,7 +323,7 @@ def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBound
 
     perfect = penalised = most(clairvoyant_worth(ground, world))
     if has_captures(setting.instance, setting.uncertainty):
-        penalised = most(penalised_worth(ground, world))
+        penalised = most(penalised_worth(ground, world, setting.per_day / DAY_S))
     required = sum(target.required for target in setting.instance.targets)
     may = True
     if required:

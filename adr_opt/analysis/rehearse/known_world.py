@@ -260,14 +260,29 @@ def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
     return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
 
 
-def penalised_worth(ground: Ground, world: DrawnWorld) -> Worth:
-    """The mean prize of going to each target, and what of it is left if a chaser gives up."""
-    worths = TryWorths(ground.instance, world.uncertainty)
+def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Worth:
+    """The mean prize of going to each target, and what of it is left if a chaser gives up.
+
+    Parameters
+    ----------
+    per_s : float
+        Price of the time of tries, which has to be certain [prize per s].
+    """
+    service = ground.chasers[0].limits.service
+    paid = {
+        body: per_s * (float(service[body]) - ground.tow_s.get(body, 0.0))
+        for body in range(ground.first_target, len(ground.names))
+    }
+    worths = TryWorths(ground.instance, world.uncertainty, paid)
 
     def worth(target: Target) -> Counted:
         number, first = ground.number[target.name], world.first_success(target.name)
         tries = world.uncertainty.tries_of(target.name) if first is None else first
-        return Counted(worths.most(number), max(worths.after_failures(number, tries - 1), 0.0))
+        if world.is_gone(target.name):
+            return Counted(max(worths.most(number), 0.0))
+        # To give up later counts more, and is said to take no longer than one try.
+        given_up = max(worths.after_failures(number, tries - 1), 0.0)
+        return Counted(max(worths.after(number, tries), 0.0), given_up)
 
     return worth
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
@@ -11,14 +12,16 @@ PRIZE_DIGITS = 9
 """Digits of prizes, which are rounded up."""
 
 
-def worths_of_tries(prize: float, success: float, tries: int) -> tuple[float, ...]:
+def worths_of_tries(
+    prize: float, success: float, tries: int, paid: float = 0.0
+) -> tuple[float, ...]:
     """What a target is worth on average before each try, and after the last one that failed.
 
-    W_k = p r + (1 − p) W_{k+1}, and 0 after the last: the value of going on to the end.
+    W_k = p r + (1 − p) max(W_{k+1}, 0) − what is paid for the time of a try, and 0 after the last.
     """
     worths = [0.0]
     for _ in range(tries):
-        worths.append(success * prize + (1.0 - success) * worths[-1])
+        worths.append(success * prize + (1.0 - success) * max(worths[-1], 0.0) - paid)
     return tuple(reversed(worths))
 
 
@@ -29,24 +32,35 @@ class TryWorths:
     ----------
     instance : Instance
     uncertainty : Uncertainty
+    paid : mapping of int to float
+        Price of the time of a try, by number of the target; 0 by default. Penalties then also take
+        out the luck of targets that need few tries.
     """
 
-    def __init__(self, instance: Instance, uncertainty: Uncertainty) -> None:
+    def __init__(
+        self, instance: Instance, uncertainty: Uncertainty, paid: Mapping[int, float] | None = None
+    ) -> None:
+        self._paid = paid or {}
         self._worths: dict[int, tuple[float, ...]] = {}
         self._gone: dict[int, float] = {}
         for body, target in enumerate(instance.targets, start=instance.first_target):
             success = uncertainty.success_of(target.name)
             tries = uncertainty.tries_of(target.name)
-            self._worths[body] = worths_of_tries(target.prize, success, tries)
+            price = self._paid.get(body, 0.0)
+            self._worths[body] = worths_of_tries(target.prize, success, tries, price)
             self._gone[body] = uncertainty.gone_of(target.name)
 
     def most(self, target: int) -> float:
         """Mean worth of a target to which a chaser goes, with all tries."""
         return (1.0 - self._gone[target]) * self._worths[target][0]
 
+    def after(self, target: int, tries: int) -> float:
+        """What a target counts at which some tries are made, until one succeeds or none is left."""
+        return self.most(target) + tries * self._paid.get(target, 0.0)
+
     def after_failures(self, target: int, tries: int) -> float:
         """What a target counts that is there and is given up after some tries that failed."""
-        return self.most(target) - self._worths[target][tries]
+        return self.after(target, tries) - max(self._worths[target][tries], 0.0)
 
     def on_arrival(self, target: int, *, gone: bool) -> float:
         """What an arrival counts: nothing on average."""

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 
 NOT_OF_REPLAYS = {
     "samples": "--samples", "seed": "--seed", "bounds": "--bounds",
-    "bound_method": "--bound-method", "bound_time_limit": "--bound-time-limit", "jobs": "--jobs",
+    "bound_method": "--bound-method", "bound_time_limit": "--bound-time-limit",
+    "time_price": "--time-price", "jobs": "--jobs",
     "cluster": "--cluster", "resume_path": "--resume",
 }  # fmt: skip
 """Options of many rehearsals."""
@@ -46,6 +47,12 @@ NOT_OF_REPLAYS = {
     shell_complete=complete.bounds,
 )  # fmt: skip
 @take.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
+@take.number(
+    "--time-price",
+    "P",
+    "Price of the time of tries in penalties, in prize per day; 0.",
+    default=0.0,
+)
 @take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
 @take.cluster
 @take.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
@@ -64,6 +71,7 @@ def command(
     bounds: int,
     bound_method: str,
     bound_time_limit: float,
+    time_price: float,
     jobs: int,
     cluster: str | None,
     resume_path: str | None,
@@ -114,7 +122,9 @@ def command(
         check_page(out)
     if bounds:  # before rehearsals that may take hours
         check_worlds(bounds, seed, jobs, cluster)
-        asked = bounding.BoundSetting(instance, uncertainty, bound_method, bound_time_limit)
+        asked = bounding.BoundSetting(
+            instance, uncertainty, bound_method, bound_time_limit, time_price
+        )
         bounding.prepared(asked, bounds_path)
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
@@ -126,8 +136,8 @@ def command(
             return made, None
         return made, bounding.bounds(
             instance, uncertainty, samples=bounds, seed=seed, method=bound_method,
-            time_limit=bound_time_limit, jobs=jobs, cluster=cluster, path=bounds_path, stop=stop,
-            told=show,
+            time_limit=bound_time_limit, time_price=time_price, jobs=jobs, cluster=cluster,
+            path=bounds_path, stop=stop, told=show,
         )  # fmt: skip
 
     with counting_bar(wanted(as_json, quiet), "rehearsals and bounds") as show:
