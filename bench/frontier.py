@@ -138,7 +138,7 @@ def with_plan(policy: str, uncertainty: Uncertainty) -> Callable[[Instance, int]
     def run(instance: Instance, seed: int) -> Run:
         if instance.name not in _plans:
             began = time.process_time()
-            plan = adr_opt.solve(instance, "beam", width=PLAN_WIDTH).plan
+            plan = adr_opt.solve(instance, "beam", width=PLAN_WIDTH, time_limit=math.inf).plan
             assert plan is not None
             _plans[instance.name] = plan, time.process_time() - began
         plan, took_s = _plans[instance.name]
