@@ -8,7 +8,8 @@ targets as told. ``known``: missions as planned. ``uncertain``: one world a fiel
 in the scenarios of ``bench/rehearse.py``, and in ``mixed``, where legs cost a factor of spread 0.1,
 services take one of spread 0.5, a try succeeds with a chance of 0.8 (two tries), and 5 % of the
 targets are gone. Greedy and beams are asked anew for every leg there, and keep the same reserve in
-their tanks as the learned policy does. Policies "with a plan" begin with that of a beam of width 64
+their tanks as the learned policy does. "Cheapest leg, same guard" is the learned policy with the
+cost of a leg in place of the network. Policies "with a plan" begin with that of a beam of width 64
 on the timetable, whose time counts for everything.
 
 Times are those of the processor, in one thread: for a decision, and for everything with all tables,
@@ -40,7 +41,7 @@ from adr_opt.analysis.rehearse.learned import USUAL_LEGS, Learned
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.prospect import CAUTION
 from adr_opt.analysis.rehearse.sight import RANKS as LEARNED_RANKS
-from adr_opt.learning.next_leg.scorer import load_scorer, shipped
+from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer, shipped
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
@@ -58,6 +59,7 @@ MIXED = Uncertainty(
 )
 WORLDS = {**SCENARIOS, "mixed": MIXED}
 SIGNIFICANT = 0.01
+CHEAPEST = "cheapest leg, same guard"
 PLAN_WIDTH = 64
 """Width of the beam that makes the plans with which policies begin that have one."""
 
@@ -117,13 +119,20 @@ def planned(instance: Instance, width: int, ranks: int) -> Run:
     return Run(prize, (ended - ready) / max(1, sequence.size), ended - began)
 
 
-def learned(path: str | None) -> Maker:
-    """The learned policy without a plan."""
-    scorer = shipped() if path is None else load_scorer(path)
+class CheapestLegs:
+    """In place of the network: the cheapest leg by hours and ΔV, or a station if there is none."""
+
+    def scores(self, legs: np.ndarray, mission: np.ndarray, legal: np.ndarray) -> np.ndarray:
+        """Scores of legs, −inf of those that are not legal."""
+        return np.where(legal, -legs[:, 5] - 1e3 * legs[:, 0], -np.inf)
+
+
+def learned(scorer: LegScorer | CheapestLegs) -> Maker:
+    """The learned policy without a plan, or with another way to score legs."""
 
     def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
         nothing = Intended(None, ((),) * len(ground.chasers), (0,) * len(ground.chasers))
-        return Learned(ground, nothing, uncertainty, 0, scorer)
+        return Learned(ground, nothing, uncertainty, 0, scorer)  # type: ignore[arg-type]
 
     return made
 
@@ -138,13 +147,16 @@ def with_plan(policy: str, uncertainty: Uncertainty) -> Callable[[Instance, int]
     def run(instance: Instance, seed: int) -> Run:
         if instance.name not in _plans:
             began = time.process_time()
-            plan = adr_opt.solve(instance, "beam", width=PLAN_WIDTH).plan
+            plan = adr_opt.solve(instance, "beam", width=PLAN_WIDTH, time_limit=math.inf).plan
             assert plan is not None
             _plans[instance.name] = plan, time.process_time() - began
         plan, took_s = _plans[instance.name]
 
         def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
-            return policy_of(policy)(ground, intended(ground, plan), uncertainty, 0)
+            begun = intended(ground, plan)
+            if policy == CHEAPEST:
+                return Learned(ground, begun, uncertainty, 0, CheapestLegs())  # type: ignore[arg-type]
+            return policy_of(policy)(ground, begun, uncertainty, 0)
 
         done = flown(instance, uncertainty, seed, made)
         return done._replace(total_s=done.total_s + took_s)
@@ -170,10 +182,15 @@ def methods(
 ) -> dict[str, Callable[[Instance, int], Run]]:
     """The methods by name, each a function of an instance and the seed of a world."""
     known = arguments.what == "known"
-    by_learning = learned(arguments.weights)
-    found: dict[str, Callable[[Instance, int], Run]] = {
-        "learned": lambda instance, seed: flown(instance, uncertainty, seed, by_learning)
-    }
+    scorer = shipped() if arguments.weights is None else load_scorer(arguments.weights)
+    makers = {"learned": learned(scorer), CHEAPEST: learned(CheapestLegs())}
+    found: dict[str, Callable[[Instance, int], Run]] = {}
+    for name, maker in makers.items():
+
+        def run(instance: Instance, seed: int, maker: Maker = maker) -> Run:
+            return flown(instance, uncertainty, seed, maker)
+
+        found[name] = run
     for width, ranks in product((0, *arguments.widths), arguments.ranks):
         name = f"beam of {width}" if width else "guarded greedy"
         if ranks < RANKS and max(arguments.targets) <= ranks:
@@ -181,14 +198,20 @@ def methods(
         if ranks < RANKS:
             name += f", nearest {ranks}"
 
-        def run(instance: Instance, seed: int, width: int = width, ranks: int = ranks) -> Run:
+        def asked(instance: Instance, seed: int, width: int = width, ranks: int = ranks) -> Run:
             if known:
                 return planned(instance, width, ranks)
             return flown(instance, uncertainty, seed, asked_anew(width, ranks))
 
-        found[name] = run
+        found[name] = asked
     if not known:
-        for name in ("learned", "follow", "skip", *(["replan"] if arguments.replans else [])):
+        for name in (
+            "learned",
+            CHEAPEST,
+            "follow",
+            "skip",
+            *(["replan"] if arguments.replans else []),
+        ):
             found[f"{name} with a plan"] = with_plan(name, uncertainty)
     return found
 

@@ -61,7 +61,7 @@ class Learned(AtDeviations):
         craft = now.craft
         self._pass_what_is_done(now)
         route = self._routes[craft.chaser]
-        if route and not self._has_changed(now):
+        if route and not self._has_changed(now) and self._is_prudent(craft, route[0].hop):
             hop = route.pop(0).hop
             self._ahead[craft.chaser].pop(0)
         else:
@@ -71,6 +71,10 @@ class Learned(AtDeviations):
             hop = found
         self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
         return hop
+
+    def _is_prudent(self, craft: Craft, hop: Hop) -> bool:
+        """Whether a planned leg leaves a way to refuel, where its service may be late."""
+        return self._sight.late_s[hop.destination] == 0.0 or self._is_guarded(craft, hop)
 
     def _pass_what_is_done(self, now: Situation) -> None:
         """Drop planned legs to targets that are closed, and to stations that are of no use now."""
@@ -112,7 +116,7 @@ class Learned(AtDeviations):
             hop = own if is_own else sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
             if hop is None or refused(ground, craft, hop):
                 continue
-            if self._is_guarded(craft, hop, choices, int(at)):
+            if self._is_guarded(craft, hop):
                 return hop
             unguarded = unguarded or hop
         return unguarded
@@ -144,16 +148,18 @@ class Learned(AtDeviations):
             return min(self._prospect.reserve_m_s, 0.5 * full)
         return min(CAUTION * self._sigma / math.sqrt(USUAL_LEGS), 0.5) * full
 
-    def _is_guarded(self, craft: Craft, hop: Hop, choices: Choices, at: int) -> bool:
-        """Whether a leg leaves a way to refuel, also if it and the way are dear."""
-        ground = self._ground
-        if hop.destination < ground.stations or not ground.stations:
+    def _is_guarded(self, craft: Craft, hop: Hop) -> bool:
+        """Whether a leg leaves a way to refuel, also if it is dear and the service long."""
+        ground, j = self._ground, hop.destination
+        if j < ground.stations or not ground.stations:
             return True
-        back = self._sight.way_back_m_s(craft, hop.destination, float(choices.free[at]))
-        if back == 0.0:
-            return True
-        spread = CAUTION * self._prospect.sigma(hop) * math.hypot(hop.delta_v, back)
-        return bool(back + spread <= choices.left[at])
+        after, sight = as_planned(ground, craft, hop), self._sight
+        ways = [
+            sight.way_back_m_s(craft, j, after.free_s + late_s)
+            for late_s in {sight.later_s[j], sight.late_s[j]}
+        ]
+        spread = CAUTION * self._prospect.sigma(hop) * math.hypot(hop.delta_v, max(ways))
+        return min(ways) == 0.0 or max(ways) + spread <= after.left
 
 
 def _forecasts(

@@ -30,6 +30,9 @@ RANKS = 64
 MATCH_M_S = 1e-3
 """Tolerance of costs when a connection computed on demand is looked for among those of a pair."""
 
+LATE = 0.9
+"""Share of times of services, and chance of captures, for which a way to refuel is kept."""
+
 GRID = (np.arange(64) + 0.5) / 64
 """Quantiles over which means of distributions are taken."""
 
@@ -51,6 +54,10 @@ class Sight:
     worths : (bodies,) float64
         Of going to each target on average, over the mean of all that are worth something.
     required : (bodies,) bool
+    later_s : (bodies,) float64
+        By how much later than planned services end on average [s].
+    late_s : (bodies,) float64
+        By how much later than planned services may well end (:data:`LATE`) [s].
     """
 
     def __init__(self, ground: Ground, uncertainty: Uncertainty) -> None:
@@ -63,7 +70,8 @@ class Sight:
         positive = worths > 0.0
         self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
         self.required = np.array([j in ground.required for j in range(bodies)])
-        self._later_s = np.array([self._mean_delay_s(j, uncertainty) for j in range(bodies)])
+        self.later_s = np.array([self._mean_delay_s(j, uncertainty) for j in range(bodies)])
+        self.late_s = np.array([self._delay_s(j, uncertainty, LATE) for j in range(bodies)])
         self._towed = np.array([j in ground.tow_s for j in range(bodies)])
         self._stations = np.arange(ground.stations)
         self._targets = np.arange(ground.first_target, bodies)
@@ -119,7 +127,7 @@ class Sight:
         for body in others:
             apart = np.minimum(apart, places.distances(body, bodies))
         return Choices(
-            bodies, delta_v, arrival, free + self._later_s[bodies], left, limits.closes[bodies],
+            bodies, delta_v, arrival, free + self.later_s[bodies], left, limits.closes[bodies],
             np.maximum(limits.opens[bodies] - arrival, 0.0), legal, ranks[bodies],
             theirs[bodies], apart,
         )  # fmt: skip
@@ -255,6 +263,29 @@ class Sight:
         failing = 1.0 - uncertainty.success_of(name)
         tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
         return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
+
+    def _delay_s(self, body: int, uncertainty: Uncertainty, share: float) -> float:
+        """By how much later than planned a service ends at most in a share of cases [s]."""
+        ground = self._ground
+        if body < ground.first_target:
+            return 0.0
+        name = ground.names[body]
+        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
+        model, took = uncertainty.service_of(name), planned
+        if model.factor is not None:
+            took *= model.factor.at(share)
+        if model.added is not None:
+            took += model.added.at(1.0 - share)
+        tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
+        return max(tries * took - planned, 0.0)
+
+
+def _tries_until(chance: float, success: float, most: int) -> int:
+    """Number of tries after which one has succeeded by a chance."""
+    for tries in range(1, most):
+        if 1.0 - (1.0 - success) ** tries >= chance:
+            return tries
+    return most
 
 
 def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source | None:
