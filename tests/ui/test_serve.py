@@ -33,7 +33,9 @@ pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
 from adr_opt.ui.serve import guard  # noqa: E402
-from adr_opt.ui.serve.app import application, told  # noqa: E402
+from adr_opt.ui.serve.app import application  # noqa: E402
+from adr_opt.ui.serve.desk import Desk  # noqa: E402
+from adr_opt.ui.serve.events import told  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -62,7 +64,7 @@ def desk(world: Path) -> Iterator[EditingSession]:
 
 def let_in(desk: EditingSession, **more: Any) -> Any:
     """A client that has the token."""
-    app = application(desk, TOKEN, PORT, threading.Event())
+    app = application(Desk(desk), TOKEN, PORT, threading.Event())
     client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
     client.cookies.set(f"adr-opt-{PORT}", TOKEN)
     return client
@@ -240,7 +242,7 @@ def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple
 
     async def listen() -> list[tuple[str, Any]]:
         found, end = [], time.monotonic() + seconds
-        async for text in told(desk, threading.Event()):
+        async for text in told(Desk(desk), threading.Event()):
             event, data = text.removesuffix("\n\n").split("\n")
             found.append((event.removeprefix("event: "), json.loads(data.removeprefix("data: "))))
             assert time.monotonic() < end

@@ -50,6 +50,7 @@ def command(
         raise MissingExtra("serving a page", package, "serve") from None
     from ...plan.plan import load_plan
     from ...problem.instance import load
+    from ..serve.desk import Desk
     from ..serve.folder import Folder
     from ..serve.session import EditingSession
 
@@ -58,7 +59,7 @@ def command(
     place = Folder(folder or f"{Path(instance_path).stem}-served", instance_path)
     with closing(listening(port)) as listener:
         session = EditingSession(instance, plan, place)
-        server, ended = Server(session, listener), threading.Event()
+        server, ended = Server(Desk(session), listener), threading.Event()
         with signals_to(ended.set):
             server.start()
             if as_json:

@@ -20,6 +20,9 @@ from .drafts import Draft, Edit, History, amount_of
 from .folder import Folder
 from .work import Look, PlanningOrder, Work, in_percent
 
+PARTS = ("chasers", "stations", "mission", "transfer", "objective")
+"""Parts of an instance that forms edit."""
+
 PLANS_KEPT = 32
 """Number of drafts whose plans are remembered, for undo."""
 
@@ -49,7 +52,7 @@ class EditingSession:
         self._lock = threading.RLock()
         self._first = instance
         self._history = History(Draft(instance))
-        self._folder = folder
+        self.folder = folder
         self._work = Work(self._planned)
         self._plans: OrderedDict[str, tuple[Instance, Plan]] = OrderedDict()
         self._shown: tuple[Instance, Plan] | None = None
@@ -134,7 +137,7 @@ class EditingSession:
             return {
                 "revision": self.revision,
                 "name": field.name,
-                "folder": str(self._folder.path),
+                "folder": str(self.folder.path),
                 "undoes": history.undoes,
                 "redoes": history.redoes,
                 "targets": [
@@ -160,6 +163,13 @@ class EditingSession:
                 "plan": None if shown is None else self._of_plan(*shown, draft),
                 "trouble": self._trouble,
             }  # fmt: skip
+
+    def parts(self) -> dict[str, Any] | None:
+        """Parts of the instance that forms edit, as in its file."""
+        with self._lock:
+            field = self._history.draft.field
+        content: dict[str, Any] = field.model_dump(mode="json")
+        return {name: content.get(name) for name in PARTS}
 
     def _of_plan(self, instance: Instance, plan: Plan, draft: Draft) -> dict[str, Any]:
         targets = {target.name for target in instance.targets}
@@ -196,7 +206,7 @@ class EditingSession:
     def _keep_draft(self) -> None:
         draft, shown = self._history.draft, self._shown
         planned = shown is not None and shown[1].instance.sha256 == draft.sha256
-        self._folder.keep_draft(draft.instance, planned=planned)
+        self.folder.keep_draft(draft.instance, planned=planned)
 
     def _planned(self, instance: Instance, result: Result) -> str:
         """Adopt a result, in the planner's thread; returns the message about it."""
@@ -221,7 +231,7 @@ class EditingSession:
             self._plans.popitem(last=False)
         self._shown = instance, plan
         self._number += 1
-        self._folder.keep_plan(instance, plan)
+        self.folder.keep_plan(instance, plan)
 
 
 def choices() -> dict[str, Any]:

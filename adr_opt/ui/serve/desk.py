@@ -1,0 +1,114 @@
+"""The desk: editing session, dropped objects, jobs and results, as the page sees them."""
+
+from __future__ import annotations
+
+import secrets
+from pathlib import Path
+from typing import Any
+
+from ...common.errors import InputError
+from .project.archive import archived
+from .requests import ChooseRequest, JobRequest, WorthRequest
+from .session import EditingSession, choices
+
+
+class Desk:
+    """State shown and changed by the page.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self.session = session
+        self.results_revision = 0
+        self.jobs_revision = 0
+
+    @property
+    def revision(self) -> int:
+        """Counter of changes to what :meth:`state` gives."""
+        return self.session.revision
+
+    def look(self) -> dict[str, Any]:
+        """Progress of the planner, as JSON data."""
+        return self.session.look().to_dict()
+
+    def choices(self) -> dict[str, Any]:
+        """Methods, bounds and verbs with their options, as JSON data."""
+        return {**choices(), "verbs": {}}
+
+    def state(self) -> dict[str, Any]:
+        """The state, as JSON data."""
+        state = self.session.state()
+        plan = state["plan"]
+        return {
+            **state,
+            "stage": "mission",
+            "project": {"name": state["name"], "folder": state["folder"]},
+            "instance": self.session.parts(),
+            "files": [],
+            "notes": [] if plan is None else plan["notes"],
+            "result": None,
+        }
+
+    def objects(self) -> dict[str, Any]:
+        """Columns of the dropped catalogue, as JSON data."""
+        numbers = ("altitude_km", "eccentricity", "inclination_deg", "raan_deg")
+        return {
+            "names": [], **{name: [] for name in numbers}, "mass_kg": [], "kind": [], "worth": [],
+            "worth_unit": None, "chosen": [], "skipped": 0, "epoch": None,
+        }  # fmt: skip
+
+    def forms(self) -> list[dict[str, Any]]:
+        """Fields of forms, as JSON data."""
+        return []
+
+    def jobs(self) -> list[dict[str, Any]]:
+        """All jobs, as JSON data."""
+        return []
+
+    def results(self) -> list[dict[str, Any]]:
+        """All results, newest last, as JSON data."""
+        return []
+
+    @property
+    def name(self) -> str:
+        """Name of the project, as that of a file."""
+        return "project"
+
+    def page(self, number: str) -> str:
+        """Page of a result."""
+        raise InputError(f"there is no result {number[:20]!r} with a page")
+
+    def archive(self) -> Path:
+        """A temporary file with the whole project, zipped; the caller removes it."""
+        return archived(self.session.folder.path)
+
+    def temporary(self) -> Path:
+        """Path of a new temporary file for what is being uploaded."""
+        return self.session.folder.path / f".upload-{secrets.token_hex(8)}"
+
+    def drop(self, path: Path, name: str) -> dict[str, Any]:
+        """Take an uploaded file into the project; returns what it is, as JSON data."""
+        raise InputError(f"{name}: not recognised")
+
+    def worth(self, asked: WorthRequest) -> dict[str, Any]:
+        """Begin a job that computes the worth of the dropped objects."""
+        raise InputError("no catalogue is dropped yet; drop one first")
+
+    def choose(self, asked: ChooseRequest) -> None:
+        """Make a mission of dropped objects."""
+        raise InputError("no catalogue is dropped yet; drop one first")
+
+    def begin(self, asked: JobRequest) -> dict[str, Any]:
+        """Begin a job; returns its number as JSON data."""
+        raise InputError(f"verb {asked.verb!r} is not offered here")
+
+    def stop(self, job: int) -> None:
+        """Stop a job."""
+        raise InputError(f"there is no job {job}")
+
+    def show(self, result: int) -> None:
+        """Show the plan of a result."""
+        raise InputError(f"there is no result {result}")
