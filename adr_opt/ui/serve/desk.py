@@ -8,6 +8,7 @@ from typing import Any
 from ...common.errors import InputError
 from ...common.files import read_text
 from ...common.wording import counted
+from .forms.fields import form_fields
 from .jobs.queue import JobQueue
 from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
@@ -81,7 +82,7 @@ class Desk:
 
     def forms(self) -> list[dict[str, Any]]:
         """Fields of forms, as JSON data."""
-        return []
+        return form_fields()
 
     def jobs(self) -> list[dict[str, Any]]:
         """All jobs, as JSON data."""

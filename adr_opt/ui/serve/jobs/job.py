@@ -60,14 +60,18 @@ class Job:
         """Whether it is still to end."""
         return self.state in ("waiting", "running")
 
+    def start(self) -> bool:
+        """Begin to run; returns whether it is to, or was stopped while it waited."""
+        with self._lock:
+            self.state = "stopped" if self.stopping else "running"
+            self._began = time.monotonic()
+        self._changed()
+        return self.state == "running"
+
     def settle(self, state: State, said: str = "") -> None:
-        """Set the state that a job ends in, or begins with."""
-        now = time.monotonic()
-        if state == "running":
-            self._began = now
-        else:
-            self._ended = now
-        self.state, self.said = state, said or self.said
+        """Set the state that a job ends in."""
+        self._ended = time.monotonic()
+        self.state, self.said = state, said
         self._changed()
 
     def run(self, words: list[str], folder: Path) -> tuple[int, bytes]:

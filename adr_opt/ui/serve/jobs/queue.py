@@ -119,8 +119,7 @@ class JobQueue:
     def _run(self, job: Job, number: int, place: Path, command: JobCommand) -> None:
         results = self._session.results
         try:
-            job.settle("stopped" if job.stopping else "running")
-            if job.stopping:
+            if not job.start():
                 results.drop(place)
                 return
             status, printed = job.run(command.words, self._session.folder.path)
