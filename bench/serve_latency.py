@@ -143,9 +143,8 @@ def measure(server: Asked, objects: int, targets: int, seconds: float) -> None:
     print("while planning      answers  median s    95 % s     most s")
     for path, times in [*taken.items(), ("all", list(itertools.chain(*taken.values())))]:
         cut = statistics.quantiles(times, n=20)[-1]
-        print(
-            f"{path:18} {len(times):8} {statistics.median(times):9.4f} {cut:9.4f} {max(times):10.4f}"
-        )
+        figures = f"{statistics.median(times):9.4f} {cut:9.4f} {max(times):10.4f}"
+        print(f"{path:18} {len(times):8} {figures}")
     everything = list(itertools.chain(*taken.values()))
     share = sum(each <= REACH_S for each in everything) / len(everything)
     print(f"within {REACH_S:g} s: {share:.1%}")
