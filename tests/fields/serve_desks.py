@@ -5,8 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from adr_opt.ui.serve import work
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.serve import looks
+from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.session import EditingSession
+from adr_opt.ui.serve.work import Work
+
+
+def session_of(instance: Instance | None, plan: Plan | None, folder: Folder) -> EditingSession:
+    """A session that plans in a thread of this process."""
+    return EditingSession(instance, plan, folder, Work)
 
 
 def of(*names: str, **changes: Any) -> dict[str, Any]:
@@ -23,7 +32,13 @@ def files_under(folder: Path) -> dict[str, bytes]:
     }
 
 
-def wait(desk: EditingSession) -> work.Look:
+def at_hand(folder: Path) -> list[str]:
+    """Files of a project folder beside those of the project itself."""
+    own = ("project.json", "history", "results", "files")
+    return sorted(name for name in files_under(folder) if Path(name).parts[0] not in own)
+
+
+def wait(desk: EditingSession) -> looks.Look:
     """The run once it is over."""
     assert desk._work.wait(60.0)
     return desk.look()

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import files_under, of, wait
+from serve_desks import at_hand, files_under, of, session_of, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -25,15 +25,19 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.looks import PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
-from adr_opt.ui.serve.work import PlanningOrder, Work
+from adr_opt.ui.serve.work import Work
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
 from adr_opt.ui.serve import guard  # noqa: E402
-from adr_opt.ui.serve.app import application, told  # noqa: E402
+from adr_opt.ui.serve.app import application  # noqa: E402
+from adr_opt.ui.serve.desk import Desk  # noqa: E402
+from adr_opt.ui.serve.events import told  # noqa: E402
+from adr_opt.ui.serve.reported import ShownReport  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -52,7 +56,7 @@ def world(tmp_path: Path) -> Path:
 def desk(world: Path) -> Iterator[EditingSession]:
     """A desk whose working folder is `work` in there; none of the other files may change."""
     before = files_under(world)
-    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = session_of(hand_made(), None, Folder(world / "work", world / "my.json"))
     yield made
     assert made.close(60.0)
     after = files_under(world)
@@ -62,7 +66,7 @@ def desk(world: Path) -> Iterator[EditingSession]:
 
 def let_in(desk: EditingSession, **more: Any) -> Any:
     """A client that has the token."""
-    app = application(desk, TOKEN, PORT, threading.Event())
+    app = application(Desk(desk), TOKEN, PORT, threading.Event())
     client = testclient.TestClient(app, base_url=f"http://127.0.0.1:{PORT}", **more)
     client.cookies.set(f"adr-opt-{PORT}", TOKEN)
     return client
@@ -72,8 +76,14 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     """Every address, with no token or a wrong one, in the query or in the cookie: 403."""
     client = let_in(desk)
     client.cookies.clear()
-    gets = ("/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other")
-    posts = ("/edit", "/undo", "/redo", "/plan", "/stop")
+    gets = (
+        "/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other",
+        "/objects", "/forms", "/jobs", "/results", "/results/page", "/export",
+    )  # fmt: skip
+    posts = (
+        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",
+        "/jobs/stop", "/show",
+    )  # fmt: skip
     for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
         for path in gets:
             assert client.get(path + wrong).status_code == 403, path + wrong
@@ -138,7 +148,10 @@ def test_other_hosts_and_other_pages_are_refused(
 def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: EditingSession) -> None:
     """Other methods, other types and too large requests are refused, and change nothing."""
     client = let_in(desk)
-    for path in ("/edit", "/undo", "/redo", "/plan", "/stop"):
+    for path in (
+        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs/stop",
+        "/show",
+    ):  # fmt: skip
         assert client.get(path).status_code == 405
     for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
         assert client.request(method, "/edit", json={}).status_code == 405
@@ -170,7 +183,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     client = let_in(desk)
     assert "No plan yet" in client.get("/report").text
     folder = world / "work"
-    assert list(files_under(folder)) == ["draft.json"]
+    assert at_hand(folder) == ["draft.json"]
     assert client.post("/edit", json=of("far", excluded=True)).status_code == 200
     assert client.post("/edit", json=of("north", prize=5.0)).status_code == 200
     wrong = client.post("/edit", json=of("north", prize=-5.0))
@@ -183,7 +196,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     state = client.get("/state").json()
     assert state["plan"]["fits"]
     assert state["plan"]["targets"] == 3
-    assert sorted(files_under(folder)) == ["instance.json", "plan.json"]
+    assert at_hand(folder) == ["instance.json", "plan.json"]
     planned = adr_opt.load(folder / "instance.json")
     plan = adr_opt.load_plan(folder / "plan.json")
     assert [each.prize for each in planned.targets] == [5.0, 1.0, 1.0]
@@ -195,7 +208,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     client.post("/edit", json={"duration_s": 60_000.0})
     state = client.get("/state").json()
     assert not state["plan"]["fits"]
-    assert sorted(files_under(folder)) == ["draft.json", "instance.json", "plan.json"]
+    assert at_hand(folder) == ["draft.json", "instance.json", "plan.json"]
     assert adr_opt.load(folder / "instance.json") == planned
     client.post("/plan", json=GREEDY)
     assert wait(desk).phase == "done"
@@ -240,7 +253,7 @@ def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple
 
     async def listen() -> list[tuple[str, Any]]:
         found, end = [], time.monotonic() + seconds
-        async for text in told(desk, threading.Event()):
+        async for text in told(Desk(desk), threading.Event()):
             event, data = text.removesuffix("\n\n").split("\n")
             found.append((event.removeprefix("event: "), json.loads(data.removeprefix("data: "))))
             assert time.monotonic() < end
@@ -279,7 +292,7 @@ def test_the_run_ends_with_what_its_plan_states(
     monkeypatch.setattr(front, "TABLE_BYTES", 1e-4 * 2.0**30)
     field = adr_opt.generate("nominal", 0, targets=30)
     field.save(tmp_path / "my.json")
-    made = EditingSession(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    made = session_of(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     made.plan(PlanningOrder("auto", 3.0))
     look, plan = wait(made), made.state()["plan"]
     assert any("nothing is proven" in note for note in plan["notes"])
@@ -288,7 +301,7 @@ def test_the_run_ends_with_what_its_plan_states(
     assert (told["incumbent"], told["bound"]) == (plan["objective"], None)
     assert told["gap"] is None
     assert told["points"][-1][1:] == [plan["objective"], None]
-    assert "none given" in made.report()
+    assert "none given" in str(ShownReport(made).text())
 
 
 def test_the_run_ends_with_what_the_result_states(desk: EditingSession) -> None:
@@ -354,7 +367,7 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
 
 def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world: Path) -> None:
     """Whatever goes wrong in a run is said, and the next run begins."""
-    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = session_of(hand_made(), None, Folder(world / "work", world / "my.json"))
 
     def broken(*given: Any, **more: Any) -> Result:
         raise ZeroDivisionError("by nothing")
@@ -397,7 +410,7 @@ def test_a_plan_begins_from_the_one_before(
 def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
     """Of a campaign each tank is changed by itself, and what comes out is a legal campaign."""
     instance = adr_opt.generate("campaign", 0, targets=5)
-    desk = EditingSession(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk = session_of(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     second = instance.chasers[1].name
     desk.edit(read_edit(json.dumps({"budget": {"chaser": second, "amount": 0.0}})))
     desk.plan(PlanningOrder("greedy-guarded", 20.0))
@@ -415,20 +428,25 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
     """A folder with work in it is used only to continue it; links are not followed."""
     plan = adr_opt.solve(hand_made(), "exact").plan
     assert plan is not None
-    EditingSession(hand_made(), plan, Folder(world / "work", world / "my.json"))
+    session_of(hand_made(), plan, Folder(world / "work", world / "my.json"))
     with pytest.raises(InputError, match=r"holds instance\.json of an earlier call"):
         Folder(world / "work", world / "my.json")
     folder = Folder(world / "work", world / "work/instance.json")
     with pytest.raises(InputError, match="belongs to another instance"):
-        EditingSession(hand_made(periods=15.0), plan, folder)
-    again = EditingSession(adr_opt.load(world / "work/instance.json"), plan, folder)
+        session_of(hand_made(periods=15.0), plan, folder)
+    again = session_of(adr_opt.load(world / "work/instance.json"), plan, folder)
     assert again.state()["plan"]["fits"]
-    assert sorted(files_under(world / "work")) == ["instance.json", "plan.json"]
+    assert at_hand(world / "work") == ["instance.json", "plan.json"]
     (world / "work/draft.json").symlink_to(world / "my.json")
     before = files_under(world)
     again.edit(read_edit(json.dumps(of("north", prize=2.0))))
     assert "a link" in again.state()["trouble"]
-    assert files_under(world) == before
+    after = files_under(world)
+    # The edit itself is in the project, and nothing else is touched.
+    assert {name for name in after if after[name] != before.get(name)} == {
+        "work/project.json", f"work/history/{again.instance().sha256[:16]}/instance.json"
+    }  # fmt: skip
+    assert before.keys() <= after.keys()
 
 
 def test_wrong_calls_are_one_sentence_and_make_nothing(world: Path, cli: Cli) -> None:

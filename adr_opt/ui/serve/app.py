@@ -1,30 +1,45 @@
-"""Pages and requests of the session, as a Starlette application."""
+"""Addresses of the server, as a Starlette application."""
 
 from __future__ import annotations
 
-import asyncio
+import gzip
 import json
 import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 from importlib import resources
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field, ValidationError
 from starlette.applications import Starlette
+from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.responses import (
+    FileResponse,
+    HTMLResponse,
+    JSONResponse,
+    Response,
+    StreamingResponse,
+)
 from starlette.routing import Route
 
 from ...common.errors import InputError
-from ...common.records import Record
-from ...common.sentences import sentence
 from ..report import plain
+from .desk import Desk
 from .drafts import read_edit
-from .guard import Guard
-from .session import EditingSession, choices
-from .work import PlanningOrder
+from .events import told
+from .guard import UPLOAD, Guard
+from .reported import ShownReport
+from .requests import (
+    ChooseRequest,
+    JobRequest,
+    ShowRequest,
+    StopRequest,
+    WorthRequest,
+    read_order,
+    read_request,
+)
+from .uploads import uploaded
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -36,121 +51,94 @@ POLICY = (
 FRAMED = "frame-ancestors 'self'"
 """Framing policy of the report, which is shown only within the page."""
 
-PAUSE_S, BREATH_S = 0.2, 15.0
-"""Intervals between checks of the session, and between keep-alive messages [s]."""
 
-
-class OrderRequest(Record):
-    """Parameters of a planning run, as requested by the page."""
-
-    method: str
-    time_limit_s: float
-    bound: str | None = None
-    seed: Annotated[int, Field(ge=0)] = 0
-    goes_on: bool = True
-
-
-async def told(session: EditingSession, closing: threading.Event) -> AsyncIterator[str]:
-    """Server-sent events: the state after every change, and the planner's progress.
-
-    Parameters
-    ----------
-    session : EditingSession
-    closing : Event
-        Ends it.
-    """
-    revision, last, silent_s = -1, "", 0.0
-    while not closing.is_set():
-        silent_s += PAUSE_S
-        # Looked at before the state: what the planner is done with is in the state that follows.
-        look = json.dumps(session.look().to_dict())
-        if session.revision != revision:
-            revision = session.revision
-            state = await run_in_threadpool(session.state)
-            yield f"event: state\ndata: {json.dumps(state)}\n\n"
-            silent_s = 0.0
-        if look != last:
-            last = look
-            yield f"event: work\ndata: {look}\n\n"
-            silent_s = 0.0
-        if silent_s >= BREATH_S:
-            yield ": still here\n\n"
-            silent_s = 0.0
-        await asyncio.sleep(PAUSE_S)
-
-
-def application(
-    session: EditingSession, token: str, port: int, closing: threading.Event
-) -> Starlette:
+def application(desk: Desk, token: str, port: int, closing: threading.Event) -> Starlette:
     """The application.
 
     Parameters
     ----------
-    session : EditingSession
+    desk : Desk
     token : str
         Required for every request.
     port : int
     closing : Event
         Ends the streams of events.
     """
-    style, script = _asset("page.css"), _asset("page.js")
-    style = resources.files("adr_opt.ui.report").joinpath("page.css").read_text("utf-8") + style
+    session, shown = desk.session, ShownReport(desk.session)
 
     async def page(request: Request) -> Response:
         answer = HTMLResponse(_asset("page.html"), headers={"Content-Security-Policy": POLICY})
         answer.set_cookie(f"adr-opt-{port}", token, httponly=True, samesite="strict", path="/")
         return answer
 
-    async def style_sheet(request: Request) -> Response:
-        return Response(style, media_type="text/css")
-
-    async def script_file(request: Request) -> Response:
-        return Response(script, media_type="text/javascript")
-
-    async def offered(request: Request) -> Response:
-        return JSONResponse(choices())
-
-    async def state(request: Request) -> Response:
-        return JSONResponse(await run_in_threadpool(session.state))
-
     async def events(request: Request) -> Response:
-        return StreamingResponse(told(session, closing), media_type="text/event-stream")
+        return StreamingResponse(told(desk, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
-        text = await run_in_threadpool(_report, session)
+        text = await run_in_threadpool(_report, shown)
+        return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
+
+    async def exported(request: Request) -> Response:
+        path = await run_in_threadpool(desk.archive)
+        return FileResponse(
+            path, media_type="application/zip", filename=f"{desk.name}.zip",
+            background=BackgroundTask(path.unlink),
+        )  # fmt: skip
+
+    async def page_of_result(request: Request) -> Response:
+        try:
+            text = await run_in_threadpool(desk.page, request.query_params.get("id", ""))
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, status_code=404)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
     return Starlette(
         routes=[
             Route("/", page),
-            Route("/page.css", style_sheet),
-            Route("/page.js", script_file),
-            Route("/choices", offered),
-            Route("/state", state),
+            *_assets(),
+            _told("/choices", desk.choices),
+            _told("/state", desk.state),
+            _told("/objects", desk.objects),
+            _told("/forms", desk.forms),
+            _told("/jobs", desk.jobs),
+            _told("/results", desk.results),
             Route("/events", events),
             Route("/report", report),
+            Route("/results/page", page_of_result),
+            Route("/export", exported),
+            Route(UPLOAD, uploaded(desk), methods=["POST"]),
             _action("/edit", lambda text: session.edit(read_edit(text))),
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),
             _action("/plan", lambda text: session.plan(read_order(text))),
             _action("/stop", lambda text: session.stop()),
+            _action("/worth", lambda text: desk.worth(read_request(WorthRequest, text))),
+            _action("/choose", lambda text: desk.choose(read_request(ChooseRequest, text))),
+            _action("/jobs", lambda text: desk.begin(read_request(JobRequest, text))),
+            _action("/jobs/stop", lambda text: desk.stop(read_request(StopRequest, text).job)),
+            _action("/show", lambda text: desk.show(read_request(ShowRequest, text).result)),
         ],
         middleware=[Middleware(Guard, token=token, port=port)],
     )
 
 
-def read_order(text: str) -> PlanningOrder:
-    """Parameters of a planning run, from JSON text.
+def _told(path: str, content: Callable[[], Any]) -> Route:
+    """A GET request that is answered with JSON, compressed where the browser takes that."""
 
-    Raises
-    ------
-    InputError
-        It does not say so.
-    """
-    try:
-        return PlanningOrder(**dict(OrderRequest.from_json(text)))
-    except ValidationError as error:
-        raise InputError(sentence(error)) from None
+    def text(compressed: bool) -> bytes:
+        plain_text = json.dumps(content(), ensure_ascii=False, allow_nan=False).encode()
+        return gzip.compress(plain_text, 5) if compressed else plain_text
+
+    async def answer(request: Request) -> Response:
+        compressed = "gzip" in request.headers.get("accept-encoding", "")
+        headers = {"Content-Encoding": "gzip"} if compressed else {}
+        try:
+            body = await run_in_threadpool(text, compressed)
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, status_code=422)
+        return Response(body, media_type="application/json", headers=headers)
+
+    return Route(path, answer)
 
 
 def _action(path: str, act: Callable[[str], Any]) -> Route:
@@ -159,19 +147,38 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
     async def answer(request: Request) -> Response:
         try:
             text = (await request.body()).decode("utf-8")
-            await run_in_threadpool(act, text)
+            made = await run_in_threadpool(act, text)
         except UnicodeDecodeError:
             return JSONResponse({"error": "the request is not text in UTF-8"}, status_code=422)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
-        return JSONResponse({})
+        return JSONResponse(made or {})
 
     return Route(path, answer, methods=["POST"])
 
 
-def _report(session: EditingSession) -> str:
+def _assets() -> list[Route]:
+    """Style sheets and scripts of the page: a fixed list, read once."""
+    style = resources.files("adr_opt.ui.report").joinpath("page.css").read_text("utf-8")
+    found = {"/page.css": (style + _asset("page.css"), "text/css")}
+    found["/page.js"] = _asset("page.js"), "text/javascript"
+    scripts = resources.files(__package__).joinpath("script")
+    for each in scripts.iterdir() if scripts.is_dir() else ():
+        if each.name.endswith(".js"):
+            found[f"/script/{each.name}"] = each.read_text("utf-8"), "text/javascript"
+
+    def route(path: str, text: str, kind: str) -> Route:
+        async def answer(request: Request) -> Response:
+            return Response(text, media_type=kind)
+
+        return Route(path, answer)
+
+    return [route(path, *content) for path, content in found.items()]
+
+
+def _report(shown: ShownReport) -> str:
     try:
-        text = session.report()
+        text = shown.text()
     except InputError as error:
         return _note("No report", str(error))
     return _note("No plan yet", "Press Plan, and the report comes here.") if text is None else text

@@ -13,6 +13,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 MOST_BYTES = 2**20
 """Maximum size of a request: an edit that names 10,000 targets has half of it [bytes]."""
 
+MOST_UPLOADED_BYTES = 64 * 2**20
+"""Maximum size of a dropped file: 24,000 objects as OMM XML take 45 MB [bytes]."""
+
+UPLOAD = "/upload"
+"""The one address that takes bytes in place of JSON."""
+
 HEADERS = {
     "Cache-Control": "no-store",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -34,7 +40,7 @@ class Guard:
     The host has to be this machine by a name that no foreign name server can give
     out: a foreign page whose name leads here (DNS rebinding) says another one. The token
     is in the query or in a cookie that the browser sends to this page alone. What changes something
-    is a POST of JSON, from this page.
+    is a POST of JSON, from this page; or of bytes, for a dropped file at :data:`UPLOAD` alone.
 
     Parameters
     ----------
@@ -68,12 +74,13 @@ class Guard:
             await _refuse(*refused, answer)
             return
         counted, started = 0, False
+        most = _most(scope)
 
         async def limited() -> Message:
             nonlocal counted
             message = await receive()
             counted += len(message.get("body", b""))
-            if counted > MOST_BYTES:
+            if counted > most:
                 raise TooLarge
             return message
 
@@ -86,7 +93,7 @@ class Guard:
             await self._app(scope, limited, noted)
         except TooLarge:
             if not started:
-                await _refuse(413, _TOO_LARGE, answer)
+                await _refuse(413, _too_large(most), answer)
 
     def _refused(self, scope: Scope, headers: Headers) -> tuple[int, str] | None:
         """Status and sentence of a refusal."""
@@ -102,11 +109,14 @@ class Guard:
         if foreign or origin not in (None, f"http://{hosts[0]}"):
             return 403, "another page asked for this; open the address that was printed"
         if scope["method"] == "POST":
-            if headers.get("content-type", "").partition(";")[0].strip() != "application/json":
-                return 415, "a request that changes something is JSON"
-            length = headers.get("content-length", "0")
-            if not length.isdigit() or len(length) > 12 or int(length) > MOST_BYTES:
-                return 413, _TOO_LARGE
+            kind = headers.get("content-type", "").partition(";")[0].strip()
+            if kind != ("application/octet-stream" if _uploads(scope) else "application/json"):
+                return 415, "a request that changes something is JSON, and a dropped file bytes"
+            length, most = headers.get("content-length", "0"), _most(scope)
+            if not (length.isascii() and length.isdigit()) or len(length) > 12:
+                return 413, _too_large(most)
+            if int(length) > most:
+                return 413, _too_large(most)
         elif scope["method"] not in ("GET", "HEAD"):
             return 405, "only GET and POST are answered"
         return None
@@ -115,7 +125,17 @@ class Guard:
         return secrets.compare_digest(token.encode(), self._token)
 
 
-_TOO_LARGE = f"the request is too large; the most is {MOST_BYTES} bytes"
+def _uploads(scope: Scope) -> bool:
+    return bool(scope["path"] == UPLOAD)
+
+
+def _most(scope: Scope) -> int:
+    """Maximum size of this request [bytes]."""
+    return MOST_UPLOADED_BYTES if _uploads(scope) else MOST_BYTES
+
+
+def _too_large(most: int) -> str:
+    return f"the request is too large; the most is {most} bytes"
 
 
 def _cookie(headers: Headers, name: str) -> str:

@@ -10,7 +10,7 @@ import uvicorn
 
 from ...common.errors import InputError
 from .app import application
-from .session import EditingSession
+from .desk import Desk
 
 HOST = "127.0.0.1"
 LAST_ANSWERS_S = 2
@@ -36,11 +36,11 @@ def listening(port: int = 0) -> socket.socket:
 
 
 class Server:
-    """A session on a local port.
+    """A desk on a local port.
 
     Parameters
     ----------
-    session : EditingSession
+    desk : Desk
     listener : socket
         As :func:`listening` gives it.
 
@@ -51,7 +51,7 @@ class Server:
         The address of the page, with its token.
     """
 
-    def __init__(self, session: EditingSession, listener: socket.socket) -> None:
+    def __init__(self, desk: Desk, listener: socket.socket) -> None:
         self._socket = listener
         self.port: int = self._socket.getsockname()[1]
         token = secrets.token_urlsafe(32)
@@ -59,7 +59,7 @@ class Server:
         self._closing = threading.Event()
         self._server = uvicorn.Server(
             uvicorn.Config(
-                application(session, token, self.port, self._closing),
+                application(desk, token, self.port, self._closing),
                 http="h11", ws="none", loop="asyncio", lifespan="off", log_config=None,
                 access_log=False, server_header=False, proxy_headers=False, limit_concurrency=64,
                 timeout_graceful_shutdown=LAST_ANSWERS_S,

@@ -1,0 +1,152 @@
+"""The desk: editing session, dropped objects, jobs and results, as the page sees them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ...common.errors import InputError
+from ...common.files import read_text
+from ...common.wording import counted
+from .choices import choices
+from .forms.fields import form_fields
+from .jobs.queue import JobQueue
+from .objects.dropped import DroppedObjects
+from .project.archive import archived
+from .project.private import passing, refuse_link
+from .requests import ChooseRequest, JobRequest, WorthRequest
+from .session import EditingSession
+
+
+class Desk:
+    """State shown and changed by the page.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self.session = session
+        self.dropped = DroppedObjects(session)
+        self.queue = JobQueue(session, self.dropped)
+
+    @property
+    def results_revision(self) -> int:
+        """Counter of changes to what :meth:`results` gives."""
+        return self.session.results.revision
+
+    @property
+    def jobs_revision(self) -> int:
+        """Counter of changes to what :meth:`jobs` gives."""
+        return self.queue.revision
+
+    @property
+    def revision(self) -> int:
+        """Counter of changes to what :meth:`state` gives."""
+        return self.session.revision
+
+    def look(self) -> dict[str, Any]:
+        """Progress of the planner, as JSON data."""
+        return self.session.look().to_dict()
+
+    def choices(self) -> dict[str, Any]:
+        """Methods, bounds and verbs with their options, as JSON data."""
+        return choices()
+
+    def state(self) -> dict[str, Any]:
+        """The state, as JSON data."""
+        state = self.session.state()
+        plan = state["plan"]
+        return {
+            **state,
+            "stage": self._stage(state),
+            "project": {"name": self.name, "folder": state["folder"]},
+            "files": [
+                {"name": each.name, "what": each.what, "count": each.count}
+                for each in self.session.files
+            ],
+            "notes": [] if plan is None else plan["notes"],
+        }
+
+    def _stage(self, state: dict[str, Any]) -> str:
+        if state["instance"] is not None:
+            return "mission"
+        return (
+            "objects" if any(each.what == "catalogue" for each in self.session.files) else "empty"
+        )
+
+    def objects(self) -> dict[str, Any]:
+        """Columns of the dropped catalogue, as JSON data."""
+        return self.dropped.columns()
+
+    def forms(self) -> list[dict[str, Any]]:
+        """Fields of forms, as JSON data."""
+        return form_fields()
+
+    def jobs(self) -> list[dict[str, Any]]:
+        """All jobs, as JSON data."""
+        return self.queue.rows()
+
+    def results(self) -> list[dict[str, Any]]:
+        """All results, newest last, as JSON data."""
+        return [record.row() for record in self.session.results.all()]
+
+    def close(self, seconds: float) -> bool:
+        """Stop all work; returns whether all is finished."""
+        self.queue.close()
+        return self.session.close(seconds)
+
+    @property
+    def name(self) -> str:
+        """Name of the project, as that of a file."""
+        return self.session.folder.path.name
+
+    def page(self, number: str) -> str:
+        """Page of a result, exactly as the verb has written it.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it has no page.
+        """
+        digits = number.isascii() and number.isdigit() and len(number) <= 6
+        record = self.session.results.record(int(number) if digits else 0)
+        if record.page is None:
+            raise InputError(f"result {record.number} ({record.verb}) has no page")
+        place = self.session.results.place(record.number)
+        return read_text(refuse_link(place / record.page))
+
+    def archive(self) -> Path:
+        """A temporary file with the whole project, zipped; the caller removes it."""
+        folder = self.session.folder.path
+        return archived(folder, passing(folder, ".zip"))
+
+    def temporary(self) -> Path:
+        """Path of a new temporary file for what is being uploaded."""
+        return passing(self.session.folder.path)
+
+    def drop(self, path: Path, name: str) -> dict[str, Any]:
+        """Take an uploaded file into the project; returns what it is, as JSON data."""
+        return self.dropped.drop(path, name)
+
+    def worth(self, asked: WorthRequest) -> dict[str, Any]:
+        """Begin a job that computes the worth of the dropped objects."""
+        return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
+
+    def choose(self, asked: ChooseRequest) -> None:
+        """Make a mission of dropped objects."""
+        made = self.dropped.mission(asked.names, by_worth=asked.prizes == "worth")
+        self.session.begin_anew(made, f"{counted(len(made.targets), 'target')} chosen")
+
+    def begin(self, asked: JobRequest) -> dict[str, Any]:
+        """Begin a job; returns its number as JSON data."""
+        return {"job": self.queue.begin(asked)}
+
+    def stop(self, job: int) -> None:
+        """Stop a job."""
+        self.queue.stop(job)
+
+    def show(self, result: int) -> None:
+        """Show the plan of a result."""
+        self.session.show(result)

@@ -1,0 +1,1 @@
+"""The project folder: drafts, dropped files and results, as ordinary files."""

@@ -1,0 +1,86 @@
+"""Content of the requests that the page sends, as strict records."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import Field, ValidationError
+
+from ...common.errors import InputError
+from ...common.records import Record
+from ...common.sentences import sentence
+from .looks import PlanningOrder
+
+MOST_CHOSEN = 2000
+"""Maximum number of objects that become targets at once."""
+
+
+class OrderRequest(Record):
+    """Parameters of a planning run, as requested by the page."""
+
+    method: str
+    time_limit_s: float
+    bound: str | None = None
+    seed: Annotated[int, Field(ge=0)] = 0
+    goes_on: bool = True
+
+
+class ChooseRequest(Record):
+    """Objects of the dropped catalogue that become the targets of a mission."""
+
+    names: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=MOST_CHOSEN)]
+    prizes: Literal["one", "worth"] = "one"
+
+
+class WorthRequest(Record):
+    """Horizon of the worth of the objects of the dropped catalogue [years]."""
+
+    years: Annotated[float, Field(gt=0.0, le=200.0)] = 50.0
+
+
+class JobRequest(Record):
+    """A verb to run, with its options by name and the results that it reads."""
+
+    verb: str
+    options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
+    results: Annotated[tuple[int, ...], Field(strict=False, max_length=50)] = ()
+
+
+class StopRequest(Record):
+    """The job to stop, by its number."""
+
+    job: int
+
+
+class ShowRequest(Record):
+    """The result to show, by its number."""
+
+    result: int
+
+
+Asked = TypeVar("Asked", bound=Record)
+
+
+def read_request(kind: type[Asked], text: str) -> Asked:
+    """A request from JSON text.
+
+    Raises
+    ------
+    InputError
+        It is not one.
+    """
+    try:
+        return kind.from_json(text)
+    except ValidationError as error:
+        raise InputError(sentence(error)) from None
+
+
+def read_order(text: str) -> PlanningOrder:
+    """Parameters of a planning run, from JSON text.
+
+    Raises
+    ------
+    InputError
+        It does not say so.
+    """
+    return PlanningOrder(**dict(read_request(OrderRequest, text)))

@@ -1,0 +1,54 @@
+"""Dropped files: streamed to a temporary file of the project, counted, and handed on."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+
+from ...common.errors import InputError
+from .desk import Desk
+from .project.private import private_file
+
+MOST_AT_ONCE = 2
+"""Maximum number of files that are uploaded at once."""
+
+LONGEST_NAME = 200
+"""Maximum length of a file's name [characters]."""
+
+
+def uploaded(desk: Desk) -> Callable[[Request], Awaitable[Response]]:
+    """What answers an upload: the guard before it has limited the size.
+
+    Parameters
+    ----------
+    desk : Desk
+    """
+    turn = asyncio.Semaphore(MOST_AT_ONCE)
+
+    async def answer(request: Request) -> Response:
+        name = request.query_params.get("name", "")
+        if not name or len(name) > LONGEST_NAME:
+            return _refused(f"the name of the file must have 1 to {LONGEST_NAME} characters")
+        if turn.locked():
+            return _refused("other files are being uploaded; drop this one again after them", 429)
+        async with turn:
+            path = desk.temporary()
+            try:
+                with private_file(path) as file:
+                    async for chunk in request.stream():
+                        await run_in_threadpool(file.write, chunk)
+                return JSONResponse(await run_in_threadpool(desk.drop, path, name))
+            except InputError as error:
+                return _refused(str(error))
+            finally:
+                path.unlink(missing_ok=True)
+
+    return answer
+
+
+def _refused(sentence: str, status: int = 422) -> Response:
+    return JSONResponse({"error": sentence}, status_code=status)
