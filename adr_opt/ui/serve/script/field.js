@@ -1,0 +1,114 @@
+// A field of a form as the server describes it: label, unit, help, and why a value is refused.
+import { made, text } from "./dom.js";
+
+const EMPTY = "";
+
+// Lists are written as numbers between commas; nothing between two of them stands for none.
+function ofList(written) {
+  return written.split(",").map((part) => {
+    const word = part.trim();
+    if (word === EMPTY) return null;
+    return Number.isNaN(Number(word)) ? word : Number(word);
+  });
+}
+
+const wordsOf = (value) => (Array.isArray(value) ? value.map((each) => each ?? EMPTY).join(", ") : EMPTY);
+
+// The control, its value read, and its value set.
+const CONTROLS = {
+  number: (spec) => {
+    const control = made("input", {
+      type: "number", step: "any", inputmode: "decimal", min: spec.least, max: spec.most,
+    });
+    return {
+      control,
+      read: () => (control.value === EMPTY ? null : Number(control.value)),
+      write: (value) => { control.value = typeof value === "number" ? text(value, 12) : EMPTY; },
+    };
+  },
+  text: () => {
+    const control = made("input", { type: "text", autocomplete: "off" });
+    return {
+      control,
+      read: () => (control.value.trim() === EMPTY ? null : control.value.trim()),
+      write: (value) => { control.value = value ?? EMPTY; },
+    };
+  },
+  list: () => {
+    const control = made("input", { type: "text", autocomplete: "off" });
+    return {
+      control,
+      read: () => (control.value.trim() === EMPTY ? null : ofList(control.value)),
+      write: (value) => { control.value = wordsOf(value); },
+    };
+  },
+  choice: (spec) => {
+    const control = made("select");
+    if (spec.optional) control.append(new Option("none", EMPTY));
+    control.append(...(spec.choices ?? []).map((each) => new Option(each, each)));
+    return {
+      control,
+      read: () => (control.value === EMPTY ? null : control.value),
+      write: (value) => { control.value = value ?? EMPTY; },
+    };
+  },
+  flag: () => {
+    const control = made("input", { type: "checkbox" });
+    return {
+      control,
+      read: () => control.checked,
+      write: (value) => { control.checked = Boolean(value); },
+    };
+  },
+};
+
+// change(value) gives, be it later, the sentence that refuses it, or an empty one.
+export function fieldOf(spec, id, change = null) {
+  const { control, read, write } = (CONTROLS[spec.kind] ?? CONTROLS.text)(spec);
+  control.id = id;
+  const help = made("span", { class: "help", id: `${id}-help` }, spec.help ?? EMPTY);
+  const why = made("span", { class: "why", id: `${id}-why`, "aria-live": "polite" });
+  const titled = spec.unit ? `${spec.label} [${spec.unit}]` : spec.label;
+  const row = made("div", { class: `field ${spec.kind}` },
+    made("label", { for: id }, titled), control, help, why);
+  help.hidden = !spec.help;
+  control.setAttribute("aria-describedby", `${id}-help ${id}-why`);
+  if (spec.optional && spec.kind !== "choice" && spec.kind !== "flag") control.placeholder = "none";
+  const refuse = (sentence) => {
+    why.textContent = sentence;
+    if (sentence) control.setAttribute("aria-invalid", "true");
+    else control.removeAttribute("aria-invalid");
+  };
+  if (change) {
+    control.addEventListener("change", async () => {
+      const value = read();
+      if (value === null && !spec.optional) refuse(`${spec.label} must be given.`);
+      else refuse(await change(value));
+    });
+  }
+  const set = (value) => {
+    // What was refused stays as it is typed, with its sentence, until it is changed.
+    if (control.hasAttribute("aria-invalid")) return;
+    const typing = document.activeElement === control && spec.kind !== "flag";
+    if (!typing || JSON.stringify(read()) !== JSON.stringify(value ?? null)) write(value);
+  };
+  write(spec.default);
+  return { row, control, read, set, refuse };
+}
+
+export const dig = (element, path) =>
+  path.split(".").reduce((value, name) => value?.[name], element);
+
+// A copy with another value at a path of names between dots.
+export function withValue(element, path, value) {
+  const copy = structuredClone(element);
+  const names = path.split(".");
+  const last = names.pop();
+  let at = copy;
+  for (const name of names) {
+    if (at[name] === null || typeof at[name] !== "object") at[name] = {};
+    at = at[name];
+  }
+  at[last] = value;
+  return copy;
+}

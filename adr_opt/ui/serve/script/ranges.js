@@ -1,0 +1,40 @@
+// Fields for the least and greatest value of each column: the keyboard's way of brushing.
+import { COLUMNS, extent, known } from "./columns.js";
+import { box, made, text } from "./dom.js";
+
+export function rangeFields(filters, changed) {
+  let rows = {};
+  const read = (input) => (input.value === "" ? null : Number(input.value));
+  return {
+    take(field) {
+      rows = {};
+      filters.ranges = {};
+      for (const [name, { label, unit }] of Object.entries(COLUMNS)) {
+        if (!known(field[name])) continue;
+        const said = name === "worth" ? field.unit : unit;
+        const titled = said ? `${label} [${said}]` : label;
+        const [low, high] = extent(field[name]);
+        const inputs = ["from", "to"].map((end, at) => made("input", {
+          type: "number", step: "any", inputmode: "decimal", id: `range-${name}-${end}`,
+          "aria-label": `${titled}, ${end}`, placeholder: text([low, high][at], 4),
+        }));
+        filters.ranges[name] = [null, null];
+        for (const input of inputs) {
+          input.addEventListener("input", () => {
+            filters.ranges[name] = inputs.map(read);
+            changed();
+          });
+        }
+        const between = made("span", { "aria-hidden": "true" }, "to");
+        rows[name] = { inputs, row: made("div", { class: "range" }, made("span", {}, titled), inputs[0], between, inputs[1]) };
+      }
+      box("ranges").replaceChildren(...Object.values(rows).map(({ row }) => row));
+    },
+    clear() {
+      for (const [name, { inputs }] of Object.entries(rows)) {
+        for (const input of inputs) input.value = "";
+        filters.ranges[name] = [null, null];
+      }
+    },
+  };
+}
