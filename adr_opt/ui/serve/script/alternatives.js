@@ -3,7 +3,7 @@ import { dig, withValue } from "./field.js";
 
 const ANYWHERE = "anywhere";
 const ORBIT = "orbit of its own";
-const [BY_SPEED, BY_MASS] = ["velocity change", "propellant mass"];
+const [BY_SPEED, BY_MASS] = ["ΔV", "propellant"];
 const MASS = ["dry_mass_kg", "propellant_kg", "isp_s", "initial_propellant_kg"];
 const SPEED = ["delta_v_m_s", "initial_delta_v_m_s"];
 const FIRST = { dry_mass_kg: 1000, propellant_kg: 1000, isp_s: 300 };

@@ -7,8 +7,9 @@ import { paint } from "./paint.js";
 import { rangeFields } from "./ranges.js";
 import { Scatter } from "./scatter.js";
 import { follow, told } from "./store.js";
-import { begin, complain, get, send } from "./talk.js";
+import { complain, get, send } from "./talk.js";
 
+const MOST = 2000; // targets that are chosen at once
 const LIST_MS = 120; // the list follows a brush that moves this often
 const PAIRS = [["inclination", "altitude"], ["node", "inclination"], ["node", "altitude"]];
 
@@ -57,9 +58,10 @@ function say(ticks) {
   put("objects-count", `${count.toLocaleString("en-GB")} of ${counted(field.count, "object")} shown, `
     + `${ticks.toLocaleString("en-GB")} ticked`);
   const number = wanted(ticks);
-  box("choose").disabled = !number;
+  box("choose").disabled = !number || number > MOST;
   put("choose", number ? `Choose ${counted(number, ticks ? "ticked object" : "shown object")}` : "Choose");
-  put("choose-why", number ? "" : "Brush, filter or tick objects first.");
+  put("choose-why", !number ? "Brush, filter or tick objects first."
+    : number > MOST ? `At most ${MOST.toLocaleString("en-GB")} objects become targets.` : "");
   box("clear-filters").disabled = !filtering(filters);
   box("untick").disabled = !ticks;
   chips();
@@ -79,7 +81,7 @@ function chips() {
     return made("li", {}, button(`${said} ×`, () => {
       plot.rectangles = plot.rectangles.filter((other) => other !== rectangle);
       ask(true);
-    }, { class: "chip", "aria-label": `Remove the brush: ${said}` }));
+    }, { class: "act chip", "aria-label": `Remove the brush: ${said}` }));
   }));
 }
 
@@ -124,7 +126,7 @@ function legend() {
       else filters.hidden.delete(kind);
       press.setAttribute("aria-pressed", String(!off));
       ask(true);
-    }, { class: "key", "aria-pressed": String(!filters.hidden.has(kind)), title: "Show or hide" });
+    }, { class: "act key", "aria-pressed": String(!filters.hidden.has(kind)), title: "Show or hide" });
     press.append(swatch, words);
     return made("li", {}, press);
   }));
@@ -144,17 +146,25 @@ function zoom(to) {
 // ---- From the server -----------------------------------------------------------------------------
 
 function take(answer) {
+  const before = field;
   field = columnsOf(answer);
-  passing = new Uint8Array(field.count).fill(1);
-  count = field.count;
-  filters.hidden.clear();
-  for (const plot of filters.plots) Object.assign(plot, { field, rectangles: [], bounds: null });
+  // The same objects, with their worth: filters and ticks stay.
+  const same = before?.count === field.count
+    && field.names.every((name, at) => name === before.names[at]);
+  if (same) field.ticked.set(before.ticked);
+  else {
+    passing = new Uint8Array(field.count).fill(1);
+    count = field.count;
+    filters.hidden.clear();
+    for (const plot of filters.plots) Object.assign(plot, { rectangles: [], bounds: null });
+  }
+  for (const plot of filters.plots) plot.field = field;
   const worth = known(field.worth);
   box("colour-by").value = worth ? "worth" : "kind";
   box("colour-by").disabled = !worth;
   box("prizes").value = worth ? "worth" : "one";
   box("prizes").disabled = !worth;
-  ranges.take(field);
+  ranges.take(field, same);
   list.take(field);
   put("epoch", answer.epoch ? `Elements at ${answer.epoch}${answer.skipped ? `; ${counted(answer.skipped, "object")} left out` : ""}` : "");
   legend();
@@ -223,7 +233,7 @@ export function start() {
   box("choose").addEventListener("click", choose);
   box("work-out").addEventListener("click", () => {
     if (box("years").value === "") complain("worth: give a number of years first");
-    else begin("worth", { years: Number(box("years").value) });
+    else send("/worth", { years: Number(box("years").value) });
   });
   follow("state", reload);
   follow("jobs", () => told.state && reload(told.state));

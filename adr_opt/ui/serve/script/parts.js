@@ -21,18 +21,17 @@ function form(part, at, element, commit) {
   const fields = [];
   const id = (path) => `part-${part}${at === null ? "" : `-${at}`}-${path.replaceAll(".", "-")}`;
   const current = () => (at === null ? told.state.instance[part] : told.state.instance[part][at]);
-  if (part === "chasers") {
-    for (const one of ALTERNATIVES) {
-      const spec = { ...one, choices: one.choices(told.state.instance) };
-      const field = fieldOf(spec, id(one.path), (chosen) => commit(one.write(current(), chosen, told.state.instance)));
-      fields.push({ field, of: one.read });
-    }
-  }
+  const choices = part === "chasers" ? ALTERNATIVES.map((one) => {
+    const { instance } = told.state;
+    const spec = { ...one, choices: one.choices(instance) };
+    const write = (chosen) => commit(one.write(current(), chosen, told.state.instance));
+    return { field: fieldOf(spec, id(one.path), write), of: one.read };
+  }) : [];
   for (const spec of specsOf(part).filter(({ path }) => stands(element, path))) {
     const field = fieldOf(spec, id(spec.path), (value) => commit(withValue(current(), spec.path, value)));
     fields.push({ field, of: (now) => dig(now, spec.path) ?? (spec.optional ? null : spec.default) });
   }
-  return fields;
+  return [...fields.slice(0, 1), ...choices, ...fields.slice(1)]; // the name comes first
 }
 
 // What the fields of an element depend on beside their values.
