@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import secrets
 import stat
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -138,17 +138,13 @@ def write_whole(path: str | os.PathLike[str], write: Callable[[Path], object]) -
     target = Path(path).resolve()
     _remove_left_overs(target.parent)
     try:
-        handle, name = tempfile.mkstemp(
-            dir=target.parent, prefix=f".{target.stem[:50]}-", suffix=f".part{target.suffix}"
-        )
-        os.close(handle)
-        temporary = Path(name)
+        name = f".{target.stem[:50]}-{secrets.token_hex(4)}.part{target.suffix}"
+        temporary = target.parent / name
+        # Opened like any other file, so that its mode is that of others: the mask of the process
+        # cannot be read without changing it, which other threads would notice.
+        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
         try:
             write(temporary)
-            umask = os.umask(0)
-            os.umask(umask)
-            # mkstemp is private; a written file is like any other
-            temporary.chmod(0o666 & ~umask)
             temporary.replace(target)
         except BaseException:
             temporary.unlink(missing_ok=True)

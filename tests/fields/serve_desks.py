@@ -23,6 +23,12 @@ def files_under(folder: Path) -> dict[str, bytes]:
     }
 
 
+def at_hand(folder: Path) -> list[str]:
+    """Files of a project folder beside those of the project itself."""
+    own = ("project.json", "history", "results", "files")
+    return sorted(name for name in files_under(folder) if Path(name).parts[0] not in own)
+
+
 def wait(desk: EditingSession) -> work.Look:
     """The run once it is over."""
     assert desk._work.wait(60.0)

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import files_under, of, wait
+from serve_desks import at_hand, files_under, of, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -172,7 +172,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     client = let_in(desk)
     assert "No plan yet" in client.get("/report").text
     folder = world / "work"
-    assert list(files_under(folder)) == ["draft.json"]
+    assert at_hand(folder) == ["draft.json"]
     assert client.post("/edit", json=of("far", excluded=True)).status_code == 200
     assert client.post("/edit", json=of("north", prize=5.0)).status_code == 200
     wrong = client.post("/edit", json=of("north", prize=-5.0))
@@ -185,7 +185,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     state = client.get("/state").json()
     assert state["plan"]["fits"]
     assert state["plan"]["targets"] == 3
-    assert sorted(files_under(folder)) == ["instance.json", "plan.json"]
+    assert at_hand(folder) == ["instance.json", "plan.json"]
     planned = adr_opt.load(folder / "instance.json")
     plan = adr_opt.load_plan(folder / "plan.json")
     assert [each.prize for each in planned.targets] == [5.0, 1.0, 1.0]
@@ -197,7 +197,7 @@ def test_a_day_at_the_desk(desk: EditingSession, world: Path) -> None:
     client.post("/edit", json={"duration_s": 60_000.0})
     state = client.get("/state").json()
     assert not state["plan"]["fits"]
-    assert sorted(files_under(folder)) == ["draft.json", "instance.json", "plan.json"]
+    assert at_hand(folder) == ["draft.json", "instance.json", "plan.json"]
     assert adr_opt.load(folder / "instance.json") == planned
     client.post("/plan", json=GREEDY)
     assert wait(desk).phase == "done"
@@ -425,12 +425,17 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
         EditingSession(hand_made(periods=15.0), plan, folder)
     again = EditingSession(adr_opt.load(world / "work/instance.json"), plan, folder)
     assert again.state()["plan"]["fits"]
-    assert sorted(files_under(world / "work")) == ["instance.json", "plan.json"]
+    assert at_hand(world / "work") == ["instance.json", "plan.json"]
     (world / "work/draft.json").symlink_to(world / "my.json")
     before = files_under(world)
     again.edit(read_edit(json.dumps(of("north", prize=2.0))))
     assert "a link" in again.state()["trouble"]
-    assert files_under(world) == before
+    after = files_under(world)
+    # The edit itself is in the project, and nothing else is touched.
+    assert {name for name in after if after[name] != before.get(name)} == {
+        "work/project.json", f"work/history/{again.instance().sha256[:16]}/instance.json"
+    }  # fmt: skip
+    assert before.keys() <= after.keys()
 
 
 def test_wrong_calls_are_one_sentence_and_make_nothing(world: Path, cli: Cli) -> None:

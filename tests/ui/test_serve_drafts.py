@@ -8,14 +8,16 @@ from typing import Any
 
 import pytest
 from hand_made import hand_made
-from serve_desks import files_under, of, wait
+from serve_desks import at_hand, of, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
 from adr_opt.ui.serve import drafts
-from adr_opt.ui.serve.drafts import Draft, History, read_edit
+from adr_opt.ui.serve import history as steps
+from adr_opt.ui.serve.drafts import Draft, read_edit
 from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.history import History
 from adr_opt.ui.serve.session import EditingSession
 from adr_opt.ui.serve.work import PlanningOrder
 
@@ -100,7 +102,7 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     assert adr_opt.load(tmp_path / "work/instance.json").given.sha256 == given.given.sha256
     assert adr_opt.load(tmp_path / "work/draft.json").given.sha256 == made.given.sha256
     desk.undo()
-    assert sorted(files_under(tmp_path / "work")) == [
+    assert at_hand(tmp_path / "work") == [
         "connections.parquet", "instance.json", "plan.json"
     ]  # fmt: skip
 
@@ -151,7 +153,7 @@ def test_edits_are_undone_and_done_again(monkeypatch: pytest.MonkeyPatch) -> Non
     assert history.redoes is None
     assert not history.redo()
     assert history.undoes == "2 targets excluded"
-    monkeypatch.setattr(drafts, "MOST_STEPS", 2)
+    monkeypatch.setattr(steps, "MOST_STEPS", 2)
     for days in (1.0, 2.0, 3.0):
         history.edit(read_edit(json.dumps({"duration_s": 86400.0 * days})))
     assert [history.undo() for _ in range(3)] == [True, True, False]

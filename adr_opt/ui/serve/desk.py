@@ -44,12 +44,10 @@ class Desk:
         plan = state["plan"]
         return {
             **state,
-            "stage": "mission",
-            "project": {"name": state["name"], "folder": state["folder"]},
-            "instance": self.session.parts(),
+            "stage": "mission" if state["instance"] is not None else "empty",
+            "project": {"name": self.name, "folder": state["folder"]},
             "files": [],
             "notes": [] if plan is None else plan["notes"],
-            "result": None,
         }
 
     def objects(self) -> dict[str, Any]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
@@ -18,8 +19,8 @@ from ...problem.chasers import Chaser, TankByMass
 from ...problem.given import among
 from ...problem.instance import Instance
 
-MOST_STEPS = 500
-"""Maximum number of edits that can be undone."""
+Part = Literal["chasers", "stations", "mission", "transfer", "objective"]
+"""Parts of an instance that forms edit."""
 
 
 class TargetsEdit(Record):
@@ -38,12 +39,20 @@ class BudgetEdit(Record):
     amount: float
 
 
+class PartEdit(Record):
+    """A part of the instance as its file has it, in place of the one that is there."""
+
+    path: Part
+    value: dict[str, Any] | list[dict[str, Any]]
+
+
 class Edit(Record):
     """One edit, as sent by the page, with exactly one field."""
 
     targets: TargetsEdit | None = None
     duration_s: float | None = None
     budget: BudgetEdit | None = None
+    part: PartEdit | None = None
 
 
 def read_edit(text: str) -> Edit:
@@ -108,6 +117,8 @@ class Draft:
             return self._with_targets(edit.targets)
         if edit.budget is not None:
             return self._with_budget(edit.budget)
+        if edit.part is not None:
+            return self._with_part(edit.part)
         return replace(self, field=self.field.with_limits(duration_s=edit.duration_s))
 
     def _with_targets(self, edit: TargetsEdit) -> Draft:
@@ -146,6 +157,15 @@ class Draft:
         )
         return replace(self, field=self.field.replace(chasers=chasers))
 
+    def _with_part(self, edit: PartEdit) -> Draft:
+        """Read the part within the whole file, so that errors name its fields as for a file."""
+        content = self.field.model_dump(mode="json") | {edit.path: edit.value}
+        try:
+            made = Instance.from_json(json.dumps(content))
+        except ValidationError as error:
+            raise InputError(sentence(error)) from None
+        return replace(self, field=self.field.replace(**{edit.path: getattr(made, edit.path)}))
+
 
 def _refuse_strangers(wanted: Iterable[str], known: Iterable[str], what: str) -> None:
     strange = sorted(set(wanted) - set(known))
@@ -175,6 +195,8 @@ def told(edit: Edit) -> str:
         return f"duration {edit.duration_s / DAY_S:.6g} d"
     if edit.budget is not None:
         return f"budget of {edit.budget.chaser} {edit.budget.amount:.6g}"
+    if edit.part is not None:
+        return f"{edit.part.path} changed"
     assert edit.targets is not None
     names = edit.targets.names
     whose = names[0] if len(names) == 1 else counted(len(names), "target")
@@ -183,63 +205,3 @@ def told(edit: Edit) -> str:
     if edit.targets.excluded is not None:
         return f"{whose} {'excluded' if edit.targets.excluded else 'not excluded'}"
     return f"{whose} {'required' if edit.targets.required else 'not required'}"
-
-
-class History:
-    """A sequence of drafts, and the current one.
-
-    Parameters
-    ----------
-    first : Draft
-    """
-
-    def __init__(self, first: Draft) -> None:
-        self._drafts = [first]
-        self._words = [""]
-        self._at = 0
-
-    @property
-    def draft(self) -> Draft:
-        """The current draft."""
-        return self._drafts[self._at]
-
-    @property
-    def undoes(self) -> str | None:
-        """The edit that undo would revert, in words; None if there is none."""
-        return self._words[self._at] if self._at else None
-
-    @property
-    def redoes(self) -> str | None:
-        """The edit that redo would repeat, in words; None if there is none."""
-        return self._words[self._at + 1] if self._at + 1 < len(self._drafts) else None
-
-    def edit(self, edit: Edit) -> bool:
-        """Apply an edit, discarding undone ones; returns whether anything changed.
-
-        Raises
-        ------
-        InputError
-            The edit is not valid; nothing changes.
-        """
-        made = self.draft.edited(edit)
-        if made == self.draft:
-            return False
-        del self._drafts[self._at + 1 :], self._words[self._at + 1 :]
-        self._drafts.append(made)
-        self._words.append(told(edit))
-        if len(self._drafts) > MOST_STEPS + 1:
-            del self._drafts[0], self._words[0]
-        self._at = len(self._drafts) - 1
-        return True
-
-    def undo(self) -> bool:
-        """Undo an edit; returns whether there was one."""
-        moved = self._at > 0
-        self._at -= moved
-        return moved
-
-    def redo(self) -> bool:
-        """Redo an edit; returns whether there was one."""
-        moved = self._at + 1 < len(self._drafts)
-        self._at += moved
-        return moved

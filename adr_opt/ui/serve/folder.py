@@ -1,16 +1,26 @@
-"""The working folder: the latest plan with its instance, and an unplanned draft."""
+"""The project folder: history, results and dropped files, and the latest plan at hand."""
 
 from __future__ import annotations
 
 import os
+import stat
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from ...common.errors import InputError
+from ...common.files import read_model, write_text
 from ...plan.plan import Plan
 from ...problem.instance import Instance
+from .project.drafts_kept import DraftsKept
+from .project.lock import locked
+from .project.private import private_folder, refuse_link, remove_passing
+from .project.record import ProjectRecord
+from .project.results import Results
 
 INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
-"""Files apart from that of given connections; the first two always belong together."""
+"""Files at hand; the first two always belong together."""
+
+PROJECT = "project.json"
 
 
 class Folder:
@@ -22,8 +32,14 @@ class Folder:
     Parameters
     ----------
     path : path
-    going_on : path
-        The instance file of this call: that in the folder, if work goes on there.
+    going_on : path, optional
+        The instance file of this call: that in the folder, if work goes on there. Without one the
+        folder is a project that is opened as it was.
+
+    Attributes
+    ----------
+    drafts : DraftsKept
+    results : Results
 
     Raises
     ------
@@ -31,7 +47,9 @@ class Folder:
         It cannot be made or written to, or it holds the work of an earlier call.
     """
 
-    def __init__(self, path: str | os.PathLike[str], going_on: str | os.PathLike[str]) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], going_on: str | os.PathLike[str] | None = None
+    ) -> None:
         try:
             self.path = Path(path).resolve()
             is_there = self.path.exists()
@@ -45,12 +63,28 @@ class Folder:
             )
         if not os.access(self.path if is_there else self.path.parent, os.W_OK | os.X_OK):
             raise InputError(f"{path}: the folder cannot be written to; choose another")
-        there = [name for name in (INSTANCE, PLAN, DRAFT) if os.path.lexists(self.path / name)]
-        if there and Path(going_on).resolve().parent != self.path:
+        if is_there and self.path.stat().st_mode & stat.S_IWOTH and os.name == "posix":
             raise InputError(
-                f"{path}: holds {there[0]} of an earlier call; go on with that by giving the files "
-                "in it as INSTANCE and PLAN, or name another folder with --folder"
+                f"{path}: every user of this machine can write to the folder; choose another, or "
+                "take that right away"
             )
+        there = [
+            name for name in (INSTANCE, PLAN, DRAFT, PROJECT) if os.path.lexists(self.path / name)
+        ]
+        if going_on is not None:
+            if there and Path(going_on).resolve().parent != self.path:
+                raise InputError(
+                    f"{path}: holds {there[0]} of an earlier call; go on with that by giving the "
+                    "files in it as INSTANCE and PLAN, or name another folder with --folder"
+                )
+        elif there and PROJECT not in there:
+            raise InputError(
+                f"{path}: holds {there[0]}, but is no project; give the files in it as INSTANCE "
+                "and PLAN, or name another folder with --folder"
+            )
+        self.drafts = DraftsKept(self.path / "history")
+        self.results = Results(self.path / "results")
+        self.files = self.path / "files"
 
     def make(self) -> None:
         """Create the folder if it is absent.
@@ -60,16 +94,37 @@ class Folder:
         InputError
             That cannot be done.
         """
-        try:
-            self.path.mkdir(exist_ok=True)
-        except OSError as error:
-            raise InputError(
-                f"{self.path}: the folder cannot be made ({error.strerror}); name another one"
-            ) from None
+        private_folder(self.path)
 
-    def keep_draft(self, instance: Instance, *, planned: bool) -> None:
-        """Store the draft, unless the stored plan is one of it."""
+    def held(self) -> AbstractContextManager[None]:
+        """Holds the folder, which must exist, against other servers."""
+        return locked(self.path)
+
+    def read(self) -> ProjectRecord | None:
+        """The project in the folder as it was left; None if it is a new one.
+
+        Raises
+        ------
+        InputError
+            Its file is spoilt.
+        """
+        for place in (self.path, self.drafts.folder, self.results.folder, self.files):
+            refuse_link(place)
+            remove_passing(place)
+        self.results.read()
+        path = self._file(PROJECT)
+        return read_model(path, ProjectRecord) if path.exists() else None
+
+    def keep(self, record: ProjectRecord) -> None:
+        """Store the file of the project."""
+        write_text(self._file(PROJECT), record.to_json())
+
+    def keep_draft(self, instance: Instance | None, *, planned: bool) -> None:
+        """Store the draft, unless the stored plan is one of it, or there is none."""
         path = self._file(DRAFT)
+        if instance is None:
+            path.unlink(missing_ok=True)
+            return
         reference, given = instance.transfer.given, instance.given
         if reference is not None and given is not None:
             # Beside those of the plan, which stay as they are.
@@ -85,7 +140,7 @@ class Folder:
             self._save(instance, path)
 
     def keep_plan(self, instance: Instance, plan: Plan) -> None:
-        """Store a plan and its instance."""
+        """Store a plan and its instance at hand."""
         path = self._file(PLAN)
         self._save(instance, self._file(INSTANCE))
         plan.save(path)
@@ -99,7 +154,4 @@ class Folder:
 
     def _file(self, name: str) -> Path:
         """A file of the folder, which must not lead outside."""
-        path = self.path / name
-        if path.is_symlink():
-            raise InputError(f"{path}: a link, which may lead out of the folder; remove it")
-        return path
+        return refuse_link(self.path / name)

@@ -126,7 +126,7 @@ class Guard:
 
 
 def _uploads(scope: Scope) -> bool:
-    return scope["path"] == UPLOAD
+    return bool(scope["path"] == UPLOAD)
 
 
 def _most(scope: Scope) -> int:

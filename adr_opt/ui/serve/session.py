@@ -3,28 +3,49 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable
-from typing import Any
+from contextlib import suppress
+from typing import Any, Protocol
 
 from ...common.errors import InputError
 from ...common.wording import counted, status_words
-from ...mission.result import Result
 from ...plan.plan import Plan
-from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.methods import BOUNDS, PLANNERS, names
 from ..report import page
-from .drafts import Draft, Edit, History, amount_of
+from . import session_state
+from .drafts import Draft, Edit
 from .folder import Folder
-from .work import Look, PlanningOrder, Work, in_percent
+from .history import History
+from .kept_history import forget_unused, restored, to_record
+from .project.record import DroppedFile, ProjectRecord
+from .project.results import Results
+from .work import Done, Look, PlannedRun, PlanningOrder, Work
 
-PARTS = ("chasers", "stations", "mission", "transfer", "objective")
-"""Parts of an instance that forms edit."""
 
-PLANS_KEPT = 32
-"""Number of drafts whose plans are remembered, for undo."""
+class Planner(Protocol):
+    """What plans: one instance after another, in a thread or in a process of its own."""
+
+    def look(self) -> Look:
+        """Progress of the last run."""
+        ...
+
+    def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
+        """Plan, stopping any run in progress; returns the number of the run."""
+        ...
+
+    def stop(self) -> None:
+        """Ask the run for its best plan."""
+        ...
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until nothing runs; returns whether that is the case."""
+        ...
+
+    def close(self) -> None:
+        """End what plans; nothing runs."""
+        ...
 
 
 class EditingSession:
@@ -32,38 +53,72 @@ class EditingSession:
 
     Parameters
     ----------
-    instance : Instance
+    instance : Instance or None
+        None to go on from what is in the folder, or to begin without a mission.
     plan : Plan or None
         Of the instance.
     folder : Folder
+    planner : callable
+        Makes what plans, from what handles a result.
+
+    Attributes
+    ----------
+    folder : Folder
+    files : tuple of DroppedFile
+    worth : int or None
+        Result that rates the objects of the catalogue.
+    revision : int
+        Counts changes.
 
     Raises
     ------
     InputError
-        The plan belongs to another instance, or the folder cannot be written to.
+        The plan belongs to another instance, or the folder cannot be written to or is spoilt.
     """
 
-    def __init__(self, instance: Instance, plan: Plan | None, folder: Folder) -> None:
-        if plan is not None and plan.instance.sha256 != instance.sha256:
+    def __init__(
+        self,
+        instance: Instance | None,
+        plan: Plan | None,
+        folder: Folder,
+        planner: Callable[[Done], Planner] = Work,
+    ) -> None:
+        if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
             raise InputError(
                 f"the plan belongs to another instance, {plan.instance.name!r}; "
                 "give the one that it was made of, or no plan"
             )
         self._lock = threading.RLock()
-        self._first = instance
-        self._history = History(Draft(instance))
         self.folder = folder
-        self._work = Work(self._planned)
-        self._plans: OrderedDict[str, tuple[Instance, Plan]] = OrderedDict()
-        self._shown: tuple[Instance, Plan] | None = None
-        self._page: tuple[str, str] | None = None
+        self._shown: int | None = None
+        self._at_hand: int | None = None
+        self._page: tuple[int, str] | None = None
         self._trouble = ""
         self._number = 0
+        self.files: tuple[DroppedFile, ...] = ()
+        self.worth: int | None = None
         self.revision = 0
         folder.make()
-        if plan is not None:
-            self._keep(instance, plan)
-        self._keep_draft()
+        record = folder.read()
+        if record is None:
+            self._history = History(None if instance is None else Draft(instance))
+        else:
+            self._history = restored(record, folder.drafts)
+            self.files, self.worth = record.files, record.worth
+            if instance is not None:
+                self._history.begin_anew(Draft(instance), f"{instance.name} opened")
+            elif record.shown is not None:
+                self._reopen(record.shown)
+        if instance is not None and plan is not None:
+            self._show(self._given(instance, plan))
+        self._keep()
+        forget_unused(self._history, folder.drafts)
+        self._work = planner(self._planned)
+
+    @property
+    def results(self) -> Results:
+        """Results of the project."""
+        return self.folder.results
 
     def edit(self, edit: Edit) -> None:
         """Change the draft.
@@ -71,9 +126,13 @@ class EditingSession:
         Raises
         ------
         InputError
-            The edit is not valid; nothing changes.
+            The edit is not valid, or there is no mission; nothing changes.
         """
         self._go(lambda: self._history.edit(edit))
+
+    def begin_anew(self, instance: Instance, words: str) -> None:
+        """Go on from another instance, as one edit."""
+        self._go(lambda: self._history.begin_anew(Draft(instance), words))
 
     def undo(self) -> None:
         """Undo the last edit."""
@@ -89,10 +148,10 @@ class EditingSession:
         Raises
         ------
         InputError
-            The order is not valid.
+            The order is not valid, or there is no mission.
         """
         with self._lock:
-            known = None if self._shown is None else self._shown[1]
+            known = None if self._shown is None else self.results.plan(self._shown)[1]
             self._work.begin(self._history.draft.instance, order, known)
 
     def stop(self) -> None:
@@ -102,11 +161,61 @@ class EditingSession:
     def close(self, seconds: float) -> bool:
         """Stop, and wait for pending writes; returns whether all is finished."""
         self._work.stop()
-        return self._work.wait(seconds)
+        over = self._work.wait(seconds)
+        self._work.close()
+        return over
 
     def look(self) -> Look:
         """Progress of the planner."""
         return self._work.look()
+
+    def show(self, number: int) -> None:
+        """Show the plan of a result, and go on from its instance, as one edit.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it has no plan.
+        """
+        instance, _ = self.results.plan(number)
+        with self._lock:
+            # What is left out is left out still where the plan is of the draft as it is.
+            if not self._history.has_mission or self._history.draft.sha256 != instance.sha256:
+                self._history.begin_anew(Draft(instance), f"result {number} shown")
+            self._show(number)
+            self._settle()
+
+    def note(
+        self, *, files: tuple[DroppedFile, ...] | None = None, worth: int | None = None
+    ) -> None:
+        """Note dropped files, or the result that rates the objects in them."""
+        with self._lock:
+            if files is not None:
+                self.files = files
+            self.worth = worth
+            self._settle()
+
+    def shown(self) -> tuple[int, Instance, Plan] | None:
+        """The plan that is shown: number of its result, instance and plan; None if there is none.
+
+        Raises
+        ------
+        InputError
+            Its files are spoilt.
+        """
+        with self._lock:
+            return None if self._shown is None else (self._shown, *self.results.plan(self._shown))
+
+    def instance(self) -> Instance:
+        """The instance as edited, without excluded targets.
+
+        Raises
+        ------
+        InputError
+            There is no mission.
+        """
+        with self._lock:
+            return self._history.draft.instance
 
     def report(self) -> str | None:
         """Report page of the displayed plan; None without one.
@@ -116,122 +225,99 @@ class EditingSession:
         InputError
             There can be none, as where plotly is not installed.
         """
-        with self._lock:
-            shown = self._shown
+        shown = self.shown()
         if shown is None:
             return None
-        instance, plan = shown
-        key = plan.to_json()
+        number, instance, plan = shown
         made = self._page
-        if made is None or made[0] != key:
-            made = self._page = key, page(instance, plan)
+        if made is None or made[0] != number:
+            made = self._page = number, page(instance, plan)
         return made[1]
 
     def state(self) -> dict[str, Any]:
         """State of the page apart from report and run, as JSON data."""
         with self._lock:
-            draft, history = self._history.draft, self._history
-            field, shown = draft.field, self._shown
-            visited = set() if shown is None else set(shown[1].destinations)
-            first = {chaser.name: amount_of(chaser) for chaser in self._first.chasers}
+            shown = self.shown()
+            plan = None if shown is None else shown[1:]
             return {
                 "revision": self.revision,
-                "name": field.name,
                 "folder": str(self.folder.path),
-                "undoes": history.undoes,
-                "redoes": history.redoes,
-                "targets": [
-                    [
-                        target.name, target.greatest_prize, target.required,
-                        target.name in draft.excluded,
-                        target.name in visited,
-                    ]
-                    for target in field.targets
-                ],
-                "duration_s": field.mission.duration_s,
-                "first_duration_s": self._first.mission.duration_s,
-                "chasers": [
-                    {
-                        "name": chaser.name,
-                        "amount": amount_of(chaser),
-                        "first": first[chaser.name],
-                        "unit": "kg" if isinstance(chaser.tank, TankByMass) else "m/s",
-                        "delta_v_m_s": chaser.tank.delta_v_m_s,
-                    }
-                    for chaser in field.chasers
-                ],
-                "plan": None if shown is None else self._of_plan(*shown, draft),
+                **session_state.told(self._history, plan, self._number),
+                "result": self._shown,
                 "trouble": self._trouble,
-            }  # fmt: skip
-
-    def parts(self) -> dict[str, Any] | None:
-        """Parts of the instance that forms edit, as in its file."""
-        with self._lock:
-            field = self._history.draft.field
-        content: dict[str, Any] = field.model_dump(mode="json")
-        return {name: content.get(name) for name in PARTS}
-
-    def _of_plan(self, instance: Instance, plan: Plan, draft: Draft) -> dict[str, Any]:
-        targets = {target.name for target in instance.targets}
-        return {
-            "number": self._number,
-            "sha256": plan.instance.sha256,
-            "fits": plan.instance.sha256 == draft.sha256,
-            "objective": plan.objective,
-            "upper_bound": plan.upper_bound,
-            "gap": plan.gap,
-            "gap_words": in_percent(plan.gap),
-            "status": status_words(plan.status),
-            "method": plan.method,
-            "visits": len(targets & set(plan.destinations)),
-            "targets": len(targets),
-            "notes": list(plan.notes),
-        }
+            }
 
     def _go(self, move: Callable[[], bool]) -> None:
         """Switch to another draft, and to its plan if there is one."""
         with self._lock:
             if not move():
                 return
-            self.revision += 1
-            known = self._plans.get(self._history.draft.sha256)
-            try:
+            if self._history.has_mission:
+                known = self.results.newest_of(self._history.draft.sha256)
                 if known is not None:
-                    self._keep(*known)
-                self._keep_draft()
-                self._trouble = ""
-            except (InputError, OSError) as error:  # the edit stands, and the page says so
-                self._trouble = str(error)
+                    self._show(known)
+            self._settle()
 
-    def _keep_draft(self) -> None:
-        draft, shown = self._history.draft, self._shown
-        planned = shown is not None and shown[1].instance.sha256 == draft.sha256
-        self.folder.keep_draft(draft.instance, planned=planned)
+    def _settle(self) -> None:
+        """Count and store a change; it stands even if that fails, and the page says so."""
+        self.revision += 1
+        try:
+            self._keep()
+            self._trouble = ""
+        except (InputError, OSError) as error:
+            self._trouble = str(error)
 
-    def _planned(self, instance: Instance, result: Result) -> str:
+    def _keep(self) -> None:
+        """Store the project, and what is at hand in it."""
+        history = self._history
+        at_hand = history.draft if history.has_mission else None
+        steps = to_record(history, self.folder.drafts)
+        self.folder.keep(
+            ProjectRecord(
+                steps=steps, at=history.at, shown=self._shown, files=self.files, worth=self.worth
+            )
+        )
+        shown = self.shown()
+        if shown is not None and shown[0] != self._at_hand:
+            self.folder.keep_plan(*shown[1:])
+            self._at_hand = shown[0]
+        if at_hand is None:
+            self.folder.keep_draft(None, planned=False)
+        else:
+            planned = shown is not None and shown[2].instance.sha256 == at_hand.sha256
+            self.folder.keep_draft(at_hand.instance, planned=planned)
+
+    def _planned(self, instance: Instance, result: PlannedRun) -> str:
         """Adopt a result, in the planner's thread; returns the message about it."""
         plan = result.plan
         notes = "".join(f"; {note}" for note in result.notes)
         if plan is None:
             why = "infeasible: no plan services all required targets"
             return f"no plan: {why if result.status == 'infeasible' else result.status}{notes}"
+        record = self.results.keep_plan("solve", plan.method, instance, plan)
         with self._lock:
-            self.revision += 1
-            self._keep(instance, plan)
-            self._keep_draft()
+            self._show(record.number)
+            self._settle()
         visits = len(set(plan.destinations) - set(instance.station_names))
         return f"{counted(visits, 'target')} visited, {status_words(plan.status)}{notes}"
 
-    def _keep(self, instance: Instance, plan: Plan) -> None:
-        """Show, remember and store a plan."""
-        key = plan.instance.sha256
-        self._plans[key] = instance, plan
-        self._plans.move_to_end(key)
-        while len(self._plans) > PLANS_KEPT:
-            self._plans.popitem(last=False)
-        self._shown = instance, plan
+    def _reopen(self, number: int) -> None:
+        """Show what was shown when the project was left, unless it is spoilt."""
+        with suppress(InputError):
+            self.results.plan(number)
+            self._show(number)
+
+    def _given(self, instance: Instance, plan: Plan) -> int:
+        """Number of the result that is a plan given in the call."""
+        for record in reversed(self.results.all()):
+            alike = record.instance_sha256 == instance.sha256
+            if alike and record.has_plan and self.results.plan(record.number)[1] == plan:
+                return record.number
+        return self.results.keep_plan("solve", plan.method, instance, plan).number
+
+    def _show(self, number: int) -> None:
+        self._shown = number
         self._number += 1
-        self.folder.keep_plan(instance, plan)
 
 
 def choices() -> dict[str, Any]:

@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from ...common.errors import InputError
 from ...common.stop import Interrupted, MaxRuntime
@@ -201,7 +201,26 @@ class _Run:
             self.began = time.monotonic()
 
 
-Done = Callable[[Instance, Result], str]
+class PlannedRun(Protocol):
+    """The part of a result that is kept of a run."""
+
+    @property
+    def plan(self) -> Plan | None:
+        """The plan; None if there is none."""
+        ...
+
+    @property
+    def status(self) -> str:
+        """What is proven of it."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks of the method."""
+        ...
+
+
+Done = Callable[[Instance, PlannedRun], str]
 """Handles a result; returns a message about it."""
 
 
@@ -263,6 +282,9 @@ class Work:
         """Wait until nothing runs; returns whether that is the case."""
         run = self._run
         return run is None or run.over.wait(seconds)
+
+    def close(self) -> None:
+        """End what plans: nothing, as a thread that is done has ended."""
 
     def _plan(self, run: _Run, before: _Run | None, instance: Instance, known: Plan | None) -> None:
         try:

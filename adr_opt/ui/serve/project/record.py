@@ -1,0 +1,106 @@
+"""The file of a project, ``adr-opt-project/1``: history of drafts, dropped files, what is shown."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ....common.files import to_text
+from ....common.records import Name, Record
+
+FORMAT: Literal["adr-opt-project/1"] = "adr-opt-project/1"
+
+Key = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
+"""Name of a folder in ``history``: the beginning of the SHA-256 of the instance in it."""
+
+FileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$")]
+"""Name of a file in ``files``, which leads nowhere else."""
+
+Number = Annotated[int, Field(ge=1, le=999_999)]
+"""Number of a result."""
+
+Content = Literal["catalogue", "ephemerides", "instance", "plan", "satcat", "prizes", "uncertainty"]
+"""What a dropped file holds."""
+
+
+class StepRecord(Record):
+    """A step of the history.
+
+    Attributes
+    ----------
+    draft : str or None
+        The folder of its instance; None before there is a mission.
+    excluded : tuple of str
+        Targets that are left out.
+    words : str
+        The edit that led here.
+    base : bool
+        Whether the instance came as a whole, and sliders count from it.
+    """
+
+    draft: Key | None
+    excluded: Annotated[tuple[str, ...], Field(strict=False)] = ()
+    words: str = ""
+    base: bool = False
+
+
+class DroppedFile(Record):
+    """A file that was dropped.
+
+    Attributes
+    ----------
+    file : str
+        Its name in the folder ``files``.
+    name : str
+        Its name where it came from, for display alone.
+    what : str
+    count, skipped : int
+        Of the rows in it, those that are good and bad.
+    """
+
+    file: FileName
+    name: Name
+    what: Content
+    count: Annotated[int, Field(ge=0)] = 0
+    skipped: Annotated[int, Field(ge=0)] = 0
+
+
+class ProjectRecord(Record):
+    """The file of a project.
+
+    Attributes
+    ----------
+    steps : tuple of StepRecord
+        The history, the earliest first; never empty.
+    at : int
+        Position of the current step.
+    shown : int or None
+        Result whose plan is shown.
+    files : tuple of DroppedFile
+    worth : int or None
+        Result that rates the objects of the catalogue.
+    """
+
+    format: Literal["adr-opt-project/1"] = FORMAT
+    steps: Annotated[tuple[StepRecord, ...], Field(strict=False, min_length=1)]
+    at: Annotated[int, Field(ge=0)]
+    shown: Number | None = None
+    files: Annotated[tuple[DroppedFile, ...], Field(strict=False)] = ()
+    worth: Number | None = None
+
+    @model_validator(mode="after")
+    def _is_at_a_step(self) -> Self:
+        if self.at >= len(self.steps):
+            raise ValueError(f"field at = {self.at}: there are {len(self.steps)} steps")
+        return self
+
+    def to_json(self) -> str:
+        """The file as text."""
+        return to_text(self.model_dump(mode="json"))
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the project file."""
+    schema = ProjectRecord.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -1,0 +1,184 @@
+"""Results of a project: each in a folder of its own, whole or not there at all."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import threading
+from collections import OrderedDict
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from ....common.errors import InputError
+from ....common.files import read_model, write_text
+from ....plan.plan import Plan, load_plan
+from ....problem.instance import Instance
+from .private import private_folder
+from .result_record import ResultRecord
+
+RECORD, INSTANCE, PLAN = "result.json", "instance.json", "plan.json"
+
+PLANS_READY = 32
+"""Number of plans that need not be read again."""
+
+
+class Results:
+    """The folder ``results`` of a project.
+
+    Parameters
+    ----------
+    folder : path
+        Made when the first result is kept.
+
+    Attributes
+    ----------
+    revision : int
+        Counts changes.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.revision = 0
+        self._lock = threading.RLock()
+        self._records: dict[int, ResultRecord] = {}
+        self._places: dict[int, Path] = {}
+        self._ready: OrderedDict[int, tuple[Instance, Plan]] = OrderedDict()
+        self._last = 0
+
+    def read(self) -> None:
+        """Read the results that are there, and remove those that a killed server left unfinished.
+
+        What is no result is left where it is.
+        """
+        for path in list(self.folder.iterdir()) if self.folder.is_dir() else ():
+            found = re.fullmatch(r"(\d{4,6})-[a-z-]+", path.name)
+            if found is None or path.is_symlink():
+                continue
+            self._last = max(self._last, int(found[1]))
+            if not (path / RECORD).exists():
+                shutil.rmtree(path, ignore_errors=True)
+                continue
+            with suppress(InputError):
+                record = read_model(path / RECORD, ResultRecord)
+                if record.number == int(found[1]):
+                    self._records[record.number], self._places[record.number] = record, path
+
+    def all(self) -> list[ResultRecord]:
+        """All results, the newest last."""
+        with self._lock:
+            return [self._records[number] for number in sorted(self._records)]
+
+    def record(self, number: int) -> ResultRecord:
+        """The record of a result.
+
+        Raises
+        ------
+        InputError
+            There is none of that number.
+        """
+        with self._lock:
+            if number not in self._records:
+                raise InputError(f"there is no result {number}")
+            return self._records[number]
+
+    def place(self, number: int) -> Path:
+        """The folder of a result."""
+        self.record(number)
+        return self._places[number]
+
+    def begin(self, verb: str) -> tuple[int, Path]:
+        """Number and folder of a new result, which counts once it is :meth:`done`."""
+        with self._lock:
+            self._last += 1
+            number = self._last
+        return number, private_folder(private_folder(self.folder) / f"{number:04d}-{verb}")
+
+    def done(self, record: ResultRecord) -> ResultRecord:
+        """Adopt a new result, whose files are complete, with its record."""
+        place = self.folder / f"{record.number:04d}-{record.verb}"
+        files = sorted(path.name for path in place.iterdir() if path.name != RECORD)
+        record = record.replace(files=tuple(files))
+        write_text(place / RECORD, record.to_json())
+        with self._lock:
+            self._records[record.number], self._places[record.number] = record, place
+            self.revision += 1
+        return record
+
+    def drop(self, place: Path) -> None:
+        """Remove the folder of a result that came to nothing."""
+        shutil.rmtree(place, ignore_errors=True)
+
+    def keep_plan(
+        self, verb: str, label: str, instance: Instance, plan: Plan, **more: Any
+    ) -> ResultRecord:
+        """Keep a plan with its instance as a new result."""
+        number, place = self.begin(verb)
+        try:
+            instance.save(place / INSTANCE)
+            plan.save(place / PLAN)
+            record = ResultRecord(
+                number=number, verb=verb, label=label, made_at=now(), **of_plan(instance, plan),
+                **more,
+            )  # fmt: skip
+            record = self.done(record)
+        except BaseException:
+            self.drop(place)
+            raise
+        with self._lock:
+            self._remember(number, (instance, plan))
+        return record
+
+    def plan(self, number: int) -> tuple[Instance, Plan]:
+        """Plan of a result, with its instance.
+
+        Raises
+        ------
+        InputError
+            It has none, or that is spoilt.
+        """
+        record = self.record(number)
+        if not record.has_plan:
+            raise InputError(f"result {number} ({record.verb}) is no plan; name one that is")
+        with self._lock:
+            if number not in self._ready:
+                place = self._places[number]
+                known = Instance.load(place / INSTANCE), load_plan(place / PLAN)
+                self._remember(number, known)
+            self._ready.move_to_end(number)
+            return self._ready[number]
+
+    def newest_of(self, instance_sha256: str) -> int | None:
+        """Number of the newest plan of an instance; None if there is none."""
+        with self._lock:
+            for number in sorted(self._records, reverse=True):
+                record = self._records[number]
+                if record.instance_sha256 == instance_sha256 and record.has_plan:
+                    return number
+        return None
+
+    def _remember(self, number: int, known: tuple[Instance, Plan]) -> None:
+        self._ready[number] = known
+        while len(self._ready) > PLANS_READY:
+            self._ready.popitem(last=False)
+
+
+def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
+    """Fields of a record that a plan tells."""
+    targets = {target.name for target in instance.targets}
+    return {
+        "instance_sha256": plan.instance.sha256,
+        "plan_sha256": plan.legs_sha256,
+        "objective": plan.objective,
+        "bound": plan.upper_bound,
+        "gap": plan.gap,
+        "delta_v_m_s": plan.delta_v_m_s,
+        "targets": len(targets & set(plan.destinations)),
+        "status": plan.status,
+    }
+
+
+def now() -> datetime:
+    """The time, to the second."""
+    return datetime.now(UTC).replace(microsecond=0)
