@@ -4,7 +4,7 @@ import { COLUMNS, extent } from "./columns.js";
 import { colour, made, text, ticks } from "./dom.js";
 
 const ROUND = [1, 2, 5];
-const [LEFT, RIGHT, TOP, BOTTOM] = [52, 10, 8, 36]; // margins in CSS pixels
+const [LEFT, RIGHT, TOP, BOTTOM] = [62, 10, 8, 36]; // margins in CSS pixels
 const FEW = 1500; // objects are drawn larger below this number
 
 // A scale from values to pixels and back: of logarithms where values span more than a decade.
