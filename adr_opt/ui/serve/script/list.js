@@ -119,6 +119,8 @@ export class List {
       drawn.push(mine.row);
     }
     const [before, after] = [first * ROW, (this.shown.length - last) * ROW];
+    box("objects-before").style.height = `${before}px`;
+    box("objects-after").style.height = `${after}px`;
     const present = [...this.body.children];
     if (present.length !== drawn.length || present.some((row, at) => row !== drawn[at])) {
       const focused = document.activeElement;
@@ -126,8 +128,6 @@ export class List {
       this.body.replaceChildren(...drawn);
       if (within && drawn.some((row) => row.contains(focused))) focused.focus({ preventScroll: true });
     }
-    box("objects-before").style.height = `${before}px`;
-    box("objects-after").style.height = `${after}px`;
   }
 
   // Arrow keys go from row to row, beyond those that are seen, too.
