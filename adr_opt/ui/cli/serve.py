@@ -19,16 +19,26 @@ PATIENCE_S = 60.0
 """Longest wait for a stopped planner [s]."""
 
 
+PROJECT = "adr-opt-project"
+"""Name of the project folder of a call without INSTANCE and --folder."""
+
+
 @click.command("serve", short_help="Plan interactively on a local web page.")
-@take.instance
+@click.argument(
+    "instance_path", metavar="[INSTANCE]", required=False, shell_complete=complete.files
+)
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
-@take.word("--folder", "DIR", "Working folder; INSTANCE-served, beside this call.")
+@take.word(
+    "--folder",
+    "DIR",
+    f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
+)
 @take.flag("--no-open", "Open no browser.")
 @take.as_json
 @take.quiet
 def command(
-    instance_path: str,
+    instance_path: str | None,
     plan_path: str | None,
     port: int,
     folder: str | None,
@@ -38,8 +48,9 @@ def command(
 ) -> int:
     """Serve a page to edit and plan INSTANCE, beside the report of its plan.
 
-    The page is served to this machine only, and only at the printed address. Files are written only
-    in the working folder: the latest plan and its instance. Ctrl-C ends it.
+    Without INSTANCE, to begin with a catalogue of objects, or to go on with the project in the
+    folder. The page is served to this machine only, and only at the printed address. Files are
+    written only in the project folder, which is reopened as it was left. Ctrl-C ends it.
     """
     try:
         from ..serve.server import Server, listening
@@ -50,28 +61,38 @@ def command(
         raise MissingExtra("serving a page", package, "serve") from None
     from ...plan.plan import load_plan
     from ...problem.instance import load
+    from ..serve.children import private_files
     from ..serve.desk import Desk
     from ..serve.folder import Folder
+    from ..serve.planner_process import PlannerProcess
     from ..serve.session import EditingSession
 
-    instance = load(instance_path)
+    instance = None if instance_path is None else load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
-    place = Folder(folder or f"{Path(instance_path).stem}-served", instance_path)
-    with closing(listening(port)) as listener:
-        session = EditingSession(instance, plan, place)
-        server, ended = Server(Desk(session), listener), threading.Event()
-        with signals_to(ended.set):
-            server.start()
-            if as_json:
-                emit_json({"url": server.url, "port": server.port, "folder": str(place.path)})
-            else:
-                emit(server.url)
-            sys.stdout.flush()
-            say(f"serving {instance.name!r}, kept in {place.path}; Ctrl-C ends it", unless=quiet)
-            if not no_open:
-                click.launch(server.url)
-            server.wait(ended)
-            server.close()
-            if not session.close(PATIENCE_S):
-                raise Aborted(signal.SIGINT)
+    usual = PROJECT if instance_path is None else f"{Path(instance_path).stem}-served"
+    place = Folder(folder or usual, instance_path)
+    with closing(listening(port)) as listener, private_files():
+        place.make()
+        with place.held():
+            session = EditingSession(
+                instance, plan, place, lambda done: PlannerProcess(done, place.path)
+            )
+            desk = Desk(session)
+            server, ended = Server(desk, listener), threading.Event()
+            with signals_to(ended.set):
+                server.start()
+                if as_json:
+                    emit_json({"url": server.url, "port": server.port, "folder": str(place.path)})
+                else:
+                    emit(server.url)
+                sys.stdout.flush()
+                said = "" if instance is None else f"{instance.name!r}, "
+                say(f"serving {said}kept in {place.path}; Ctrl-C ends it", unless=quiet)
+                session.prepare()
+                if not no_open:
+                    click.launch(server.url)
+                server.wait(ended)
+                server.close()
+                if not desk.close(PATIENCE_S):
+                    raise Aborted(signal.SIGINT)
     return 0

@@ -70,6 +70,10 @@ class Desk:
         """All results, newest last, as JSON data."""
         return []
 
+    def close(self, seconds: float) -> bool:
+        """Stop all work; returns whether all is finished."""
+        return self.session.close(seconds)
+
     @property
     def name(self) -> str:
         """Name of the project, as that of a file."""

@@ -43,6 +43,10 @@ class Planner(Protocol):
         """Wait until nothing runs; returns whether that is the case."""
         ...
 
+    def prepare(self, *, drifts: bool) -> None:
+        """Load what the default method needs, for missions whose planes drift or do not."""
+        ...
+
     def close(self) -> None:
         """End what plans; nothing runs."""
         ...
@@ -157,6 +161,12 @@ class EditingSession:
     def stop(self) -> None:
         """Ask the planner for its best plan."""
         self._work.stop()
+
+    def prepare(self) -> None:
+        """Let the planner load what it needs."""
+        with self._lock:
+            mission = self._history.draft.field if self._history.has_mission else None
+        self._work.prepare(drifts=mission is None or mission.nodes_drift)
 
     def close(self, seconds: float) -> bool:
         """Stop, and wait for pending writes; returns whether all is finished."""

@@ -231,10 +231,12 @@ class Work:
     ----------
     done : callable
         Called with each instance and its result, in the thread of the run, before that is over.
+    prepared : Event, optional
+        Set when kernels are loaded; runs wait for it, as their clock stands still meanwhile.
     """
 
-    def __init__(self, done: Done) -> None:
-        self._done = done
+    def __init__(self, done: Done, prepared: threading.Event | None = None) -> None:
+        self._done, self._prepared = done, prepared
         self._reused = Reused()
         self._lock = threading.Lock()
         self._run: _Run | None = None
@@ -283,6 +285,9 @@ class Work:
         run = self._run
         return run is None or run.over.wait(seconds)
 
+    def prepare(self, *, drifts: bool) -> None:
+        """Load what is needed: nothing, as the first run does so itself."""
+
     def close(self) -> None:
         """End what plans: nothing, as a thread that is done has ended."""
 
@@ -294,6 +299,8 @@ class Work:
                 run.said = "stopped before it began"
             else:
                 run.phase = "compiling"
+                if self._prepared is not None:
+                    self._prepared.wait()
                 result = self._result(run, instance, known)
                 run.settle(result)
                 run.said = self._done(instance, result)

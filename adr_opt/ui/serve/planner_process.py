@@ -1,0 +1,199 @@
+"""Planning in a process of its own, which stays warm from one plan to the next."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import threading
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ...common.errors import InputError
+from ...plan.plan import Plan
+from ...problem.instance import Instance
+from ...run.front import DEFAULT_METHOD
+from .children import end, started
+from .project.private import passing, private_folder
+from .work import Done, Look, PlanningOrder
+
+WORKER = f"{__package__}.planner_worker"
+
+LAST_WORDS_S = 2.0
+"""Longest wait for an ended process [s]."""
+
+
+@dataclass(frozen=True)
+class PlannedElsewhere:
+    """The part of a result that comes from the process."""
+
+    plan: Plan | None
+    status: str
+    notes: tuple[str, ...]
+
+
+class PlannerProcess:
+    """Plans one instance after another as :class:`.work.Work` does, in a process of its own.
+
+    A process that ends by itself is said in one sentence, and the next order starts another.
+
+    Parameters
+    ----------
+    done : callable
+        As of :class:`.work.Work`; called in a thread of this process.
+    place : path
+        Folder for files on their way to the process.
+    """
+
+    def __init__(self, done: Done, place: Path) -> None:
+        self._done, self._place = done, place
+        self._changed = threading.Condition(threading.RLock())
+        self._process: subprocess.Popen[bytes] | None = None
+        self._orders: dict[int, tuple[Instance, Path]] = {}
+        self._look = Look()
+        self._count = self._before = 0
+        self._closing = False
+
+    def look(self) -> Look:
+        """Progress of the last run."""
+        return self._look
+
+    def prepare(self, *, drifts: bool) -> None:
+        """Start the process, and let it load what the default method needs."""
+        with self._changed:
+            self._tell("prepare", method=DEFAULT_METHOD, drifts=drifts)
+
+    def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
+        """Plan, stopping any run in progress; returns the number of the run.
+
+        Parameters
+        ----------
+        instance, order, known
+            As of :meth:`.work.Work.begin`.
+
+        Raises
+        ------
+        InputError
+            The order is not valid, or the process cannot be started; what runs goes on.
+        """
+        order.check()
+        with self._changed:
+            folder = private_folder(passing(self._place))
+            instance.save(folder / "instance.json")
+            if known is not None:
+                known.save(folder / "known.json")
+            self._start()
+            self._count += 1
+            self._orders[self._count] = instance, folder
+            self._look = Look(self._count, "waiting", limit_s=order.time_limit_s)
+            self._tell(
+                "begin", instance=str(folder / "instance.json"), order=asdict(order),
+                known=None if known is None else str(folder / "known.json"),
+            )  # fmt: skip
+            return self._count
+
+    def stop(self) -> None:
+        """Ask the run for its best plan."""
+        with self._changed:
+            if self._process is not None and self._look.runs:
+                self._tell("stop")
+
+    def wait(self, seconds: float) -> bool:
+        """Wait until nothing runs; returns whether that is the case."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._look.runs, seconds)
+
+    def close(self) -> None:
+        """End the process, whatever it does."""
+        with self._changed:
+            self._closing = True
+            process = self._process
+        if process is not None:
+            end(process)
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(LAST_WORDS_S)
+        for _, folder in self._orders.values():
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def _start(self) -> None:
+        """Start the process unless it runs."""
+        if self._process is not None and self._process.poll() is None:
+            return
+        try:
+            self._process = started(WORKER, (), stdout=subprocess.PIPE)
+        except OSError as error:
+            raise InputError(f"no process to plan in can be started ({error.strerror})") from None
+        self._before = self._count
+        threading.Thread(
+            target=self._listen, args=(self._process,), name="planner", daemon=True
+        ).start()
+
+    def _tell(self, kind: str, **content: Any) -> None:
+        self._start()
+        assert self._process is not None
+        assert self._process.stdin is not None
+        with suppress(OSError):  # it has ended, which whoever listens to it will say
+            self._process.stdin.write(json.dumps({"kind": kind, **content}).encode() + b"\n")
+            self._process.stdin.flush()
+
+    def _listen(self, process: subprocess.Popen[bytes]) -> None:
+        """Hear what a process says, until it ends."""
+        assert process.stdout is not None
+        for line in process.stdout:
+            told = json.loads(line)
+            if told["kind"] == "look":
+                self._heard(told["look"])
+            else:
+                self._adopt(process, told)
+        status = process.wait()
+        with self._changed:
+            if self._process is not process or self._closing:
+                return
+            self._process = None
+            if self._look.runs:
+                self._look = replace(self._look, phase="failed", said=_ended(status))
+            self._forget(self._count + 1)
+            self._changed.notify_all()
+
+    def _heard(self, told: dict[str, Any]) -> None:
+        """Adopt a look, unless it is of a run before the last order."""
+        points = tuple((at, incumbent, bound) for at, incumbent, bound in told.pop("points"))
+        with self._changed:
+            number = int(told.pop("number")) + self._before
+            if number == self._count and told["phase"] != "idle":
+                self._look = Look(number=number, points=points, **told)
+                self._changed.notify_all()
+            if told["phase"] in ("done", "failed"):  # and so are those before it
+                self._forget(number + 1)
+
+    def _adopt(self, process: subprocess.Popen[bytes], told: dict[str, Any]) -> None:
+        """Store a result, and say so to the process, which waits for it."""
+        plan = None if told["plan"] is None else Plan.from_json(told["plan"])
+        result = PlannedElsewhere(plan, told["status"], tuple(told["notes"]))
+        with self._changed:
+            number = self._before + told["number"]
+            instance, _ = self._orders[number]
+        try:
+            said, stored = self._done(instance, result), True
+        except InputError as error:
+            said, stored = str(error), False
+        except Exception as error:  # to be reported on the page
+            said, stored = f"{type(error).__name__}: {error}", False
+        with self._changed:
+            if self._process is process:
+                self._tell("stored", said=said, stored=stored)
+
+    def _forget(self, number: int) -> None:
+        """Remove the files of the runs before one."""
+        for known in [each for each in self._orders if each < number]:
+            shutil.rmtree(self._orders.pop(known)[1], ignore_errors=True)
+
+
+def _ended(status: int) -> str:
+    how = f"by signal {-status}" if status < 0 else f"with status {status}"
+    return (
+        f"the process that plans has ended {how}, as where memory runs out; press Plan to start "
+        "another"
+    )
