@@ -2,8 +2,8 @@
 
 // Columns that are plotted, listed and filtered, by name.
 export const COLUMNS = {
-  altitude: { key: "altitude_km", label: "Altitude", unit: "km" },
-  inclination: { key: "inclination_deg", label: "Inclination", unit: "deg" },
+  altitude: { key: "altitude_km", label: "Altitude", short: "Alt.", unit: "km" },
+  inclination: { key: "inclination_deg", label: "Inclination", short: "Incl.", unit: "deg" },
   node: { key: "raan_deg", label: "Node", unit: "deg", around: 360 },
   eccentricity: { key: "eccentricity", label: "Eccentricity", unit: "" },
   mass: { key: "mass_kg", label: "Mass", unit: "kg" },

@@ -4,7 +4,7 @@ import { box, made, text } from "./dom.js";
 
 const ROW = 30; // height in CSS pixels, as page.css has it
 const SPARE = 4; // rows beyond the edges
-const DIGITS = { altitude: 5, inclination: 5, node: 5, mass: 5, worth: 3 };
+const DIGITS = { altitude: 4, inclination: 4, node: 4, mass: 4, worth: 3 };
 
 export class List {
   // ticked(at, on) is called when the reader ticks a row.
@@ -34,7 +34,8 @@ export class List {
 
   head() {
     const cell = (name, words) => {
-      const press = made("button", { type: "button", class: "sort" }, words);
+      const title = COLUMNS[name]?.label;
+      const press = made("button", { type: "button", class: "sort", title }, words);
       press.addEventListener("click", () => {
         this.sort(name, this.sorted.name === name ? !this.sorted.upwards : name === "name");
         this.filter(this.passing);
@@ -42,9 +43,8 @@ export class List {
       return made("th", { scope: "col", "data-column": name }, press);
     };
     const titled = (name) => {
-      const { label, unit } = COLUMNS[name];
-      const said = name === "worth" ? this.field.unit : unit;
-      return said ? `${label} [${said}]` : label;
+      const { label, short, unit } = COLUMNS[name];
+      return unit ? `${short ?? label} [${unit}]` : label;
     };
     box("objects-head").replaceChildren(
       made("th", { scope: "col" }, made("span", { class: "away" }, "Ticked")),

@@ -3,6 +3,7 @@ import { box, button, counted, made, put, text } from "./dom.js";
 import { showPage, showPlanReport } from "./frame.js";
 import { follow, told } from "./store.js";
 import { send } from "./talk.js";
+import { beside } from "./views.js";
 
 const selected = new Set();
 const watching = [];
@@ -53,6 +54,7 @@ function rowOf(result) {
 
 function openPage(result) {
   showPage(result.id, result.label || result.verb);
+  beside();
 }
 
 function showResults() {
@@ -77,7 +79,7 @@ function showResults() {
 function openNewest(results) {
   const last = results.at(-1);
   if (newest !== null && last && last.id !== newest && last.has_page && last.verb !== "solve"
-    && document.body.dataset.view === "results") openPage(last);
+    && document.body.dataset.view === "results") showPage(last.id, last.label || last.verb);
   newest = last?.id ?? 0;
 }
 
@@ -88,5 +90,8 @@ export function start() {
     for (const act of watching) act();
   });
   follow("state", showResults);
-  box("report-again").addEventListener("click", () => told.state && showPlanReport(told.state));
+  box("report-again").addEventListener("click", () => {
+    if (told.state) showPlanReport(told.state);
+    beside();
+  });
 }

@@ -24,9 +24,16 @@ function mark() {
 }
 
 export function view(name) {
+  const lost = box(`view-${viewed()}`).contains(document.activeElement);
   document.body.dataset.view = name;
   document.body.classList.remove("at-report");
   mark();
+  if (lost) box(`to-${name}`).focus(); // what had the focus is hidden
+}
+
+// In a narrow window: what stands beside the view.
+export function beside() {
+  if (getComputedStyle(box("to-report")).display !== "none") box("to-report").click();
 }
 
 export function start() {
