@@ -14,16 +14,30 @@ function ofList(written) {
 
 const wordsOf = (value) => (Array.isArray(value) ? value.map((each) => each ?? EMPTY).join(", ") : EMPTY);
 
-// The control, its value read, and its value set.
+const numberInput = (spec, more = {}) => made("input", {
+  type: "number", step: "any", inputmode: "decimal", min: spec.least, max: spec.most, ...more,
+});
+const numberOf = (input) => (input.value === EMPTY ? null : Number(input.value));
+const wordOf = (value) => (typeof value === "number" ? text(value, 12) : EMPTY);
+
+// The control, its value read, and its value set; of a window, the second control beside it.
 const CONTROLS = {
   number: (spec) => {
-    const control = made("input", {
-      type: "number", step: "any", inputmode: "decimal", min: spec.least, max: spec.most,
-    });
+    const control = numberInput(spec);
     return {
       control,
-      read: () => (control.value === EMPTY ? null : Number(control.value)),
-      write: (value) => { control.value = typeof value === "number" ? text(value, 12) : EMPTY; },
+      read: () => numberOf(control),
+      write: (value) => { control.value = wordOf(value); },
+    };
+  },
+  window: (spec, titled) => {
+    const control = numberInput(spec, { placeholder: "from" });
+    const second = numberInput(spec, { placeholder: "to", "aria-label": `${titled}, to` });
+    return {
+      control,
+      second,
+      read: () => [numberOf(control), numberOf(second)],
+      write: (value) => [control, second].forEach((input, at) => { input.value = wordOf(value?.[at]); }),
     };
   },
   text: () => {
@@ -64,23 +78,29 @@ const CONTROLS = {
 
 // change(value) gives, be it later, the sentence that refuses it, or an empty one.
 export function fieldOf(spec, id, change = null) {
-  const { control, read, write } = (CONTROLS[spec.kind] ?? CONTROLS.text)(spec);
+  const titled = spec.unit ? `${spec.label} [${spec.unit}]` : spec.label;
+  const between = spec.kind === "list" && spec.default?.length === 2;
+  const kind = between ? "window" : spec.kind;
+  const { control, second, read, write } = (CONTROLS[kind] ?? CONTROLS.text)(spec, titled);
+  const inputs = second ? [control, second] : [control];
   control.id = id;
   const help = made("span", { class: "help", id: `${id}-help` }, spec.help ?? EMPTY);
   const why = made("span", { class: "why", id: `${id}-why`, "aria-live": "polite" });
-  const titled = spec.unit ? `${spec.label} [${spec.unit}]` : spec.label;
-  const row = made("div", { class: `field ${spec.kind}` },
-    made("label", { for: id }, titled), control, help, why);
+  const row = made("div", { class: `field ${kind}` },
+    made("label", { for: id }, titled), made("span", { class: "inputs" }, ...inputs), help, why);
   help.hidden = !spec.help;
-  control.setAttribute("aria-describedby", `${id}-help ${id}-why`);
-  if (spec.optional && spec.kind !== "choice" && spec.kind !== "flag") control.placeholder = "none";
+  if (spec.optional && ["number", "text", "list"].includes(kind)) control.placeholder = "none";
   const refuse = (sentence) => {
     why.textContent = sentence;
-    if (sentence) control.setAttribute("aria-invalid", "true");
-    else control.removeAttribute("aria-invalid");
+    for (const input of inputs) {
+      if (sentence) input.setAttribute("aria-invalid", "true");
+      else input.removeAttribute("aria-invalid");
+    }
   };
-  if (change) {
-    control.addEventListener("change", async () => {
+  for (const input of inputs) {
+    input.setAttribute("aria-describedby", `${id}-help ${id}-why`);
+    if (!change) continue;
+    input.addEventListener("change", async () => {
       const value = read();
       if (value === null && !spec.optional) refuse(`${spec.label} must be given.`);
       else refuse(await change(value));
@@ -89,7 +109,7 @@ export function fieldOf(spec, id, change = null) {
   const set = (value) => {
     // What was refused stays as it is typed, with its sentence, until it is changed.
     if (control.hasAttribute("aria-invalid")) return;
-    const typing = document.activeElement === control && spec.kind !== "flag";
+    const typing = inputs.includes(document.activeElement) && kind !== "flag";
     if (!typing || JSON.stringify(read()) !== JSON.stringify(value ?? null)) write(value);
   };
   write(spec.default);

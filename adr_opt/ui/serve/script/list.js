@@ -38,6 +38,7 @@ export class List {
       const press = made("button", { type: "button", class: "sort", title }, words);
       press.addEventListener("click", () => {
         this.sort(name, this.sorted.name === name ? !this.sorted.upwards : name === "name");
+        this.scroll.scrollTop = 0;
         this.filter(this.passing);
       });
       return made("th", { scope: "col", "data-column": name }, press);
