@@ -121,7 +121,8 @@ FOCUSED = r"""
     if (document.activeElement !== element) continue;
     const marked = [element, element.parentElement].some((each) => {
       const { outlineStyle, outlineWidth, boxShadow } = getComputedStyle(each);
-      return (outlineStyle !== "none" && parseFloat(outlineWidth) >= 1.5) || boxShadow !== "none";
+      return outlineStyle === "auto"
+        || (outlineStyle !== "none" && parseFloat(outlineWidth) >= 1.5) || boxShadow !== "none";
     });
     if (!marked) found.push(`${element.tagName.toLowerCase()}#${element.id}: focus is not seen`);
   }

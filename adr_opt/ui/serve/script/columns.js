@@ -101,7 +101,8 @@ export function order(field, name, upwards) {
   const numbers = Uint32Array.from({ length: field.count }, (_, at) => at);
   const sign = upwards ? 1 : -1;
   if (name === "name") {
-    return numbers.sort((a, b) => sign * (field.lower[a] < field.lower[b] ? -1 : field.lower[a] > field.lower[b] ? 1 : a - b));
+    const { lower } = field;
+    return numbers.sort((a, b) => sign * (lower[a] < lower[b] ? -1 : Number(lower[a] > lower[b])) || a - b);
   }
   const column = field[name];
   const of = (at) => (Number.isNaN(column[at]) ? Infinity : sign * column[at]);

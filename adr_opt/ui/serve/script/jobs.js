@@ -3,7 +3,6 @@ import { box, button, counted, made, put } from "./dom.js";
 import { follow } from "./store.js";
 import { complain, send } from "./talk.js";
 
-const STATES = { waiting: "waiting", running: "running", done: "done", failed: "failed", stopped: "stopped" };
 const OVER = 3; // jobs that are over and still listed
 const rows = new Map();
 
@@ -32,7 +31,7 @@ function show(jobs, before) {
     if (job.share === null || job.state === "waiting") bar.removeAttribute("value");
     else bar.value = job.share;
     const time = job.elapsed_s ? `, ${job.elapsed_s.toFixed(job.elapsed_s < 10 ? 1 : 0)} s` : "";
-    put(said, `${STATES[job.state] ?? job.state}${time}${job.said ? `: ${job.said}` : ""}`);
+    put(said, `${job.state}${time}${job.said ? `: ${job.said}` : ""}`);
   }
   const present = [...box("jobs").children];
   const wanted = listed.map((job) => rowOf(job).row);

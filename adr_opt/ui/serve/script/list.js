@@ -134,7 +134,9 @@ export class List {
   // Arrow keys go from row to row, beyond those that are seen, too.
   walk(event) {
     const page = Math.max(Math.floor(this.scroll.clientHeight / ROW) - 2, 1);
-    const steps = { ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity };
+    const steps = {
+      ArrowDown: 1, ArrowUp: -1, PageDown: page, PageUp: -page, Home: -Infinity, End: Infinity,
+    };
     const by = steps[event.key];
     const row = event.target.closest("tr");
     if (by === undefined || !row) return;

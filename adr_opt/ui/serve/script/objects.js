@@ -59,7 +59,8 @@ function say(ticks) {
     + `${ticks.toLocaleString("en-GB")} ticked`);
   const number = wanted(ticks);
   box("choose").disabled = !number || number > MOST;
-  put("choose", number ? `Choose ${counted(number, ticks ? "ticked object" : "shown object")}` : "Choose");
+  const taken = counted(number, ticks ? "ticked object" : "shown object");
+  put("choose", number ? `Choose ${taken}` : "Choose");
   put("choose-why", !number ? "Brush, filter or tick objects first."
     : number > MOST ? `At most ${MOST.toLocaleString("en-GB")} objects become targets.` : "");
   box("clear-filters").disabled = !filtering(filters);
@@ -70,7 +71,8 @@ function say(ticks) {
 // ---- Brushes -------------------------------------------------------------------------------------
 
 function chips() {
-  const brushes = filters.plots.flatMap((plot) => plot.rectangles.map((rectangle) => ({ plot, rectangle })));
+  const brushes = filters.plots.flatMap(
+    (plot) => plot.rectangles.map((rectangle) => ({ plot, rectangle })));
   const key = JSON.stringify(brushes.map(({ plot, rectangle }) => [plot.name, rectangle]));
   if (box("chips").dataset.key === key) return;
   box("chips").dataset.key = key;
@@ -166,7 +168,8 @@ function take(answer) {
   box("prizes").disabled = !worth;
   ranges.take(field, same);
   list.take(field);
-  put("epoch", answer.epoch ? `Elements at ${answer.epoch}${answer.skipped ? `; ${counted(answer.skipped, "object")} left out` : ""}` : "");
+  const left = answer.skipped ? `; ${counted(answer.skipped, "object")} left out` : "";
+  put("epoch", answer.epoch ? `Elements at ${answer.epoch}${left}` : "");
   legend();
   fitPlots();
   document.documentElement.dataset.objects = String(field.count);

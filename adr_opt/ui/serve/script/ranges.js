@@ -34,7 +34,8 @@ export function rangeFields(filters, changed) {
           });
         }
         const between = made("span", { "aria-hidden": "true" }, "to");
-        rows[name] = { inputs, row: made("div", { class: "range" }, made("span", {}, titled), inputs[0], between, inputs[1]) };
+        const row = made("div", { class: "range" }, made("span", {}, titled), inputs[0], between, inputs[1]);
+        rows[name] = { inputs, row };
       }
       box("ranges").replaceChildren(...Object.values(rows).map(({ row }) => row));
     },

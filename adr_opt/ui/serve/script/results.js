@@ -22,7 +22,7 @@ function figures(result) {
   value("bound", result.bound);
   if (result.gap !== null && result.gap !== undefined) said.push(`gap ${text(100 * result.gap, 3)} %`);
   value("ΔV", result.delta_v_m_s, " m/s");
-  if (result.targets !== null && result.targets !== undefined) said.push(counted(result.targets, "target"));
+  if (Number.isInteger(result.targets)) said.push(counted(result.targets, "target"));
   if (result.status) said.push(result.status);
   return said.join(", ");
 }
@@ -40,10 +40,13 @@ function rowOf(result) {
   });
   const said = made("span", { class: "said" });
   const acts = made("span", { class: "acts small" });
-  if (result.has_page) acts.append(button("Open", () => openPage(result), { "aria-label": `Open ${name}` }));
-  const show = button("Show", () => send("/show", { result: result.id }), { "aria-label": `Show the plan of ${name}` });
+  const open = () => openPage(result);
+  if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
+  const show = button("Show", () => send("/show", { result: result.id }),
+    { "aria-label": `Show the plan of ${name}` });
   if (isPlan(result)) acts.append(show);
-  const when = made("time", { datetime: result.made_at }, result.made_at?.slice(0, 16).replace("T", " ") ?? "");
+  const moment = result.made_at?.slice(0, 16).replace("T", " ") ?? "";
+  const when = made("time", { datetime: result.made_at }, moment);
   const row = made("li", { class: "result" }, tick,
     made("span", { class: "what" }, made("b", {}, name), " ", when), acts, said);
   row.dataset.verb = result.verb;
