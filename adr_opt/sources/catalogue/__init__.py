@@ -19,6 +19,7 @@ from .crew import Crew
 from .criticality import criticality
 from .demands import Demands
 from .filters import Filters
+from .overview import Overview, overview
 from .reading import read
 from .records import Catalogue, Dropped, ElementSet
 from .wishes import Wish, read_wishes
@@ -32,8 +33,10 @@ __all__ = [
     "Filters",
     "Imported",
     "MissionOutline",
+    "Overview",
     "Wish",
     "criticality",
+    "overview",
     "read",
     "read_wishes",
     "to_instance",

@@ -240,7 +240,7 @@ def to_instance(
         replace(mission, name=mission.name or _default_name(targets, len(rows)), epoch=epoch),
         Station(name=home, object_id=host.designator if host else None) if refuelling else None,
         place,
-        _unique([record.label for record in targets], {home} if refuelling else set()),
+        unique([record.label for record in targets], {home} if refuelling else set()),
         _orbits(elements[rows]),
         crew,
         fields,
@@ -326,7 +326,7 @@ def _instance(
         raise InputError(sentence(error)) from None
 
 
-def _unique(labels: Sequence[str], taken: set[str]) -> list[str]:
+def unique(labels: Sequence[str], taken: set[str]) -> list[str]:
     """Labels made unique by a trailing counter."""
     names = []
     for label in labels:

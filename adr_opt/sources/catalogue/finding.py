@@ -27,7 +27,8 @@ class Finder:
             for name in {record.name, record.label, record.object_id}:
                 self._by_name.setdefault(name.casefold(), []).append(at)
 
-    def _all(self, text: str) -> list[int]:
+    def all(self, text: str) -> list[int]:
+        """Indices of all objects that a text denotes; upper and lower case are alike."""
         wanted = text.strip().casefold()
         found = self._by_number.get(wanted, []) if wanted.isdigit() else []
         return found or self._by_name.get(wanted, [])
@@ -48,7 +49,7 @@ class Finder:
         """
         if not text.strip():
             raise InputError(f"{option} '': give {instead}")
-        found = self._all(text)
+        found = self.all(text)
         if not found:
             raise InputError(
                 f"{option} {shown(text)!r}: no object has this number or name; give {instead}"
@@ -72,6 +73,6 @@ class Finder:
         """
         found: dict[int, str] = {}
         for text in texts:
-            parts = [text] if self._all(text) else text.split(",")
+            parts = [text] if self.all(text) else text.split(",")
             found |= {self.one(part, option): part.strip() for part in parts}
         return found

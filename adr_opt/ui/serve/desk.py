@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
+from ...common.wording import counted
+from .objects.dropped import DroppedObjects
 from .project.archive import archived
 from .requests import ChooseRequest, JobRequest, WorthRequest
 from .session import EditingSession, choices
@@ -22,6 +24,7 @@ class Desk:
 
     def __init__(self, session: EditingSession) -> None:
         self.session = session
+        self.dropped = DroppedObjects(session)
         self.results_revision = 0
         self.jobs_revision = 0
 
@@ -44,19 +47,25 @@ class Desk:
         plan = state["plan"]
         return {
             **state,
-            "stage": "mission" if state["instance"] is not None else "empty",
+            "stage": self._stage(state),
             "project": {"name": self.name, "folder": state["folder"]},
-            "files": [],
+            "files": [
+                {"name": each.name, "what": each.what, "count": each.count}
+                for each in self.session.files
+            ],
             "notes": [] if plan is None else plan["notes"],
         }
 
+    def _stage(self, state: dict[str, Any]) -> str:
+        if state["instance"] is not None:
+            return "mission"
+        return (
+            "objects" if any(each.what == "catalogue" for each in self.session.files) else "empty"
+        )
+
     def objects(self) -> dict[str, Any]:
         """Columns of the dropped catalogue, as JSON data."""
-        numbers = ("altitude_km", "eccentricity", "inclination_deg", "raan_deg")
-        return {
-            "names": [], **{name: [] for name in numbers}, "mass_kg": [], "kind": [], "worth": [],
-            "worth_unit": None, "chosen": [], "skipped": 0, "epoch": None,
-        }  # fmt: skip
+        return self.dropped.columns()
 
     def forms(self) -> list[dict[str, Any]]:
         """Fields of forms, as JSON data."""
@@ -77,7 +86,7 @@ class Desk:
     @property
     def name(self) -> str:
         """Name of the project, as that of a file."""
-        return "project"
+        return self.session.folder.path.name
 
     def page(self, number: str) -> str:
         """Page of a result."""
@@ -93,7 +102,7 @@ class Desk:
 
     def drop(self, path: Path, name: str) -> dict[str, Any]:
         """Take an uploaded file into the project; returns what it is, as JSON data."""
-        raise InputError(f"{name}: not recognised")
+        return self.dropped.drop(path, name)
 
     def worth(self, asked: WorthRequest) -> dict[str, Any]:
         """Begin a job that computes the worth of the dropped objects."""
@@ -101,7 +110,8 @@ class Desk:
 
     def choose(self, asked: ChooseRequest) -> None:
         """Make a mission of dropped objects."""
-        raise InputError("no catalogue is dropped yet; drop one first")
+        made = self.dropped.mission(asked.names, by_worth=asked.prizes == "worth")
+        self.session.begin_anew(made, f"{counted(len(made.targets), 'target')} chosen")
 
     def begin(self, asked: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""

@@ -195,6 +195,35 @@ class EditingSession:
             self._show(number)
             self._settle()
 
+    def adopt(self, plan: Plan, name: str) -> None:
+        """Show a plan that was dropped.
+
+        Raises
+        ------
+        InputError
+            It belongs to no instance of the project.
+        """
+        with self._lock:
+            wanted, instance = plan.instance.sha256, None
+            if self._history.has_mission and self._history.draft.sha256 == wanted:
+                instance = self._history.draft.instance
+            known = self.results.newest_of(wanted)
+            if instance is None and known is not None:
+                instance = self.results.plan(known)[0]
+        if instance is None:
+            raise InputError(
+                f"{name}: the plan belongs to another instance, {plan.instance.name!r}; drop that "
+                "first"
+            )
+        self.show(self._given(instance, plan))
+
+    def target_names(self) -> tuple[str, ...]:
+        """Names of the targets of the draft, excluded ones left out; empty without a mission."""
+        with self._lock:
+            if not self._history.has_mission:
+                return ()
+            return tuple(target.name for target in self._history.draft.instance.targets)
+
     def note(
         self, *, files: tuple[DroppedFile, ...] | None = None, worth: int | None = None
     ) -> None:

@@ -1,0 +1,204 @@
+"""Dropped files of a project, and what is made of them."""
+
+from __future__ import annotations
+
+import csv
+import re
+import threading
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ....common.errors import InputError
+from ....common.files import read_text
+from ....problem.instance import Instance
+from ..project.private import passing, private_folder, refuse_link
+from ..project.record import Content, DroppedFile
+from ..session import EditingSession
+from .catalogue_view import CatalogueView
+from .choice import mission_of
+from .recognise import Recognised, recognised
+
+ALONE: tuple[Content, ...] = ("satcat", "prizes", "uncertainty")
+"""Contents of which one file counts, the latest."""
+
+MOST_FILES = 100
+"""Maximum number of dropped files in a project."""
+
+DETAILS, PRIZES = "details.csv", "prizes.csv"
+"""Files of a result of ``worth``."""
+
+NOTHING: dict[str, Any] = {
+    "names": [], "altitude_km": [], "eccentricity": [], "inclination_deg": [], "raan_deg": [],
+    "mass_kg": [], "kind": [], "worth": [], "worth_unit": None, "chosen": [], "skipped": 0,
+    "epoch": None,
+}  # fmt: skip
+
+
+class DroppedObjects:
+    """Objects of the files that were dropped into a session.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self._session = session
+        self._folder = session.folder.files
+        self._lock = threading.Lock()
+        self._view: tuple[tuple[str, ...], CatalogueView] | None = None
+        self._worth: tuple[object, list[float | None], str] | None = None
+
+    def of(self, what: Content) -> list[Path]:
+        """Files with some content, in the order in which they were dropped."""
+        return [
+            refuse_link(self._folder / each.file)
+            for each in self._session.files
+            if each.what == what
+        ]
+
+    def latest(self, what: Content) -> Path | None:
+        """The latest file with some content; None if there is none."""
+        found = self.of(what)
+        return found[-1] if found else None
+
+    def drop(self, path: Path, name: str) -> dict[str, Any]:
+        """Take an uploaded file into the project; returns what it is, as JSON data.
+
+        Parameters
+        ----------
+        path : path
+            Where it is; it is moved from there if it is kept.
+        name : str
+            From where it came, for display alone.
+
+        Raises
+        ------
+        InputError
+            It is nothing that can be used, or it is spoilt.
+        """
+        name = _displayed(name)
+        found = recognised(path, name)
+        told = {"what": found.what, "count": found.count, "skipped": found.skipped}
+        if isinstance(found.content, Instance):
+            self._session.begin_anew(found.content, f"{name} dropped")
+        elif found.content is not None:
+            self._session.adopt(found.content, name)
+        else:
+            self._keep(path, name, found)
+        return told
+
+    def _keep(self, path: Path, name: str, found: Recognised) -> None:
+        with self._lock:
+            files = self._session.files
+            replaced = {
+                each.file for each in files
+                if each.what == found.what and (each.what in ALONE or each.name == name)
+            }  # fmt: skip
+            kept = tuple(each for each in files if each.file not in replaced)
+            if len(kept) >= MOST_FILES:
+                raise InputError(f"{name}: the project has {MOST_FILES} dropped files already")
+            numbers = [int(each.file.partition("-")[0]) for each in files]
+            file = f"{max(numbers, default=0) + 1}-{_as_file(name)}"
+            path.rename(refuse_link(private_folder(self._folder) / file))
+            made = DroppedFile(
+                file=file, name=name, what=found.what, count=found.count, skipped=found.skipped
+            )
+            # A new table of prizes counts in place of worths that were computed before.
+            stale = found.what in ("prizes", "catalogue", "satcat")
+            worth = None if stale else self._session.worth
+            self._session.note(files=(*kept, made), worth=worth)
+            for each in replaced:
+                (self._folder / each).unlink(missing_ok=True)
+
+    def view(self) -> CatalogueView | None:
+        """The catalogue; None if there is none.
+
+        Raises
+        ------
+        InputError
+            Its files are spoilt.
+        """
+        files, satcat = self.of("catalogue"), self.latest("satcat")
+        if not files:
+            return None
+        key = tuple(map(str, (*files, satcat)))
+        with self._lock:
+            if self._view is None or self._view[0] != key:
+                self._view = key, CatalogueView(files, satcat)
+            return self._view[1]
+
+    def columns(self) -> dict[str, Any]:
+        """Columns of all objects as JSON data."""
+        view = self.view()
+        if view is None:
+            return NOTHING
+        rows = view.rows
+        chosen = sorted({rows[name] for name in self._session.target_names() if name in rows})
+        worth, unit = self._rated(view)
+        return {**view.columns, "worth": worth, "worth_unit": unit, "chosen": chosen}
+
+    def mission(self, names: Iterable[str], *, by_worth: bool) -> Instance:
+        """The mission of some of the objects.
+
+        Raises
+        ------
+        InputError
+            There is no catalogue, or no such object, or no mission can be made of them.
+        """
+        view = self.view()
+        if view is None:
+            raise InputError("no catalogue is there; drop a TLE or OMM file first")
+        prizes = self._prizes() if by_worth else None
+        if by_worth and prizes is None:
+            raise InputError("no worths are known; compute them, or drop a table of prizes")
+        messages, place = self.of("ephemerides"), self._session.folder.path
+        if messages:
+            place = private_folder(passing(place))
+        return mission_of(view.chosen(list(names)), prizes, messages, place)
+
+    def _prizes(self) -> Path | None:
+        """The table of prizes: computed, or dropped."""
+        if self._session.worth is None:
+            return self.latest("prizes")
+        return refuse_link(self._session.results.place(self._session.worth) / PRIZES)
+
+    def _rated(self, view: CatalogueView) -> tuple[list[float | None], str | None]:
+        """Worth of each object, and its unit; None for those without."""
+        number, table = self._session.worth, self._prizes()
+        if table is None:
+            return [None] * len(view.records), None
+        key = (number, str(table), id(view))
+        if self._worth is None or self._worth[0] != key:
+            column, unit = (
+                ("prize", "prize") if number is None else ("worth_alone", "fragment-years")
+            )
+            path = table if number is None else table.with_name(DETAILS)
+            self._worth = key, view.by_object(_column(path, column)), unit
+        return self._worth[1:]
+
+
+def _column(path: Path, name: str) -> dict[str, float]:
+    """A column of numbers of a table by the objects of its rows."""
+    found = {}
+    for row in csv.DictReader(read_text(path).removeprefix("\ufeff").splitlines()):
+        cells = {str(key).strip().casefold(): value for key, value in row.items()}
+        said = next((cells[each] for each in ("object", "number", "name") if cells.get(each)), "")
+        try:
+            found[said.strip()] = float(cells.get(name) or "nan")
+        except (TypeError, ValueError):
+            continue
+    return found
+
+
+def _displayed(name: str) -> str:
+    """A name for display: no folders, no control characters, of limited length."""
+    last = re.split(r"[/\\]", name)[-1]
+    shown = "".join(letter if letter.isprintable() else "?" for letter in last).strip()[:100]
+    return shown or "file"
+
+
+def _as_file(name: str) -> str:
+    """A name for a file on any system."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", name)[-60:].strip(".-") or "file"

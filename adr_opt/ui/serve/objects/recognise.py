@@ -1,0 +1,104 @@
+"""Recognition of dropped files by what is in them."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ....common.errors import InputError
+from ....common.files import parse_model
+from ....plan.plan import Plan
+from ....problem.instance import Instance
+from ....problem.uncertainty import Uncertainty
+from ....sources import catalogue, worth
+from ....sources.catalogue.reading import read_bytes
+from ....sources.ephemerides.oem import read_oem
+from ..project.record import Content
+
+HEAD = 4096
+"""Number of bytes in which a format shows."""
+
+
+@dataclass(frozen=True)
+class Recognised:
+    """What a file holds.
+
+    Attributes
+    ----------
+    what : str
+    count, skipped : int
+        Of the rows in it, those that are good and bad.
+    content : Instance, Plan or None
+        Of an instance or a plan.
+    """
+
+    what: Content
+    count: int
+    skipped: int = 0
+    content: Instance | Plan | None = None
+
+
+def recognised(path: Path, name: str) -> Recognised:
+    """What a file holds, which is read as the command line reads it.
+
+    Parameters
+    ----------
+    path : path
+    name : str
+        Name that errors give it.
+
+    Raises
+    ------
+    InputError
+        It is nothing that can be used, or it is spoilt.
+    """
+    try:
+        return _recognised(path, name)
+    except InputError as error:
+        raise InputError(str(error).replace(str(path), name)) from None
+
+
+def _recognised(path: Path, name: str) -> Recognised:
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+    text = head.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").lstrip()
+    begin = text.partition("\n")[0]
+    if re.search(r'"format"\s*:\s*"adr-opt-', text):
+        return _of_the_project(path, name)
+    if text.startswith("CCSDS_OEM_VERS") or re.search(r"<(\w+:)?oem\b", text):
+        return Recognised("ephemerides", len(read_oem(path.read_bytes(), name)))
+    if begin.startswith("#JCAT") or "\n#JCAT" in text:
+        return Recognised("satcat", len(worth.read_satcat(path)))
+    columns = {cell.strip().casefold() for cell in begin.split(",")}
+    if columns & {"prize", "required", "prize_until"} and columns & {"object", "number", "name"}:
+        return Recognised("prizes", len(catalogue.read_wishes(path)))
+    found = read_bytes(path.read_bytes(), name, skip_bad=True)
+    return Recognised("catalogue", len(found.records), len(found.dropped))
+
+
+def _of_the_project(path: Path, name: str) -> Recognised:
+    """A file in one of the formats of this project."""
+    try:
+        text = path.read_text("utf-8")
+        content: Any = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{name}: not JSON ({error}); give a JSON file") from None
+    kind = str(content.get("format") if isinstance(content, dict) else "").partition("/")[0]
+    if kind == "adr-opt-instance":
+        instance = parse_model(text, Instance, name)
+        if instance.transfer.given is not None or instance.ephemerides is not None:
+            raise InputError(
+                f"{name}: it belongs together with other files; open it by the command line, as "
+                "'serve INSTANCE'"
+            )
+        return Recognised("instance", len(instance.targets), content=instance)
+    if kind == "adr-opt-plan":
+        plan = parse_model(text, Plan, name)
+        return Recognised("plan", len(plan.legs), content=plan)
+    if kind == "adr-opt-uncertainty":
+        parse_model(text, Uncertainty, name)
+        return Recognised("uncertainty", 1)
+    raise InputError(f"{name}: a file of the format {kind!r} is of no use here")
