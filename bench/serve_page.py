@@ -91,6 +91,9 @@ def plans(tab: Browser, runs: int) -> list[float]:
         taken.append(time.perf_counter() - began)
         click(tab, "stop")
         on_page(tab, "phase", "done")
+    # The last report is read before the server ends.
+    state = "fetch('/state').then((answer) => answer.json())"
+    on_page(tab, "reported", tab.evaluate(f"{state}.then((state) => state.plan.number)"), 300.0)
     return taken
 
 

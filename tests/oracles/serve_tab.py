@@ -43,7 +43,7 @@ def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=90.0)
     assert process.returncode == 0, err
-    assert "Traceback" not in err
+    assert "Traceback" not in err, err
     said["stderr"] = err
 
 
