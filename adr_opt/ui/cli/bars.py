@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ..watched import teller
+
 Show = Callable[[int, int], None]
 
 
@@ -20,7 +22,11 @@ def counting_bar(shown: bool, what: str) -> Iterator[Show]:
         What is done to which parts.
     """
     if not shown:
-        yield lambda done, total: None
+        tell = teller()
+        if tell is None:
+            yield lambda done, total: None
+        else:
+            yield lambda done, total: tell(done / max(total, 1), what)
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn

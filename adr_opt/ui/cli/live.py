@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...common.clock import now_s
+from ..watched import teller
 
 
 def wanted(as_json: bool, quiet: bool) -> bool:
@@ -23,7 +24,13 @@ def live_line(shown: bool) -> Iterator[Callable[[float, float, float, bool], Non
     a kernel is being compiled, for which the clock stands still. Without ``shown`` it does nothing.
     """
     if not shown:
-        yield lambda incumbent, bound, built, compiling: None
+        tell, since = teller(), now_s()
+
+        def passed_on(incumbent: float, bound: float, built: float, compiling: bool) -> None:
+            if tell is not None:
+                tell(None, describe(now_s() - since, incumbent, bound, built))
+
+        yield passed_on
         return
     from rich.console import Console
     from rich.live import Live

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,9 @@ PRIVATE = 0o077
 """Mask of modes of the files that they write."""
 
 
-def started(module: str, arguments: Sequence[str], **more: Any) -> subprocess.Popen[bytes]:
+def started(
+    module: str, arguments: Sequence[str], variables: Mapping[str, str] | None = None, **more: Any
+) -> subprocess.Popen[bytes]:
     """Start a module of this package in a Python process of its own.
 
     Its standard input is a pipe that ends when this process does; Ctrl-C does not reach it. What
@@ -29,6 +31,8 @@ def started(module: str, arguments: Sequence[str], **more: Any) -> subprocess.Po
     module : str
         Its full name.
     arguments : sequence of str
+    variables : mapping of str to str, optional
+        Further variables of its environment.
     **more
         Of :class:`subprocess.Popen`.
     """
@@ -38,7 +42,8 @@ def started(module: str, arguments: Sequence[str], **more: Any) -> subprocess.Po
     return subprocess.Popen(
         [sys.executable, "-P", "-m", module, *arguments],
         stdin=subprocess.PIPE, start_new_session=True,
-        env={**os.environ, "PYTHONPATH": path, "PYTHONUNBUFFERED": "1"}, **more,
+        env={**os.environ, "PYTHONPATH": path, "PYTHONUNBUFFERED": "1", **(variables or {})},
+        **more,
     )  # fmt: skip
 
 

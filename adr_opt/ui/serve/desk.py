@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import secrets
 from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
+from ...common.files import read_text
 from ...common.wording import counted
+from .forms.fields import form_fields
+from .jobs.queue import JobQueue
+from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
 from .project.archive import archived
+from .project.private import passing, refuse_link
 from .requests import ChooseRequest, JobRequest, WorthRequest
 from .session import EditingSession, choices
 
@@ -25,8 +29,17 @@ class Desk:
     def __init__(self, session: EditingSession) -> None:
         self.session = session
         self.dropped = DroppedObjects(session)
-        self.results_revision = 0
-        self.jobs_revision = 0
+        self.queue = JobQueue(session, self.dropped)
+
+    @property
+    def results_revision(self) -> int:
+        """Counter of changes to what :meth:`results` gives."""
+        return self.session.results.revision
+
+    @property
+    def jobs_revision(self) -> int:
+        """Counter of changes to what :meth:`jobs` gives."""
+        return self.queue.revision
 
     @property
     def revision(self) -> int:
@@ -39,7 +52,7 @@ class Desk:
 
     def choices(self) -> dict[str, Any]:
         """Methods, bounds and verbs with their options, as JSON data."""
-        return {**choices(), "verbs": {}}
+        return {**choices(), "verbs": {name: verb.to_dict() for name, verb in VERBS.items()}}
 
     def state(self) -> dict[str, Any]:
         """The state, as JSON data."""
@@ -69,18 +82,19 @@ class Desk:
 
     def forms(self) -> list[dict[str, Any]]:
         """Fields of forms, as JSON data."""
-        return []
+        return form_fields()
 
     def jobs(self) -> list[dict[str, Any]]:
         """All jobs, as JSON data."""
-        return []
+        return self.queue.rows()
 
     def results(self) -> list[dict[str, Any]]:
         """All results, newest last, as JSON data."""
-        return []
+        return [record.row() for record in self.session.results.all()]
 
     def close(self, seconds: float) -> bool:
         """Stop all work; returns whether all is finished."""
+        self.queue.close()
         return self.session.close(seconds)
 
     @property
@@ -89,16 +103,28 @@ class Desk:
         return self.session.folder.path.name
 
     def page(self, number: str) -> str:
-        """Page of a result."""
-        raise InputError(f"there is no result {number[:20]!r} with a page")
+        """Page of a result, exactly as the verb has written it.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it has no page.
+        """
+        digits = number.isascii() and number.isdigit() and len(number) <= 6
+        record = self.session.results.record(int(number) if digits else 0)
+        if record.page is None:
+            raise InputError(f"result {record.number} ({record.verb}) has no page")
+        place = self.session.results.place(record.number)
+        return read_text(refuse_link(place / record.page))
 
     def archive(self) -> Path:
         """A temporary file with the whole project, zipped; the caller removes it."""
-        return archived(self.session.folder.path)
+        folder = self.session.folder.path
+        return archived(folder, passing(folder, ".zip"))
 
     def temporary(self) -> Path:
         """Path of a new temporary file for what is being uploaded."""
-        return self.session.folder.path / f".upload-{secrets.token_hex(8)}"
+        return passing(self.session.folder.path)
 
     def drop(self, path: Path, name: str) -> dict[str, Any]:
         """Take an uploaded file into the project; returns what it is, as JSON data."""
@@ -106,7 +132,7 @@ class Desk:
 
     def worth(self, asked: WorthRequest) -> dict[str, Any]:
         """Begin a job that computes the worth of the dropped objects."""
-        raise InputError("no catalogue is dropped yet; drop one first")
+        return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
 
     def choose(self, asked: ChooseRequest) -> None:
         """Make a mission of dropped objects."""
@@ -115,12 +141,12 @@ class Desk:
 
     def begin(self, asked: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""
-        raise InputError(f"verb {asked.verb!r} is not offered here")
+        return {"job": self.queue.begin(asked)}
 
     def stop(self, job: int) -> None:
         """Stop a job."""
-        raise InputError(f"there is no job {job}")
+        self.queue.stop(job)
 
     def show(self, result: int) -> None:
         """Show the plan of a result."""
-        raise InputError(f"there is no result {result}")
+        self.session.show(result)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 from pathlib import Path
 
+from .private import private_file
 
-def archived(folder: Path) -> Path:
-    """A temporary zip file of all files of a project; the caller removes it.
+
+def archived(folder: Path, to: Path) -> Path:
+    """A zip file of all files of a project; the caller removes it.
 
     Hidden files, which are being written, and links are left out.
 
@@ -17,12 +18,13 @@ def archived(folder: Path) -> Path:
     ----------
     folder : path
         The project folder, whose name all names within the archive begin with.
+    to : path
+        Where to write it; must not be there yet.
     """
-    handle, name = tempfile.mkstemp(prefix="adr-opt-", suffix=".zip")
-    with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as made:
+    with private_file(to) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as made:
         for path in sorted(_files(folder)):
             made.write(path, Path(folder.name) / path.relative_to(folder))
-    return Path(name)
+    return to
 
 
 def _files(folder: Path) -> list[Path]:

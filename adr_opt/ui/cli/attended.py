@@ -1,0 +1,24 @@
+"""The command line as a process of :mod:`adr_opt.ui.serve`, with which it ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+
+from ..serve.children import leave, settle_in
+from .entry import main
+
+
+def watch() -> None:
+    """Leave when standard input ends, as it does when the server is killed."""
+    # Without a buffer, which would hold a lock that the interpreter wants at the end.
+    while os.read(0, 1):
+        pass
+    leave()
+
+
+if __name__ == "__main__":
+    settle_in()
+    threading.Thread(target=watch, name="server", daemon=True).start()
+    sys.exit(main())

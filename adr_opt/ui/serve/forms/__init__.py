@@ -1,0 +1,1 @@
+"""Fields of the forms that edit parts of an instance."""

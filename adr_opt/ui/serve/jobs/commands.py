@@ -1,0 +1,194 @@
+"""Command lines of jobs, on files of the project named from its folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from ....common.errors import InputError
+from ..objects.dropped import DroppedObjects
+from ..project.result_record import ResultRecord
+from ..project.results import INSTANCE, PLAN
+from ..requests import JobRequest
+from ..session import EditingSession
+from .options import words_of
+from .verbs import VERBS, JobVerb
+
+REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
+
+DESIGNS = ("launches", "separation", "kits", "dry-mass", "start", "budget")
+"""What designs vary, whose points have plans of their own."""
+
+
+class JobCommand(NamedTuple):
+    """What a job runs.
+
+    Attributes
+    ----------
+    words : list of str
+        Verb, files and options.
+    inputs : tuple of int
+        Results that it reads.
+    instance_sha256 : str or None
+        Of the instance that it is about.
+    """
+
+    words: list[str]
+    inputs: tuple[int, ...] = ()
+    instance_sha256: str | None = None
+
+
+class JobInputs:
+    """Files of the project that verbs read.
+
+    Parameters
+    ----------
+    session : EditingSession
+    dropped : DroppedObjects
+    """
+
+    def __init__(self, session: EditingSession, dropped: DroppedObjects) -> None:
+        self._session, self._dropped = session, dropped
+        self._folder = session.folder.path
+
+    def check(self, asked: JobRequest) -> None:
+        """Refuse, before anything is made, what :meth:`command` refuses.
+
+        Raises
+        ------
+        InputError
+            As of it.
+        """
+        verb = _verb(asked)
+        words_of(verb.options, asked.options)
+        self._files(verb, asked, None)
+
+    def command(self, asked: JobRequest, place: Path) -> JobCommand:
+        """The command line of a job.
+
+        Parameters
+        ----------
+        asked : JobRequest
+        place : path
+            Folder of its result; the draft is written there where the verb reads it.
+
+        Raises
+        ------
+        InputError
+            There is no such verb or option, or what it needs is not there.
+        """
+        verb = _verb(asked)
+        options = words_of(verb.options, asked.options)
+        read = self._files(verb, asked, place)
+        outputs = [
+            f"{each.sign}={self._named(place / each.file)}"
+            for each in verb.outputs
+            if each.asked_by is None or asked.options.get(each.asked_by)
+        ]
+        if asked.verb == "tradeoff":
+            of_designs = _of_designs(asked)
+            outputs.append(
+                f"--out={self._named(place / ('points.jsonl' if of_designs else 'points.csv'))}"
+            )
+            if of_designs:
+                outputs.append(f"--plans={self._named(place / 'plans')}")
+        return read._replace(words=[asked.verb, *read.words, *options, *outputs, "--json"])
+
+    def _files(self, verb: JobVerb, asked: JobRequest, place: Path | None) -> JobCommand:
+        """Files that a verb reads, and the results that they are of."""
+        given = [self._session.results.record(number) for number in asked.results]
+        if verb.needs == ("instance",):
+            return self._draft(place)
+        if verb.needs == ("catalogue",):
+            return JobCommand(self._catalogue())
+        plans = self._plans(given, 2 if "plans" in verb.needs else 1)
+        files = [self._of(plans[0], INSTANCE)]
+        refined = [record for record in given if REFINED in record.files]
+        if "plan or refined" in verb.needs and refined:
+            files.append(self._of(refined[0], REFINED))
+        else:
+            files += [self._of(record, PLAN) for record in plans]
+        used = [*plans]
+        if asked.verb == "report" and refined:
+            files.append(f"--refined={self._of(refined[0], REFINED)}")
+        if refined and asked.verb in ("report", "fly"):
+            used.append(refined[0])
+        if "certificate" in verb.needs:
+            certificate = self._certificate(given, plans[0])
+            files.append(self._of(certificate, CERTIFICATE))
+            used.append(certificate)
+        if "uncertainty" in verb.needs:
+            files.append(f"--uncertainty={self._uncertainty()}")
+        numbers = tuple(record.number for record in used)
+        return JobCommand(files, numbers, plans[0].instance_sha256)
+
+    def _plans(self, given: list[ResultRecord], least: int) -> list[ResultRecord]:
+        """The plans among the given results, or that of which one was refined, or the shown one."""
+        results = self._session.results
+        plans = [record for record in given if record.has_plan]
+        for record in given:
+            if not plans and record.inputs and REFINED in record.files:
+                plans = [results.record(record.inputs[0])]
+        shown = self._session.shown()
+        if not plans and shown is not None:
+            plans = [results.record(shown[0])]
+        if len(plans) < least:
+            raise InputError("plan first" if least == 1 else f"choose {least} plans or more")
+        return plans if least > 1 else plans[:1]
+
+    def _draft(self, place: Path | None) -> JobCommand:
+        """The instance as edited: that of a plan of it if there is one, else written anew."""
+        instance = self._session.instance()
+        known = self._session.results.newest_of(instance.sha256)
+        if known is not None:
+            file = self._of(self._session.results.record(known), INSTANCE)
+            return JobCommand([file], (known,), instance.sha256)
+        if place is not None:
+            instance.save(place / INSTANCE)
+        return JobCommand([self._named((place or self._folder) / INSTANCE)], (), instance.sha256)
+
+    def _catalogue(self) -> list[str]:
+        files = [self._named(path) for path in self._dropped.of("catalogue")]
+        if not files:
+            raise InputError("no catalogue is there; drop a TLE or OMM file first")
+        satcat = self._dropped.latest("satcat")
+        more = [] if satcat is None else [f"--satcat={self._named(satcat)}"]
+        return [*files, *more, "--skip-bad"]
+
+    def _certificate(self, given: list[ResultRecord], plan: ResultRecord) -> ResultRecord:
+        known = [record for record in given if CERTIFICATE in record.files]
+        for record in reversed(self._session.results.all()):
+            alike = record.instance_sha256 == plan.instance_sha256
+            if CERTIFICATE in record.files and alike:
+                known.append(record)
+        if not known:
+            raise InputError("no certificate is there for this plan; prove a bound with one first")
+        return known[0]
+
+    def _uncertainty(self) -> str:
+        path = self._dropped.latest("uncertainty")
+        if path is None:
+            raise InputError("nothing says what may go otherwise; drop an uncertainty file first")
+        return self._named(path)
+
+    def _of(self, record: ResultRecord, file: str) -> str:
+        return self._named(self._session.results.place(record.number) / file)
+
+    def _named(self, path: Path) -> str:
+        return str(path.relative_to(self._folder))
+
+
+def _verb(asked: JobRequest) -> JobVerb:
+    if asked.verb not in VERBS:
+        raise InputError(
+            f"verb {asked.verb[:40]!r} is not offered here; use one of: {', '.join(VERBS)}"
+        )
+    return VERBS[asked.verb]
+
+
+def _of_designs(asked: JobRequest) -> bool:
+    varied = [str(asked.options.get(name) or "").partition("=")[0] for name in ("vary", "vary_too")]
+    priced = any(
+        asked.options.get(f"{name}_cost_eur") is not None for name in ("launch", "kit", "kg")
+    )
+    return priced or any(name in DESIGNS for name in varied)

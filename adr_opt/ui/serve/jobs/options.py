@@ -1,0 +1,126 @@
+"""Options of jobs: each by name, of a checked type, as one word of a command line."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ....common.errors import InputError
+
+Kind = Literal["number", "text", "choice", "flag"]
+
+LONGEST_TEXT = 200
+"""Maximum length of a text [characters]."""
+
+Value = bool | int | float | str | None
+
+
+@dataclass(frozen=True)
+class JobOption:
+    """An option of a verb.
+
+    Attributes
+    ----------
+    name : str
+        As the page knows it.
+    sign : str
+        As the command line knows it; empty if an output of the verb stands for it.
+    label, unit, help : str
+    kind : str
+    default : bool, int, float, str or None
+        With None the option is left out, as with an empty text.
+    least, most : float
+        Of a number.
+    whole : bool
+        Whether the number is whole.
+    suffix : str
+        Put behind a number, such as the unit that the command line asks for.
+    pattern : str
+        That a text matches as a whole.
+    choices : callable, optional
+        Gives the values of a choice.
+    """
+
+    name: str
+    sign: str
+    label: str
+    kind: Kind
+    unit: str = ""
+    default: Value = None
+    least: float = -math.inf
+    most: float = math.inf
+    whole: bool = False
+    suffix: str = ""
+    pattern: str = r"[^\x00-\x1f\x7f]*"
+    choices: Callable[[], Sequence[str]] | None = None
+    help: str = ""
+
+    def word(self, value: Value) -> str | None:
+        """The option with a value as one word, which begins with its sign; None to leave it out.
+
+        Raises
+        ------
+        InputError
+            The value is not one of this option.
+        """
+        if value is None or value == "" or (self.kind == "flag" and value is False):
+            return None
+        if self.kind == "flag":
+            if value is not True:
+                raise InputError(f"option {self.name}: must be true or false")
+            return self.sign or None
+        if self.kind == "number":
+            return f"{self.sign}={self._number(value)}{self.suffix}"
+        if not isinstance(value, str) or len(value) > LONGEST_TEXT:
+            raise InputError(
+                f"option {self.name}: must be a text of at most {LONGEST_TEXT} characters"
+            )
+        known = None if self.choices is None else self.choices()
+        if known is not None and value not in known:
+            raise InputError(
+                f"option {self.name} = {value[:40]!r}: must be one of {', '.join(known)}"
+            )
+        if re.fullmatch(self.pattern, value) is None:
+            raise InputError(f"option {self.name} = {value[:40]!r}: {self.help or 'not a value'}")
+        return f"{self.sign}={value}"
+
+    def _number(self, value: Value) -> str:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InputError(f"option {self.name}: must be a number")
+        if not (math.isfinite(value) and self.least <= value <= self.most):
+            raise InputError(
+                f"option {self.name} = {value:g}: must be {self.least:g} to {self.most:g}"
+            )
+        if not self.whole:
+            return repr(float(value))
+        if value != int(value):
+            raise InputError(f"option {self.name} = {value:g}: must be a whole number")
+        return str(int(value))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The option as JSON data, for a field of a form."""
+        return {
+            "name": self.name, "label": self.label, "unit": self.unit, "kind": self.kind,
+            "default": self.default, "help": self.help,
+            **({} if self.choices is None else {"choices": list(self.choices())}),
+            **({} if math.isinf(self.least) else {"least": self.least}),
+            **({} if math.isinf(self.most) else {"most": self.most}),
+        }  # fmt: skip
+
+
+def words_of(options: Sequence[JobOption], given: dict[str, Value]) -> list[str]:
+    """All options as words of a command line; those that are not given have their defaults.
+
+    Raises
+    ------
+    InputError
+        There is no such option, or a value is not one of it.
+    """
+    strange = sorted(given.keys() - {option.name for option in options})
+    if strange:
+        raise InputError(f"option {strange[0][:40]!r} is unknown")
+    words = [option.word(given.get(option.name, option.default)) for option in options]
+    return [word for word in words if word is not None]

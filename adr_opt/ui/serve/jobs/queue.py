@@ -1,0 +1,163 @@
+"""The queue of jobs: a few at a time, whose results are kept in the project."""
+
+from __future__ import annotations
+
+import json
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+from ....common.errors import InputError
+from ....common.files import write_bytes
+from ..objects.dropped import DroppedObjects
+from ..project.result_record import ResultRecord
+from ..project.results import now
+from ..requests import JobRequest
+from ..session import EditingSession
+from .answers import figures_of, said_of
+from .commands import JobCommand, JobInputs
+from .job import Job
+from .verbs import VERBS
+
+MOST_AT_ONCE = 2
+"""Number of jobs that run side by side."""
+
+MOST_WAITING = 50
+"""Maximum number of jobs that run or wait."""
+
+MOST_LISTED = 100
+"""Number of jobs that are listed, the latest."""
+
+ANSWER = "answer.json"
+"""File of a result with what the verb answered."""
+
+
+class JobQueue:
+    """Runs verbs on the files of a project.
+
+    Parameters
+    ----------
+    session : EditingSession
+    dropped : DroppedObjects
+
+    Attributes
+    ----------
+    revision : int
+        Counts changes.
+    """
+
+    def __init__(self, session: EditingSession, dropped: DroppedObjects) -> None:
+        self._session, self._inputs = session, JobInputs(session, dropped)
+        self._lock = threading.Lock()
+        self._jobs: list[Job] = []
+        self._pool = ThreadPoolExecutor(MOST_AT_ONCE, "job")
+        self._count = 0
+        self._closing = False
+        self.revision = 0
+
+    def begin(self, asked: JobRequest) -> int:
+        """Put a job into the queue; returns its number.
+
+        Raises
+        ------
+        InputError
+            The request is not valid, or too many jobs wait.
+        """
+        self._inputs.check(asked)
+        with self._lock:
+            if sum(job.runs for job in self._jobs) >= MOST_WAITING:
+                raise InputError(f"{MOST_WAITING} jobs are running or waiting; stop some first")
+            self._count += 1
+            limit_s = asked.options.get("time_limit_s")
+            job = Job(
+                self._count, asked.verb, VERBS[asked.verb].label,
+                limit_s if isinstance(limit_s, (int, float)) and asked.verb != "tradeoff" else None,
+                self._changed,
+            )  # fmt: skip
+            self._jobs = [*self._jobs, job][-MOST_LISTED:]
+        number, place = self._session.results.begin(asked.verb)
+        try:
+            # The files are those of now, however long it waits.
+            command = self._inputs.command(asked, place)
+        except BaseException:
+            self._session.results.drop(place)
+            job.settle("failed")
+            raise
+        self._changed()
+        self._pool.submit(self._run, job, number, place, command)
+        return job.number
+
+    def stop(self, number: int) -> None:
+        """Stop a job.
+
+        Raises
+        ------
+        InputError
+            There is no such job.
+        """
+        for job in self._jobs:
+            if job.number == number:
+                job.stop()
+                return
+        raise InputError(f"there is no job {number}")
+
+    def rows(self) -> list[dict[str, Any]]:
+        """All jobs as JSON data, the latest last."""
+        return [job.row() for job in self._jobs]
+
+    def close(self) -> None:
+        """End all jobs at once."""
+        for job in self._jobs:
+            if job.runs:
+                job.kill()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _changed(self) -> None:
+        self.revision += 1
+
+    def _run(self, job: Job, number: int, place: Path, command: JobCommand) -> None:
+        results = self._session.results
+        try:
+            if not job.start():
+                results.drop(place)
+                return
+            status, printed = job.run(command.words, self._session.folder.path)
+            lines = job.messages.strip().splitlines()
+            answer = _answer(printed) if status in (0, 1) else None
+            if answer is None:
+                results.drop(place)
+                said = lines[-1].removeprefix("adr-opt: ") if lines else ""
+                if job.stopping:
+                    job.settle("stopped")
+                else:
+                    job.settle("failed", said or f"it ended with status {status}")
+                return
+            write_bytes(place / ANSWER, printed)
+            page = VERBS[job.verb].page
+            fields = {"instance_sha256": command.instance_sha256, **figures_of(place, answer)}
+            record = results.done(
+                ResultRecord(
+                    number=number, verb=job.verb, label=job.label, made_at=now(),
+                    inputs=command.inputs, command=tuple(command.words), exit_status=status,
+                    said="\n".join(lines),
+                    page=page if page is not None and (place / page).is_file() else None, **fields,
+                )
+            )  # fmt: skip
+            job.result = record.number
+            if job.verb == "worth":
+                self._session.note(worth=record.number)
+            job.settle("done", said_of(job.verb, answer, status))
+        except Exception as error:  # to be reported on the page
+            results.drop(place)
+            known = isinstance(error, (InputError, OSError))
+            job.settle("failed", str(error) if known else f"{type(error).__name__}: {error}")
+
+
+def _answer(printed: bytes) -> dict[str, Any] | None:
+    """The JSON object that a verb has printed; None if it has printed anything else."""
+    try:
+        content = json.loads(printed)
+    except ValueError:
+        return None
+    return content if isinstance(content, dict) else None
