@@ -1,6 +1,11 @@
 // A field of a form as the server describes it: label, unit, help, and why a value is refused.
 import { made, text } from "./dom.js";
 
+// Values of choices in words, where they are none.
+const WORDS = {
+  "delta-v": "ΔV", mass: "mass", station: "at a station", orbit: "own orbit", given: "stated",
+};
+
 const EMPTY = "";
 
 // Lists are written as numbers between commas; nothing between two of them stands for none.
@@ -15,7 +20,8 @@ function ofList(written) {
 const wordsOf = (value) => (Array.isArray(value) ? value.map((each) => each ?? EMPTY).join(", ") : EMPTY);
 
 const numberInput = (spec, more = {}) => made("input", {
-  type: "number", step: "any", inputmode: "decimal", min: spec.least, max: spec.most, ...more,
+  type: "number", step: spec.whole ? "1" : "any", inputmode: "decimal", min: spec.least,
+  max: spec.most, ...more,
 });
 const numberOf = (input) => (input.value === EMPTY ? null : Number(input.value));
 const wordOf = (value) => (typeof value === "number" ? text(value, 12) : EMPTY);
@@ -59,7 +65,7 @@ const CONTROLS = {
   choice: (spec) => {
     const control = made("select");
     if (spec.optional) control.append(new Option("none", EMPTY));
-    control.append(...(spec.choices ?? []).map((each) => new Option(each, each)));
+    control.append(...(spec.choices ?? []).map((each) => new Option(WORDS[each] ?? each, each)));
     return {
       control,
       read: () => (control.value === EMPTY ? null : control.value),
@@ -131,4 +137,14 @@ export function withValue(element, path, value) {
   }
   at[last] = value;
   return copy;
+}
+
+// Fields for the options of a verb, all of which may be left out, and what they say.
+export const optionFields = (verb, options) => options.map((option) => (
+  [option.name, fieldOf({ ...option, optional: option.default === null }, `${verb}-${option.name}`)]));
+
+export function valuesOf(fields) {
+  const given = {};
+  for (const [name, field] of fields) if (field.read() !== null) given[name] = field.read();
+  return given;
 }

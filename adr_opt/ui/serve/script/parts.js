@@ -1,5 +1,5 @@
 // Forms for chasers, stations, mission, transfer and objective, made from what the server says.
-import { ALTERNATIVES, stands } from "./alternatives.js";
+import { branch, branches, stands, withBranch } from "./alternatives.js";
 import { box, button, made } from "./dom.js";
 import { dig, fieldOf, withValue } from "./field.js";
 import { follow, told } from "./store.js";
@@ -18,26 +18,30 @@ async function change(path, value) {
 
 // The fields of one element, each of which changes a copy of it and sends the whole part.
 function form(part, at, element, commit) {
-  const fields = [];
+  const specs = specsOf(part);
   const id = (path) => `part-${part}${at === null ? "" : `-${at}`}-${path.replaceAll(".", "-")}`;
   const current = () => (at === null ? told.state.instance[part] : told.state.instance[part][at]);
-  const choices = part === "chasers" ? ALTERNATIVES.map((one) => {
-    const { instance } = told.state;
-    const spec = { ...one, choices: one.choices(instance) };
-    const write = (chosen) => commit(one.write(current(), chosen, told.state.instance));
-    return { field: fieldOf(spec, id(one.path), write), of: one.read };
-  }) : [];
-  for (const spec of specsOf(part).filter(({ path }) => stands(element, path))) {
-    const field = fieldOf(spec, id(spec.path), (value) => commit(withValue(current(), spec.path, value)));
-    fields.push({ field, of: (now) => dig(now, spec.path) ?? (spec.optional ? null : spec.default) });
-  }
-  return [...fields.slice(0, 1), ...choices, ...fields.slice(1)]; // the name comes first
+  const one = (spec) => {
+    const { path } = spec;
+    if (branches(specs, spec)) {
+      const write = (chosen) => withBranch(specs, path, current(), chosen, told.state.instance);
+      const field = fieldOf(spec, id(path), (chosen) => commit(write(chosen)));
+      return { field, of: (now) => branch(specs, path, now) };
+    }
+    const described = path.endsWith(".station")
+      ? { ...spec, kind: "choice", choices: stationNames() } : spec;
+    const field = fieldOf(described, id(path), (value) => commit(withValue(current(), path, value)));
+    return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
+  };
+  return specs.filter((spec) => stands(specs, spec, element)).map(one);
 }
+
+const stationNames = () => told.state.instance.stations.map(({ name }) => name);
 
 // What the fields of an element depend on beside their values.
 const keyOf = (part, element) => JSON.stringify([
-  specsOf(part).map(({ path }) => path).filter((path) => stands(element, path)),
-  part === "chasers" ? told.state.instance.stations.map(({ name }) => name) : null,
+  specsOf(part).filter((spec) => stands(specsOf(part), spec, element)).map(({ path }) => path),
+  part === "chasers" ? stationNames() : null,
 ]);
 
 function fill(place, part, at, element, holder, commit) {

@@ -1,5 +1,6 @@
 // Replanning from a time that is dragged over the duration of the mission.
 import { box, DAY_S, text } from "./dom.js";
+import { optionFields, valuesOf } from "./field.js";
 import { follow, told } from "./store.js";
 import { begin } from "./talk.js";
 
@@ -27,8 +28,18 @@ function show() {
   box("replan-at").setAttribute("aria-valuetext", said);
 }
 
+let fields = [];
+
+function build(choices) {
+  const options = choices.verbs?.replan?.options ?? [];
+  fields = optionFields("replan", options.filter(({ name }) => name !== "at_s"));
+  box("replan-options").replaceChildren(...fields.map(([, field]) => field.row));
+}
+
 export function start() {
+  follow("choices", build);
   follow("state", show);
   box("replan-at").addEventListener("input", show);
-  box("replan").addEventListener("click", () => begin("replan", { at_s: Math.round(at()) }));
+  box("replan").addEventListener("click", () => (
+    begin("replan", { ...valuesOf(fields), at_s: Math.round(at()) })));
 }

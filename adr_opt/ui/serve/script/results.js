@@ -10,7 +10,7 @@ const watching = [];
 const rows = new Map();
 let newest = null;
 
-export const selection = () => told.results.filter(({ id }) => selected.has(id)).map(({ id }) => id);
+export const selection = () => told.results.filter(({ id }) => selected.has(id));
 export const onSelection = (act) => watching.push(act);
 
 function figures(result) {
@@ -24,10 +24,9 @@ function figures(result) {
   value("ΔV", result.delta_v_m_s, " m/s");
   if (Number.isInteger(result.targets)) said.push(counted(result.targets, "target"));
   if (result.status) said.push(result.status);
-  return said.join(", ");
+  const lines = Array.isArray(result.said) ? result.said : [result.said];
+  return [said.join(", "), ...lines].filter(Boolean).join("; ");
 }
-
-const isPlan = (result) => result.files?.some((name) => /(^|\/)plan[^/]*\.json$/.test(name));
 
 function rowOf(result) {
   if (rows.has(result.id)) return rows.get(result.id);
@@ -44,7 +43,7 @@ function rowOf(result) {
   if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
   const show = button("Show", () => send("/show", { result: result.id }),
     { "aria-label": `Show the plan of ${name}` });
-  if (isPlan(result)) acts.append(show);
+  if (result.has_plan) acts.append(show);
   const moment = result.made_at?.slice(0, 16).replace("T", " ") ?? "";
   const when = made("time", { datetime: result.made_at }, moment);
   const row = made("li", { class: "result" }, tick,

@@ -1,6 +1,6 @@
 // Verbs of the server as a small menu: a button for each, its options, and what it waits for.
 import { box, button, made, put } from "./dom.js";
-import { fieldOf } from "./field.js";
+import { optionFields, valuesOf } from "./field.js";
 import { onSelection, selection } from "./results.js";
 import { follow, told } from "./store.js";
 import { begin } from "./talk.js";
@@ -9,26 +9,26 @@ const verbs = new Map(); // by name: { press, panel, run, why, fields }
 
 // Why a verb cannot begin yet; empty if it can.
 function missing(needs) {
-  const chosen = selection().length;
-  for (const need of needs ?? []) {
-    if (need === "plan" && !told.state?.plan) return "Needs a plan: press Plan in the mission view.";
-    if (need === "two plans" && chosen !== 2) return "Select two plans in the list of results.";
-    if (need === "plans" && chosen < 2) return "Select at least two plans in the list of results.";
-  }
-  return "";
+  const chosen = selection();
+  const plans = chosen.filter((result) => result.has_plan).length;
+  const dropped = (what) => told.state?.files?.some((file) => file.what.includes(what));
+  const absent = {
+    plan: !told.state?.plan && !chosen.length && "Needs a plan: press Plan in the mission view.",
+    plans: plans < 2 && "Select two plans or more in the list of results.",
+    certificate: !told.results.some(({ files }) => files.some((name) => name.startsWith("certificate")))
+      && "Needs a certificate: prove a bound with one first.",
+    uncertainty: !dropped("uncertainty") && "Needs a dropped file of uncertainties.",
+  };
+  absent["plan or refined"] = absent.plan;
+  return needs.map((need) => absent[need]).find(Boolean) ?? "";
 }
 
 function panelOf(name, { label, options = [] }) {
-  const fields = options.map((option) => [option.name, fieldOf(option, `${name}-${option.name}`)]);
+  const fields = optionFields(name, options);
   const why = made("p", { class: "why", id: `${name}-why`, "aria-live": "polite" });
   const run = button(`Begin: ${label}`, async () => {
-    const given = {};
-    for (const [option, field] of fields) {
-      const value = field.read();
-      if (value !== null) given[option] = value;
-    }
     run.disabled = true;
-    await begin(name, given, selection());
+    await begin(name, valuesOf(fields), selection().map(({ id }) => id));
     show();
   }, { class: "act first", "aria-describedby": `${name}-why` });
   const panel = made("div", { class: "panel-of", id: `verb-${name}`, hidden: true },
