@@ -24,7 +24,13 @@ from . import by_masses
 from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
 from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
-from .run_options import RunOptions
+from .run_options import (
+    DEFAULT_BOUND,
+    DEFAULT_BOUND_TIME_LIMIT_S,
+    DEFAULT_METHOD,
+    DEFAULT_TIME_LIMIT_S,
+    RunOptions,
+)
 from .side_by_side import together
 from .start_plan import start_destinations
 from .starts import Start
@@ -43,12 +49,6 @@ __all__ = [
     "spec_of",
     "warm_up",
 ]
-
-DEFAULT_METHOD = "auto"
-DEFAULT_BOUND = "exact"
-"""Default bound, which proves most kinds of missions, several chasers included."""
-DEFAULT_TIME_LIMIT_S = 10.0
-DEFAULT_BOUND_TIME_LIMIT_S = 60.0
 
 
 def solve(  # noqa: PLR0913

@@ -8,6 +8,12 @@ from typing import Any
 
 from .starts import Start
 
+DEFAULT_METHOD = "auto"
+DEFAULT_BOUND = "exact"
+"""Default bound, which proves most kinds of missions, several chasers included."""
+DEFAULT_TIME_LIMIT_S = 10.0
+DEFAULT_BOUND_TIME_LIMIT_S = 60.0
+
 
 @dataclass(frozen=True)
 class RunOptions:

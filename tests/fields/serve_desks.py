@@ -5,8 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from adr_opt.ui.serve import work
+from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
+from adr_opt.ui.serve import looks
+from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.session import EditingSession
+from adr_opt.ui.serve.work import Work
+
+
+def session_of(instance: Instance | None, plan: Plan | None, folder: Folder) -> EditingSession:
+    """A session that plans in a thread of this process."""
+    return EditingSession(instance, plan, folder, Work)
 
 
 def of(*names: str, **changes: Any) -> dict[str, Any]:
@@ -29,7 +38,7 @@ def at_hand(folder: Path) -> list[str]:
     return sorted(name for name in files_under(folder) if Path(name).parts[0] not in own)
 
 
-def wait(desk: EditingSession) -> work.Look:
+def wait(desk: EditingSession) -> looks.Look:
     """The run once it is over."""
     assert desk._work.wait(60.0)
     return desk.look()

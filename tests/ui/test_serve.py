@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import at_hand, files_under, of, wait
+from serve_desks import at_hand, files_under, of, session_of, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -25,8 +25,9 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.looks import PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
-from adr_opt.ui.serve.work import PlanningOrder, Work
+from adr_opt.ui.serve.work import Work
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -36,6 +37,7 @@ from adr_opt.ui.serve import guard  # noqa: E402
 from adr_opt.ui.serve.app import application  # noqa: E402
 from adr_opt.ui.serve.desk import Desk  # noqa: E402
 from adr_opt.ui.serve.events import told  # noqa: E402
+from adr_opt.ui.serve.reported import ShownReport  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -54,7 +56,7 @@ def world(tmp_path: Path) -> Path:
 def desk(world: Path) -> Iterator[EditingSession]:
     """A desk whose working folder is `work` in there; none of the other files may change."""
     before = files_under(world)
-    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = session_of(hand_made(), None, Folder(world / "work", world / "my.json"))
     yield made
     assert made.close(60.0)
     after = files_under(world)
@@ -281,7 +283,7 @@ def test_the_run_ends_with_what_its_plan_states(
     monkeypatch.setattr(front, "TABLE_BYTES", 1e-4 * 2.0**30)
     field = adr_opt.generate("nominal", 0, targets=30)
     field.save(tmp_path / "my.json")
-    made = EditingSession(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    made = session_of(field, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     made.plan(PlanningOrder("auto", 3.0))
     look, plan = wait(made), made.state()["plan"]
     assert any("nothing is proven" in note for note in plan["notes"])
@@ -290,7 +292,7 @@ def test_the_run_ends_with_what_its_plan_states(
     assert (told["incumbent"], told["bound"]) == (plan["objective"], None)
     assert told["gap"] is None
     assert told["points"][-1][1:] == [plan["objective"], None]
-    assert "none given" in made.report()
+    assert "none given" in str(ShownReport(made).text())
 
 
 def test_the_run_ends_with_what_the_result_states(desk: EditingSession) -> None:
@@ -356,7 +358,7 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
 
 def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world: Path) -> None:
     """Whatever goes wrong in a run is said, and the next run begins."""
-    made = EditingSession(hand_made(), None, Folder(world / "work", world / "my.json"))
+    made = session_of(hand_made(), None, Folder(world / "work", world / "my.json"))
 
     def broken(*given: Any, **more: Any) -> Result:
         raise ZeroDivisionError("by nothing")
@@ -399,7 +401,7 @@ def test_a_plan_begins_from_the_one_before(
 def test_several_chasers_have_budgets_of_their_own(tmp_path: Path) -> None:
     """Of a campaign each tank is changed by itself, and what comes out is a legal campaign."""
     instance = adr_opt.generate("campaign", 0, targets=5)
-    desk = EditingSession(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk = session_of(instance, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     second = instance.chasers[1].name
     desk.edit(read_edit(json.dumps({"budget": {"chaser": second, "amount": 0.0}})))
     desk.plan(PlanningOrder("greedy-guarded", 20.0))
@@ -417,13 +419,13 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
     """A folder with work in it is used only to continue it; links are not followed."""
     plan = adr_opt.solve(hand_made(), "exact").plan
     assert plan is not None
-    EditingSession(hand_made(), plan, Folder(world / "work", world / "my.json"))
+    session_of(hand_made(), plan, Folder(world / "work", world / "my.json"))
     with pytest.raises(InputError, match=r"holds instance\.json of an earlier call"):
         Folder(world / "work", world / "my.json")
     folder = Folder(world / "work", world / "work/instance.json")
     with pytest.raises(InputError, match="belongs to another instance"):
-        EditingSession(hand_made(periods=15.0), plan, folder)
-    again = EditingSession(adr_opt.load(world / "work/instance.json"), plan, folder)
+        session_of(hand_made(periods=15.0), plan, folder)
+    again = session_of(adr_opt.load(world / "work/instance.json"), plan, folder)
     assert again.state()["plan"]["fits"]
     assert at_hand(world / "work") == ["instance.json", "plan.json"]
     (world / "work/draft.json").symlink_to(world / "my.json")

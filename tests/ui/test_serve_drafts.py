@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from hand_made import hand_made
-from serve_desks import at_hand, of, wait
+from serve_desks import at_hand, of, session_of, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -18,8 +18,7 @@ from adr_opt.ui.serve import history as steps
 from adr_opt.ui.serve.drafts import Draft, read_edit
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.history import History
-from adr_opt.ui.serve.session import EditingSession
-from adr_opt.ui.serve.work import PlanningOrder
+from adr_opt.ui.serve.looks import PlanningOrder
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -95,7 +94,7 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     # The draft has connections of its own, beside those of the plan.
     pytest.importorskip("pyarrow")
     given.save(tmp_path / "my.json")
-    desk = EditingSession(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
+    desk = session_of(given, None, Folder(tmp_path / "work", tmp_path / "my.json"))
     desk.plan(PlanningOrder("greedy-guarded", 20.0))
     assert wait(desk).phase == "done"
     desk.edit(read_edit(json.dumps(of("beyond", excluded=True))))

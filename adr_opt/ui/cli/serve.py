@@ -65,10 +65,11 @@ def command(
     from ..serve.desk import Desk
     from ..serve.folder import Folder
     from ..serve.planner_process import PlannerProcess
-    from ..serve.session import EditingSession
+    from ..serve.session import EditingSession, refuse_stranger
 
     instance = None if instance_path is None else load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
+    refuse_stranger(instance, plan)
     usual = PROJECT if instance_path is None else f"{Path(instance_path).stem}-served"
     place = Folder(folder or usual, instance_path)
     with closing(listening(port)) as listener, private_files():

@@ -29,6 +29,7 @@ from .desk import Desk
 from .drafts import read_edit
 from .events import told
 from .guard import UPLOAD, Guard
+from .reported import ShownReport
 from .requests import (
     ChooseRequest,
     JobRequest,
@@ -63,7 +64,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
     closing : Event
         Ends the streams of events.
     """
-    session = desk.session
+    session, shown = desk.session, ShownReport(desk.session)
 
     async def page(request: Request) -> Response:
         answer = HTMLResponse(_asset("page.html"), headers={"Content-Security-Policy": POLICY})
@@ -74,7 +75,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
         return StreamingResponse(told(desk, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
-        text = await run_in_threadpool(_report, desk)
+        text = await run_in_threadpool(_report, shown)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
     async def exported(request: Request) -> Response:
@@ -175,9 +176,9 @@ def _assets() -> list[Route]:
     return [route(path, *content) for path, content in found.items()]
 
 
-def _report(desk: Desk) -> str:
+def _report(shown: ShownReport) -> str:
     try:
-        text = desk.session.report()
+        text = shown.text()
     except InputError as error:
         return _note("No report", str(error))
     return _note("No plan yet", "Press Plan, and the report comes here.") if text is None else text

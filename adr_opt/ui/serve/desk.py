@@ -8,14 +8,14 @@ from typing import Any
 from ...common.errors import InputError
 from ...common.files import read_text
 from ...common.wording import counted
+from .choices import choices
 from .forms.fields import form_fields
 from .jobs.queue import JobQueue
-from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
 from .project.archive import archived
 from .project.private import passing, refuse_link
 from .requests import ChooseRequest, JobRequest, WorthRequest
-from .session import EditingSession, choices
+from .session import EditingSession
 
 
 class Desk:
@@ -52,7 +52,7 @@ class Desk:
 
     def choices(self) -> dict[str, Any]:
         """Methods, bounds and verbs with their options, as JSON data."""
-        return {**choices(), "verbs": {name: verb.to_dict() for name, verb in VERBS.items()}}
+        return choices()
 
     def state(self) -> dict[str, Any]:
         """The state, as JSON data."""

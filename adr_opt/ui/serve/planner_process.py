@@ -14,10 +14,11 @@ from typing import Any
 from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from ...run.front import DEFAULT_METHOD
+from ...run.run_options import DEFAULT_METHOD
 from .children import end, started
+from .looks import Done, Look, PlanningOrder
 from .project.private import passing, private_folder
-from .work import Done, Look, PlanningOrder
+from .work import check_order
 
 WORKER = f"{__package__}.planner_worker"
 
@@ -78,7 +79,7 @@ class PlannerProcess:
         InputError
             The order is not valid, or the process cannot be started; what runs goes on.
         """
-        order.check()
+        check_order(order)
         with self._changed:
             folder = private_folder(passing(self._place))
             instance.save(folder / "instance.json")

@@ -17,7 +17,8 @@ from ...run import front
 from ...run.methods import PLANNERS
 from ...run.warm_up import PracticeKind
 from .children import leave, settle_in
-from .work import PlannedRun, PlanningOrder, Work
+from .looks import PlannedRun, PlanningOrder
+from .work import Work
 
 PRACTICE_S = 1.0
 """Time limit of the practice run, without compiling [s]."""

@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError
 from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
-from .work import PlanningOrder
+from .looks import PlanningOrder
 
 MOST_CHOSEN = 2000
 """Maximum number of objects that become targets at once."""

@@ -5,51 +5,20 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Protocol
+from typing import Any
 
 from ...common.errors import InputError
 from ...common.wording import counted, status_words
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
-from ...run.methods import BOUNDS, PLANNERS, names
-from ..report import page
 from . import session_state
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
 from .kept_history import forget_unused, restored, to_record
+from .looks import Done, Look, PlannedRun, PlanningOrder, PlanningWork
 from .project.record import DroppedFile, ProjectRecord
 from .project.results import Results
-from .work import Done, Look, PlannedRun, PlanningOrder, Work
-
-
-class Planner(Protocol):
-    """What plans: one instance after another, in a thread or in a process of its own."""
-
-    def look(self) -> Look:
-        """Progress of the last run."""
-        ...
-
-    def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
-        """Plan, stopping any run in progress; returns the number of the run."""
-        ...
-
-    def stop(self) -> None:
-        """Ask the run for its best plan."""
-        ...
-
-    def wait(self, seconds: float) -> bool:
-        """Wait until nothing runs; returns whether that is the case."""
-        ...
-
-    def prepare(self, *, drifts: bool) -> None:
-        """Load what the default method needs, for missions whose planes drift or do not."""
-        ...
-
-    def close(self) -> None:
-        """End what plans; nothing runs."""
-        ...
 
 
 class EditingSession:
@@ -85,18 +54,13 @@ class EditingSession:
         instance: Instance | None,
         plan: Plan | None,
         folder: Folder,
-        planner: Callable[[Done], Planner] = Work,
+        planner: Callable[[Done], PlanningWork],
     ) -> None:
-        if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
-            raise InputError(
-                f"the plan belongs to another instance, {plan.instance.name!r}; "
-                "give the one that it was made of, or no plan"
-            )
+        refuse_stranger(instance, plan)
         self._lock = threading.RLock()
         self.folder = folder
         self._shown: int | None = None
         self._at_hand: int | None = None
-        self._page: tuple[int, str] | None = None
         self._trouble = ""
         self._number = 0
         self.files: tuple[DroppedFile, ...] = ()
@@ -256,23 +220,6 @@ class EditingSession:
         with self._lock:
             return self._history.draft.instance
 
-    def report(self) -> str | None:
-        """Report page of the displayed plan; None without one.
-
-        Raises
-        ------
-        InputError
-            There can be none, as where plotly is not installed.
-        """
-        shown = self.shown()
-        if shown is None:
-            return None
-        number, instance, plan = shown
-        made = self._page
-        if made is None or made[0] != number:
-            made = self._page = number, page(instance, plan)
-        return made[1]
-
     def state(self) -> dict[str, Any]:
         """State of the page apart from report and run, as JSON data."""
         with self._lock:
@@ -359,11 +306,16 @@ class EditingSession:
         self._number += 1
 
 
-def choices() -> dict[str, Any]:
-    """Choices offered by the page: methods, bounds and their defaults."""
-    return {
-        "methods": list(names(PLANNERS)),
-        "bounds": list(names(BOUNDS)),
-        "method": DEFAULT_METHOD,
-        "time_limit_s": DEFAULT_TIME_LIMIT_S,
-    }
+def refuse_stranger(instance: Instance | None, plan: Plan | None) -> None:
+    """Refuse a plan of another instance.
+
+    Raises
+    ------
+    InputError
+        It is one.
+    """
+    if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the plan belongs to another instance, {plan.instance.name!r}; "
+            "give the one that it was made of, or no plan"
+        )

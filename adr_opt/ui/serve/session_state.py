@@ -10,7 +10,7 @@ from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 from .drafts import Draft, amount_of
 from .history import History
-from .work import in_percent
+from .looks import in_percent
 
 PARTS = ("chasers", "stations", "mission", "transfer", "objective")
 """Parts of an instance that forms edit."""

@@ -5,140 +5,39 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any
 
 from ...common.errors import InputError
 from ...common.stop import Interrupted, MaxRuntime
 from ...mission.result import Result
-from ...plan.plan import Plan, relative_gap
+from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run import front
-from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
 from ...run.start_plan import start_destinations
-from ..report.text import NOTHING, number
-
-Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
+from .looks import LONGEST_S, Done, Look, Phase, PlanningOrder
 
 MOST_POINTS = 400
 """Maximum number of stored changes of incumbent and bound, first and last ones."""
 
-LONGEST_S = 7.0 * 86400.0
-"""Largest time limit; beyond it, a typing error is assumed."""
 
+def check_order(order: PlanningOrder) -> None:
+    """Refuse invalid parameters before anything starts.
 
-@dataclass(frozen=True)
-class PlanningOrder:
-    """Parameters of a planning run.
-
-    Attributes
-    ----------
-    method : str
-    time_limit_s : float
-        Wall time [s].
-    bound : str or None
-        Bound to run beside the planner.
-    seed : int
-    goes_on : bool
-        Whether to begin from the plan that is there, where the method can.
+    Raises
+    ------
+    InputError
+        An unknown method or bound, or a time limit that is none.
     """
-
-    method: str = DEFAULT_METHOD
-    time_limit_s: float = DEFAULT_TIME_LIMIT_S
-    bound: str | None = None
-    seed: int = 0
-    goes_on: bool = True
-
-    def check(self) -> None:
-        """Refuse invalid parameters before anything starts.
-
-        Raises
-        ------
-        InputError
-            An unknown method or bound, or a time limit that is none.
-        """
-        MaxRuntime(self.time_limit_s)
-        if self.time_limit_s > LONGEST_S:
-            raise InputError(f"time limit = {self.time_limit_s:g}: must be at most {LONGEST_S:g} s")
-        method_of(self.method, PLANNERS)
-        if self.bound is not None:
-            method_of(self.bound, BOUNDS)
-
-
-@dataclass(frozen=True)
-class Look:
-    """Progress of a run.
-
-    Attributes
-    ----------
-    number : int
-        Of the run, from 1; 0 before the first.
-    phase : Phase
-        "waiting" for the run before it to stop.
-    stopping : bool
-        Whether it was told to stop.
-    limit_s : float
-        Its time limit [s].
-    elapsed_s : float
-        Since its clock began, after compiling [s].
-    built : float
-        Share of the timetable that is built.
-    incumbent, bound : float
-        −inf and +inf for none yet.
-    points : tuple of (float, float, float)
-        When each of the two changed [s], and to what.
-    said : str
-        What became of it, or why it failed.
-    """
-
-    number: int = 0
-    phase: Phase = "idle"
-    stopping: bool = False
-    limit_s: float = 0.0
-    elapsed_s: float = 0.0
-    built: float = 1.0
-    incumbent: float = -math.inf
-    bound: float = math.inf
-    points: tuple[tuple[float, float, float], ...] = ()
-    said: str = ""
-
-    @property
-    def runs(self) -> bool:
-        """Whether it is still running."""
-        return self.phase not in ("idle", "done", "failed")
-
-    def to_dict(self) -> dict[str, Any]:
-        """The progress as JSON data, with null for numbers that are not finite."""
-        known = math.isfinite(self.incumbent) and math.isfinite(self.bound)
-        gap = relative_gap(self.incumbent, self.bound) if known else None
-        return {
-            "number": self.number,
-            "phase": self.phase,
-            "runs": self.runs,
-            "stopping": self.stopping,
-            "limit_s": self.limit_s,
-            "elapsed_s": round(self.elapsed_s, 3),
-            "built": round(self.built, 4),
-            "incumbent": _finite(self.incumbent),
-            "bound": _finite(self.bound),
-            "gap": gap,
-            "gap_words": in_percent(gap),
-            "points": [[round(at, 3), _finite(a), _finite(b)] for at, a, b in self.points],
-            "said": self.said,
-        }
-
-
-def in_percent(gap: float | None) -> str:
-    """A gap as in the report; empty if there is none."""
-    return NOTHING if gap is None else f"{number(100.0 * gap)} %"
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    MaxRuntime(order.time_limit_s)
+    if order.time_limit_s > LONGEST_S:
+        raise InputError(f"time limit = {order.time_limit_s:g}: must be at most {LONGEST_S:g} s")
+    method_of(order.method, PLANNERS)
+    if order.bound is not None:
+        method_of(order.bound, BOUNDS)
 
 
 @dataclass
@@ -201,29 +100,6 @@ class _Run:
             self.began = time.monotonic()
 
 
-class PlannedRun(Protocol):
-    """The part of a result that is kept of a run."""
-
-    @property
-    def plan(self) -> Plan | None:
-        """The plan; None if there is none."""
-        ...
-
-    @property
-    def status(self) -> str:
-        """What is proven of it."""
-        ...
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks of the method."""
-        ...
-
-
-Done = Callable[[Instance, PlannedRun], str]
-"""Handles a result; returns a message about it."""
-
-
 class Work:
     """Plans one instance after another.
 
@@ -262,7 +138,7 @@ class Work:
         InputError
             The order is not valid; what runs goes on.
         """
-        order.check()
+        check_order(order)
         with self._lock:
             before = self._run
             if before is not None:

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
-from ....run.front import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
 from ....run.methods import BOUNDS, PLANNERS, names
-from ..work import LONGEST_S
+from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
+from ..looks import LONGEST_S
 from .options import JobOption
 
 Need = Literal[
