@@ -78,10 +78,10 @@ def brush(tab: browser.Browser) -> None:
 
 def edit(tab: browser.Browser) -> None:
     """Give the chaser another name by its form; a tank that cannot be is refused at its field."""
-    tab.wait_for("document.querySelector('#chasers details')")
+    tab.wait_for("document.querySelector('#chasers details') !== null")
     tab.evaluate("document.querySelector('#chasers details').open = true")
-    tab.wait_for("document.querySelector('#part-chasers-0-name')")
-    tank = "document.querySelector('[id^=part-chasers-0-tank-]')"
+    tab.wait_for("document.querySelector('#part-chasers-0-name') !== null")
+    tank = "document.querySelector('input[id^=part-chasers-0-tank-]')"
     name = tab.evaluate(f"{tank}.id")
     before = tab.evaluate(f"{tank}.value")
     put(tab, f"#{name}", -1)
