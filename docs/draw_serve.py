@@ -44,9 +44,7 @@ def sky(seed: int = 1) -> list[ElementSet]:
     random = np.random.default_rng(seed)
     shell = random.choice(len(SHELLS), size=OBJECTS, p=[share for share, *_ in SHELLS])
     made = []
-    for number, (record, at) in enumerate(
-        zip(catalogue_files.field(OBJECTS), shell, strict=True)
-    ):
+    for number, (record, at) in enumerate(zip(catalogue_files.field(OBJECTS), shell, strict=True)):
         _, tilt, tilts, motion, motions = SHELLS[at]
         kind = ("DEB", "DEB", "R/B", "")[int(random.integers(0, 4))]
         made.append(
@@ -66,8 +64,8 @@ def brushed(tab: Browser, url: str, catalogue: Path) -> None:
     on_page(tab, "stage", "empty")
     drop(tab, catalogue)
     on_page(tab, "objects", OBJECTS)
-    drag(tab, ".brushed", (0.64, 0.8), (0.78, 0.4))
-    drag(tab, ".plot:nth-child(2) .brushed", (0.45, 0.85), (0.75, 0.05))
+    drag(tab, ".brushed", (0.64, 0.8), (0.78, 0.45))
+    drag(tab, ".plot:nth-child(2) .brushed", (0.45, 0.85), (0.62, 0.05))
     time.sleep(2.0)
 
 

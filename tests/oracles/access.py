@@ -34,7 +34,8 @@ MEASURED = r"""
   for (const name of ["for", "aria-labelledby", "aria-describedby", "aria-controls"]) {
     for (const element of document.querySelectorAll(`[${name}]`)) {
       for (const id of element.getAttribute(name).split(/\s+/).filter(Boolean)) {
-        if (!document.getElementById(id)) found.push(`${named(element)}: ${name} ${id} leads nowhere`);
+        if (document.getElementById(id)) continue;
+      found.push(`${named(element)}: ${name} ${id} leads nowhere`);
       }
     }
   }
@@ -64,7 +65,9 @@ MEASURED = r"""
     [0, 1, 2].map((at) => front[at] * front[3] + back[at] * (1 - front[3])).concat(1);
   const behind = (element) => {
     const layers = [];
-    for (let at = element; at; at = at.parentElement) layers.push(getComputedStyle(at).backgroundColor);
+    for (let at = element; at; at = at.parentElement) {
+      layers.push(getComputedStyle(at).backgroundColor);
+    }
     return layers.reverse().reduce((back, colour) => over(parts(colour), back), [255, 255, 255, 1]);
   };
   const light = (colour) => {
@@ -87,7 +90,8 @@ MEASURED = r"""
     const size = parseFloat(style.fontSize);
     const large = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
     if (ratio < (large ? 3 : 4.5)) {
-      found.push(`${named(element)} "${element.textContent.trim().slice(0, 30)}": contrast ${ratio.toFixed(2)}`);
+      const said = element.textContent.trim().slice(0, 30);
+      found.push(`${named(element)} "${said}": contrast ${ratio.toFixed(2)}`);
     }
   }
 
@@ -116,7 +120,8 @@ FOCUSED = r"""
   const could = "a[href], button, input, select, textarea, summary, [tabindex]";
   const before = document.activeElement;
   for (const element of document.querySelectorAll(could)) {
-    if (element.matches(":disabled") || !element.checkVisibility({ visibilityProperty: true })) continue;
+    const seen = element.checkVisibility({ visibilityProperty: true });
+    if (!seen || element.matches(":disabled")) continue;
     element.focus({ preventScroll: true });
     if (document.activeElement !== element) continue;
     const marked = [element, element.parentElement].some((each) => {
@@ -142,7 +147,9 @@ def barriers(tab: Browser) -> list[str]:
     """
     # Focus is drawn for those who work by keys.
     for kind in ("keyDown", "keyUp"):
-        tab.call("Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab", windowsVirtualKeyCode=9)
+        tab.call(
+            "Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab", windowsVirtualKeyCode=9
+        )
     found: list[str] = [*_nameless(tab), *tab.evaluate(MEASURED), *tab.evaluate(FOCUSED)]
     return found
 

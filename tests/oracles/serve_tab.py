@@ -93,7 +93,11 @@ def drop(tab: Browser, *paths: Path) -> None:
 
 
 def drag(
-    tab: Browser, selector: str, begin: tuple[float, float], end: tuple[float, float], steps: int = 8
+    tab: Browser,
+    selector: str,
+    begin: tuple[float, float],
+    end: tuple[float, float],
+    steps: int = 8,
 ) -> None:
     """Drag the mouse within an element, between two places as shares of its width and height."""
     box = tab.evaluate(

@@ -26,7 +26,7 @@ function show(jobs, before) {
   for (const job of listed) {
     const { row, bar, stop, said } = rowOf(job);
     row.dataset.state = job.state;
-    row.classList.toggle("over", ends(job));
+    row.classList.toggle("ended", ends(job));
     stop.hidden = bar.hidden = ends(job);
     if (job.share === null || job.state === "waiting") bar.removeAttribute("value");
     else bar.value = job.share;

@@ -7,6 +7,8 @@ import { post } from "./talk.js";
 
 const LISTS = { chasers: "chaser", stations: "station" };
 const SINGLE = { mission: "Mission", transfer: "Transfer", objective: "Objective" };
+// Of each group one is given; the others make room for it.
+const INSTEAD = [["service_revolutions", "service_s"]];
 const built = new Map(); // by the place of an element: { key, fields, holder }
 
 const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
@@ -30,10 +32,17 @@ function form(part, at, element, commit) {
     }
     const described = path.endsWith(".station")
       ? { ...spec, kind: "choice", choices: stationNames() } : spec;
-    const field = fieldOf(described, id(path), (value) => commit(withValue(current(), path, value)));
+    const field = fieldOf(described, id(path), (value) => commit(changed(current(), path, value)));
     return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
   };
   return specs.filter((spec) => stands(specs, spec, element)).map(one);
+}
+
+function changed(element, path, value) {
+  const copy = withValue(element, path, value);
+  const group = value === null ? [] : INSTEAD.find((names) => names.includes(path)) ?? [];
+  for (const other of group) if (other !== path) copy[other] = null;
+  return copy;
 }
 
 const stationNames = () => told.state.instance.stations.map(({ name }) => name);
