@@ -76,8 +76,14 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     """Every address, with no token or a wrong one, in the query or in the cookie: 403."""
     client = let_in(desk)
     client.cookies.clear()
-    gets = ("/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other")
-    posts = ("/edit", "/undo", "/redo", "/plan", "/stop")
+    gets = (
+        "/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other",
+        "/objects", "/forms", "/jobs", "/results", "/results/page", "/export",
+    )  # fmt: skip
+    posts = (
+        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",
+        "/jobs/stop", "/show",
+    )  # fmt: skip
     for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
         for path in gets:
             assert client.get(path + wrong).status_code == 403, path + wrong
@@ -142,7 +148,10 @@ def test_other_hosts_and_other_pages_are_refused(
 def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: EditingSession) -> None:
     """Other methods, other types and too large requests are refused, and change nothing."""
     client = let_in(desk)
-    for path in ("/edit", "/undo", "/redo", "/plan", "/stop"):
+    for path in (
+        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs/stop",
+        "/show",
+    ):  # fmt: skip
         assert client.get(path).status_code == 405
     for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
         assert client.request(method, "/edit", json={}).status_code == 405

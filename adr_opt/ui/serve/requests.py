@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Field, ValidationError
 
@@ -42,9 +42,7 @@ class JobRequest(Record):
     """A verb to run, with its options by name and the results that it reads."""
 
     verb: str
-    options: Annotated[
-        dict[str, bool | int | float | str | None], Field(default_factory=dict, max_length=50)
-    ]
+    options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
     results: Annotated[tuple[int, ...], Field(strict=False, max_length=50)] = ()
 
 

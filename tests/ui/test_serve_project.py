@@ -1,0 +1,214 @@
+"""``serve``: a project from a catalogue on, by its addresses, and its folder."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import jsonschema
+import pytest
+from hand_made import hand_made
+from serve_at import At
+from serve_catalogue import catalogue
+from serve_desks import session_of
+
+import adr_opt
+from adr_opt.common.errors import InputError
+from adr_opt.problem.settings import TransferSettings
+from adr_opt.ui.cli.verbs import command
+from adr_opt.ui.serve import kept_history
+from adr_opt.ui.serve.drafts import read_edit
+from adr_opt.ui.serve.folder import Folder
+from adr_opt.ui.serve.forms.fields import form_fields
+from adr_opt.ui.serve.jobs.verbs import VERBS
+from adr_opt.ui.serve.project.record import json_schema
+
+pytest.importorskip("starlette")
+pytest.importorskip("uvicorn")
+pytest.importorskip("sgp4")
+pytest.importorskip("starlette.testclient")
+
+
+@pytest.fixture
+def at(tmp_path: Path) -> Iterator[At]:
+    """A desk on a new project."""
+    made = At(tmp_path / "project")
+    yield made
+    made.close()
+
+
+def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
+    """Objects are dropped, chosen, edited, planned, checked and exported; undo outlasts a call."""
+    folder = tmp_path / "project"
+    at = At(folder)
+    assert at.get("/state")["stage"] == "empty"
+    assert at.drop("../all\x00.tle", catalogue(200)) == {
+        "what": "catalogue", "count": 200, "skipped": 0
+    }  # fmt: skip
+    objects = at.get("/objects")
+    assert {len(objects[name]) for name in ("names", "altitude_km", "raan_deg", "kind")} == {200}
+    assert {"debris", "rocket body"} == set(objects["kind"])
+    assert at.get("/state")["files"] == [{"name": "all?.tle", "what": "catalogue", "count": 200}]
+
+    chosen = [name for name, raan in zip(objects["names"], objects["raan_deg"], strict=True)
+              if 100.0 < raan < 130.0][:8]  # fmt: skip
+    at.post("/choose", {"names": chosen})
+    state = at.get("/state")
+    assert (state["stage"], state["undoes"]) == ("mission", f"{len(chosen)} targets chosen")
+    assert [objects["names"][row] for row in at.get("/objects")["chosen"]] == chosen
+    # What `import` makes of the same objects.
+    (tmp_path / "some.csv").write_text("object\n" + "".join(f"{name}\n" for name in chosen))
+    (tmp_path / "all.tle").write_bytes(catalogue(200))
+    by_import = adr_opt.sources.catalogue.to_instance(
+        adr_opt.sources.catalogue.read(tmp_path / "all.tle"),
+        demands=adr_opt.sources.catalogue.Demands(
+            wishes=adr_opt.sources.catalogue.read_wishes(tmp_path / "some.csv"), only_wished=True
+        ),
+    ).instance
+    assert at.session.instance().replace(name=by_import.name) == by_import
+
+    chasers = state["instance"]["chasers"]
+    chasers[0]["tank"] = {"dry_mass_kg": -1.0, "propellant_kg": 900.0, "isp_s": 300.0}
+    refused = at.post("/edit", {"part": {"path": "chasers", "value": chasers}}, 422)
+    assert refused["error"].startswith("field chasers[0].tank.dry_mass_kg = -1.0")
+    chasers[0]["tank"]["dry_mass_kg"] = 500.0
+    at.post("/edit", {"part": {"path": "chasers", "value": chasers}})
+    assert at.get("/state")["instance"]["chasers"][0]["tank"]["isp_s"] == 300.0
+
+    at.post("/plan", {"method": "greedy", "time_limit_s": 30.0})
+    at.post("/stop")
+    assert at.session._work.wait(60.0)
+    at.post("/plan", {"method": "greedy", "time_limit_s": 30.0})
+    assert at.session._work.wait(60.0)
+    plan = at.get("/state")["plan"]
+    assert plan["fits"]
+    job = at.done(at.post("/jobs", {"verb": "check", "options": {}, "results": []})["job"])
+    assert (job["state"], job["said"]) == ("done", "no violations")
+    rows = at.get("/results")
+    assert [row["verb"] for row in rows][-2:] == ["solve", "check"]
+    assert rows[-1]["id"] == job["result"]
+    assert rows[-1]["exit_status"] == 0
+    number = at.get("/state")["result"]
+
+    answer = at.client.get("/export")
+    assert answer.headers["content-type"] == "application/zip"
+    assert "attachment" in answer.headers["content-disposition"]
+    with zipfile.ZipFile(io.BytesIO(answer.content)) as made:
+        names = made.namelist()
+        assert all(name.startswith("project/") and ".." not in name for name in names)
+        told = json.loads(made.read("project/project.json"))
+    assert {"project/instance.json", "project/plan.json", "project/files/1-all-.tle"} <= set(names)
+    jsonschema.validate(told, json_schema())
+    at.post("/undo")
+    assert at.get("/state")["redoes"] == "chasers changed"
+    at.close()
+
+    again = At(folder)
+    state = again.get("/state")
+    assert (state["undoes"], state["redoes"]) == (
+        f"{len(chosen)} targets chosen",
+        "chasers changed",
+    )
+    assert (state["result"], state["plan"]["fits"]) == (number, False)
+    assert again.get("/results") == rows
+    again.post("/redo")
+    assert again.get("/state")["plan"]["fits"]
+    again.post("/undo")
+    again.post("/undo")
+    assert again.get("/state")["stage"] == "objects"
+    again.post("/edit", {"duration_s": 1.0}, 422)
+    again.post("/show", {"result": number})
+    state = again.get("/state")
+    assert (state["stage"], state["plan"]["fits"]) == ("mission", True)
+    assert state["undoes"] == f"result {number} shown"
+    again.close()
+
+
+def test_dropped_files_are_known_by_what_is_in_them(at: At, tmp_path: Path) -> None:
+    """Instances, plans, prizes and uncertainty do what they are for, whatever they are called."""
+    instance = hand_made()
+    plan = adr_opt.solve(instance, "greedy-guarded").plan
+    assert plan is not None
+    lonely = at.drop("plan.json", plan.to_json().encode(), 422)
+    assert "belongs to another instance" in lonely["error"]
+    assert at.drop("x.tle", instance.to_json().encode())["what"] == "instance"
+    assert at.get("/state")["undoes"] == "x.tle dropped"
+    assert at.drop("y", plan.to_json().encode())["what"] == "plan"
+    assert at.get("/state")["plan"]["fits"]
+    uncertain = {"format": "adr-opt-uncertainty/1", "capture": {"success": 0.9, "tries": 1}}
+    assert at.drop("u", json.dumps(uncertain).encode())["what"] == "uncertainty"
+    at.drop("c.tle", catalogue(20))
+    assert at.drop("p.csv", b"object,prize\n10003,7\nPIECE 4 DEB 10004,8\n")["what"] == "prizes"
+    objects = at.get("/objects")
+    assert objects["worth_unit"] == "prize"
+    assert objects["worth"][3:6] == [7.0, 8.0, None]
+    at.post("/choose", {"names": objects["names"][3:5], "prizes": "worth"})
+    assert [target[1] for target in at.get("/state")["targets"]] == [7.0, 8.0]
+    at.drop("c.tle", catalogue(20, seed=1))  # in place of the one of the same name
+    assert len(at.get("/objects")["names"]) == 20
+    strange = at.post("/choose", {"names": ["nobody"]}, 422)
+    assert strange["error"] == "'nobody' is no object of the catalogue"
+
+
+def test_a_history_forgets_its_beginning_where_it_is_too_large(
+    at: At, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beyond the limit on size the earliest steps go, and the folder keeps what is left."""
+    at.drop("x", hand_made().to_json().encode())
+    size = len(hand_made().to_json())
+    monkeypatch.setattr(kept_history, "MOST_BYTES", 4 * size)
+    for prize in range(2, 9):
+        edit = {"targets": {"names": ["north"], "prize": float(prize)}}
+        at.session.edit(read_edit(json.dumps(edit)))
+    undone = 0
+    while at.get("/state")["undoes"] is not None:
+        at.post("/undo")
+        undone += 1
+    assert 2 <= undone <= 4
+    folder = at.session.folder.path
+    again = session_of(None, None, Folder(folder))
+    assert again.state()["targets"][0][1] == 8.0 - undone
+    assert len(list((folder / "history").iterdir())) == undone + 1
+
+
+def test_forms_have_all_fields_and_words_for_them() -> None:
+    """Each number of a chaser, station, mission, transfer and objective has label and limits."""
+    fields = {(field["part"], field["path"]): field for field in form_fields()}
+    assert fields["chasers", "tank.isp_s"]["unit"] == "s"
+    assert fields["chasers", "tank.isp_s"]["of"] == ["tank", "mass"]
+    assert fields["chasers", "start"]["choices"] == ["anywhere", "station", "orbit"]
+    assert fields["mission", "duration_s"]["most"] == 100 * 365.25 * 86400.0
+    assert fields["objective", "cost"]["choices"] == ["delta-v", "duration", "expense"]
+    assert all(field["label"] for field in fields.values())
+    known = {path.rpartition(".")[2] for part, path in fields if part == "transfer"}
+    assert known == set(TransferSettings.model_fields) - {"given"}
+
+
+def test_every_option_of_a_job_is_one_of_its_verb() -> None:
+    """The signs of the table are options of the command line."""
+    for name, verb in VERBS.items():
+        there = command.get_command(None, name)  # type: ignore[arg-type]
+        assert there is not None
+        known = {sign for each in there.params for sign in each.opts}
+        signs = {option.sign for option in verb.options if option.sign}
+        assert signs | {output.sign for output in verb.outputs} | {"--json"} <= known, name
+
+
+def test_a_spoilt_project_is_one_sentence(tmp_path: Path) -> None:
+    """What is no project file, or has a step too few, is refused and left as it is."""
+    session_of(hand_made(), None, Folder(tmp_path / "p", "x.json"))
+    path = tmp_path / "p/project.json"
+    good = json.loads(path.read_text())
+    for spoilt, named in (
+        ("{", "not JSON"),
+        (json.dumps(good | {"at": 7}), "field at = 7"),
+        (json.dumps(good | {"format": "adr-opt-project/9"}), "format"),
+        (json.dumps(good | {"steps": [{"draft": "../../etc"}]}), "draft"),
+    ):
+        path.write_text(spoilt)
+        with pytest.raises(InputError, match=named):
+            session_of(None, None, Folder(tmp_path / "p"))
+        assert path.read_text() == spoilt
