@@ -15,6 +15,7 @@ from adr_opt.plan import certificate, plan, refined_thrust
 from adr_opt.plan import refined_plan as refined
 from adr_opt.problem import bodies, chasers, instance, orbit, settings, uncertainty
 from adr_opt.sources.library import Library
+from adr_opt.ui.serve.project import record
 
 
 def described(caption: str) -> dict[str, str]:
@@ -54,6 +55,7 @@ def described(caption: str) -> dict[str, str]:
         ("is packed by gzip", certificate.Certificate),
         ("**`walks[]`**", certificate.ProvenWalks),
         ("Defined in `adr_opt/problem/uncertainty.py`", uncertainty.Uncertainty),
+        ("Defined in `adr_opt/ui/serve/project/record.py`", record.ProjectRecord),
         ("says how to get the files", Library),
     ],
 )
@@ -91,6 +93,8 @@ def test_small_parts_of_the_formats_are_described() -> None:
         refined.RefinedState,
         uncertainty.LognormalFactor,
         uncertainty.Delay,
+        record.StepRecord,
+        record.DroppedFile,
     ):
         assert f"{{{', '.join(model.model_json_schema()['properties'])}}}" in text
 
@@ -103,6 +107,7 @@ def test_the_schemas_that_are_printed_are_those_of_the_tables(cli: Cli) -> None:
         ("refined", refined.RefinedPlan),
         ("certificate", certificate.Certificate),
         ("uncertainty", uncertainty.Uncertainty),
+        ("project", record.ProjectRecord),
     ):
         printed = json.loads(cli("schema", which).out)
         assert printed["properties"].keys() == model.model_json_schema()["properties"].keys()

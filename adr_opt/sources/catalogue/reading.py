@@ -46,12 +46,31 @@ def read(paths: Paths, *, skip_bad: bool = False) -> Catalogue:
         A file cannot be read or is no catalogue, a row is bad, or nothing good is left.
     """
     listed = [paths] if isinstance(paths, (str, os.PathLike)) else list(paths)
+    return joined(
+        (read_bytes(load_bytes(path), str(path), skip_bad=skip_bad) for path in listed),
+        skip_bad=skip_bad,
+    )
+
+
+def joined(parts: Iterable[Catalogue], *, skip_bad: bool = False) -> Catalogue:
+    """One catalogue of several, without duplicates.
+
+    Parameters
+    ----------
+    parts : iterable of Catalogue
+        As :func:`read_bytes` gives them.
+    skip_bad : bool
+        As of :func:`read`.
+
+    Raises
+    ------
+    InputError
+        As of :func:`read`.
+    """
     records: list[ElementSet] = []
     dropped: list[Dropped] = []
     formats: dict[str, str] = {}
-    for path in listed:
-        source = str(path)
-        found = read_bytes(load_bytes(path), source, skip_bad=skip_bad)
+    for found in parts:
         records += found.records
         dropped += found.dropped
         formats |= found.formats

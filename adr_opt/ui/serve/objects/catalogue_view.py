@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ from ....common.errors import InputError
 from ....sources import catalogue, worth
 from ....sources.catalogue.assemble import unique
 from ....sources.catalogue.finding import Finder
+from ....sources.catalogue.reading import joined
 from ....sources.catalogue.records import ElementSet
 from ....sources.worth.bodies import DEFAULT
 
@@ -24,7 +25,8 @@ class CatalogueView:
 
     Parameters
     ----------
-    files : sequence of path
+    parts : iterable of Catalogue
+        Content of each file.
     satcat : path, optional
         General Catalog, for masses and kinds.
 
@@ -34,8 +36,8 @@ class CatalogueView:
         A file is spoilt, or there are too many objects.
     """
 
-    def __init__(self, files: Sequence[Path], satcat: Path | None) -> None:
-        found = catalogue.read(files, skip_bad=True)
+    def __init__(self, parts: Iterable[catalogue.Catalogue], satcat: Path | None) -> None:
+        found = joined(parts, skip_bad=True)
         if len(found.records) > MOST_OBJECTS:
             raise InputError(
                 f"{len(found.records)} objects; at most {MOST_OBJECTS} are shown, drop a part of "

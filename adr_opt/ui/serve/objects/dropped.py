@@ -11,7 +11,10 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import read_text
+from ....plan.plan import Plan
 from ....problem.instance import Instance
+from ....sources.catalogue import Catalogue
+from ....sources.catalogue.reading import load_bytes, read_bytes
 from ..project.private import passing, private_folder, refuse_link
 from ..project.record import Content, DroppedFile
 from ..session import EditingSession
@@ -47,6 +50,7 @@ class DroppedObjects:
         self._session = session
         self._folder = session.folder.files
         self._lock = threading.Lock()
+        self._parts: dict[str, Catalogue] = {}
         self._view: tuple[tuple[str, ...], CatalogueView] | None = None
         self._worth: tuple[object, list[float | None], str] | None = None
 
@@ -83,7 +87,7 @@ class DroppedObjects:
         told = {"what": found.what, "count": found.count, "skipped": found.skipped}
         if isinstance(found.content, Instance):
             self._session.begin_anew(found.content, f"{name} dropped")
-        elif found.content is not None:
+        elif isinstance(found.content, Plan):
             self._session.adopt(found.content, name)
         else:
             self._keep(path, name, found)
@@ -105,6 +109,8 @@ class DroppedObjects:
             made = DroppedFile(
                 file=file, name=name, what=found.what, count=found.count, skipped=found.skipped
             )
+            if isinstance(found.content, Catalogue):
+                self._parts[file] = found.content
             # A new table of prizes counts in place of worths that were computed before.
             stale = found.what in ("prizes", "catalogue", "satcat")
             worth = None if stale else self._session.worth
@@ -120,14 +126,24 @@ class DroppedObjects:
         InputError
             Its files are spoilt.
         """
-        files, satcat = self.of("catalogue"), self.latest("satcat")
+        files = [each for each in self._session.files if each.what == "catalogue"]
+        satcat = self.latest("satcat")
         if not files:
             return None
-        key = tuple(map(str, (*files, satcat)))
+        key = (*(each.file for each in files), str(satcat))
         with self._lock:
             if self._view is None or self._view[0] != key:
-                self._view = key, CatalogueView(files, satcat)
+                self._view = key, CatalogueView(map(self._part, files), satcat)
+                self._parts.clear()
             return self._view[1]
+
+    def _part(self, dropped: DroppedFile) -> Catalogue:
+        """Content of a file; errors and instances have its name as it was."""
+        part = self._parts.get(dropped.file)
+        if part is None:
+            path = refuse_link(self._folder / dropped.file)
+            part = read_bytes(load_bytes(path), dropped.name, skip_bad=True)
+        return part
 
     def columns(self) -> dict[str, Any]:
         """Columns of all objects as JSON data."""

@@ -31,14 +31,14 @@ class Recognised:
     what : str
     count, skipped : int
         Of the rows in it, those that are good and bad.
-    content : Instance, Plan or None
-        Of an instance or a plan.
+    content : Instance, Plan, Catalogue or None
+        Of an instance, a plan or a catalogue.
     """
 
     what: Content
     count: int
     skipped: int = 0
-    content: Instance | Plan | None = None
+    content: Instance | Plan | catalogue.Catalogue | None = None
 
 
 def recognised(path: Path, name: str) -> Recognised:
@@ -76,7 +76,7 @@ def _recognised(path: Path, name: str) -> Recognised:
     if columns & {"prize", "required", "prize_until"} and columns & {"object", "number", "name"}:
         return Recognised("prizes", len(catalogue.read_wishes(path)))
     found = read_bytes(path.read_bytes(), name, skip_bad=True)
-    return Recognised("catalogue", len(found.records), len(found.dropped))
+    return Recognised("catalogue", len(found.records), len(found.dropped), found)
 
 
 def _of_the_project(path: Path, name: str) -> Recognised:
