@@ -1,82 +1,118 @@
-"""Take the picture of docs/serve.md: the page of ``serve`` beside its report, in a browser.
+"""Take the pictures of docs/serve.md: the page of ``serve`` with objects, and with a report.
 
     python docs/draw_serve.py              # into docs/pictures
     python docs/draw_serve.py --out DIR
 
-Plans a generated field, changes what is wanted of it, and plans again. Needs Chromium and the extra
-``[serve]``; the browser is driven as the tests do it.
+Drops a drawn catalogue and brushes it; plans a generated field, changes what is wanted of it, and
+plans again. Needs Chromium and the extra ``[serve]``; the browser is driven as the tests do it.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import dataclasses
 import sys
 import tempfile
 import time
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 import adr_opt
-from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.server import Server, listening
-from adr_opt.ui.serve.session import EditingSession
+from adr_opt.sources.catalogue import ElementSet
 
 ROOT = Path(__file__).parents[1]
 WIDTH, HEIGHT = 1280, 900
 LIMIT_S = 30
+OBJECTS = 24_000
+SHELLS = (
+    (0.30, 98.4, 0.9, 14.30, 0.35), (0.20, 82.6, 0.4, 13.90, 0.40), (0.15, 53.0, 0.3, 15.05, 0.05),
+    (0.10, 74.0, 0.3, 14.20, 0.30), (0.10, 65.5, 1.5, 14.00, 0.50), (0.15, 71.0, 22.0, 13.80, 0.80),
+)  # fmt: skip
+"""Share of the objects, inclination [deg] and mean motion [rev/day] with their spreads."""
 
-sys.path.insert(0, str(ROOT / "tests/oracles"))
+sys.path[:0] = [str(ROOT / "tests/oracles"), str(ROOT / "tests/fields")]
 
+import catalogue_files  # noqa: E402
 from browser import Browser  # noqa: E402
+from serve_tab import click, drag, drop, on_page, put, served  # noqa: E402
 
 
-def drawn(tab: Browser, url: str) -> None:
+def sky(seed: int = 1) -> list[ElementSet]:
+    """Drawn objects in shells and clouds, with names as catalogues have them."""
+    random = np.random.default_rng(seed)
+    shell = random.choice(len(SHELLS), size=OBJECTS, p=[share for share, *_ in SHELLS])
+    made = []
+    for number, (record, at) in enumerate(zip(catalogue_files.field(OBJECTS), shell, strict=True)):
+        _, tilt, tilts, motion, motions = SHELLS[at]
+        kind = ("DEB", "DEB", "R/B", "")[int(random.integers(0, 4))]
+        made.append(
+            dataclasses.replace(
+                record,
+                name=f"DRAWN {number % 97} {kind}".strip(),
+                inclination_deg=round(abs(random.normal(tilt, tilts)) % 140.0, 4),
+                mean_motion_rev_day=round(min(random.normal(motion, motions), 15.6), 8),
+            )
+        )
+    return made
+
+
+def brushed(tab: Browser, url: str, catalogue: Path) -> None:
+    """A catalogue with a rectangle in two of its plots."""
+    tab.go(url)
+    on_page(tab, "stage", "empty")
+    drop(tab, catalogue)
+    on_page(tab, "objects", OBJECTS)
+    drag(tab, ".brushed", (0.64, 0.8), (0.78, 0.45))
+    drag(tab, ".plot:nth-child(2) .brushed", (0.45, 0.85), (0.62, 0.05))
+    time.sleep(2.0)
+
+
+def planned(tab: Browser, url: str) -> None:
     """A field planned, with a target that is worth more, and one that is excluded."""
     tab.go(url)
-    tab.wait_for("document.documentElement?.dataset.reported")
-    for label, change in (
-        ("Prize of debris-003", "field.value = 3"),
-        ("Exclude debris-009", "field.checked = true"),
-    ):
-        found = f"document.querySelector('[aria-label={json.dumps(label)}]')"
-        before = tab.evaluate("document.documentElement.dataset.revision")
-        tab.evaluate(
-            f"(() => {{ const field = {found}; {change}; "
-            "field.dispatchEvent(new Event('change', { bubbles: true })); })()"
-        )
-        tab.wait_for(f"document.documentElement.dataset.revision !== '{before}'")
-    tab.evaluate(f"document.getElementById('limit').value = '{LIMIT_S}'")
-    tab.evaluate("document.getElementById('plan').click()")
-    tab.wait_for("document.documentElement.dataset.phase === 'done'", 120.0)
-    tab.wait_for("document.documentElement.dataset.reported === '1'")
+    on_page(tab, "reported", 0)
+    put(tab, "Prize of debris-003", 3)
+    on_page(tab, "revision", 1)
+    tab.evaluate("document.querySelector('[aria-label=\"Exclude debris-009\"]').click()")
+    on_page(tab, "revision", 2)
+    put(tab, "#limit", LIMIT_S)
+    click(tab, "plan")
+    tab.wait_for("document.documentElement.dataset.phase === 'done'", 300.0)
+    on_page(tab, "reported", 1, 300.0)
     tab.evaluate("document.getElementById('said').textContent = ''")
     time.sleep(15.0)  # the report is a page of its own, and draws in its own time
 
 
+def take(tab: Browser, name: str, out: Path) -> None:
+    """Write a picture, with a path in it that is nobody's."""
+    tab.evaluate("document.getElementById('folder').textContent = 'Kept in my-served'")
+    with tempfile.TemporaryDirectory() as folder:
+        tab.picture(Path(folder) / "taken.png", whole=False)
+        with Image.open(Path(folder) / "taken.png") as picture:
+            # The few colours of small marks count as much as those of large faces.
+            few = picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3)
+    few.save(out / name, optimize=True)
+
+
 def main() -> None:
-    """Take it."""
+    """Take them."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--out", type=Path, default=ROOT / "docs/pictures")
     out = parser.parse_args().out
-    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as profile:
-        instance = adr_opt.generate("reduced-time", 7)
-        desk = EditingSession(instance, None, Folder(Path(folder) / "my-served", "my.json"))
-        server = Server(desk, listening())
-        server.start()
-        try:
-            with Browser(Path(profile), width=WIDTH, height=HEIGHT) as tab:
-                drawn(tab, server.url)
-                tab.evaluate("document.getElementById('folder').textContent = 'Kept in my-served'")
-                tab.picture(Path(folder) / "serve.png", whole=False)
-        finally:
-            server.close()
-            desk.close(60.0)
-        with Image.open(Path(folder) / "serve.png") as picture:
-            # The few colours of small marks count as much as those of large faces.
-            few = picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3)
-        few.save(out / "serve.png", optimize=True)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        catalogue, instance = folder / "drawn.tle", folder / "my.json"
+        catalogue.write_text(catalogue_files.as_tle(sky()))
+        adr_opt.generate("reduced-time", 7).save(instance)
+        with Browser(folder / "profile", width=WIDTH, height=HEIGHT) as tab:
+            with served(folder, "--folder", "objects") as said:
+                brushed(tab, said["url"], catalogue)
+                take(tab, "serve-objects.png", out)
+            with served(folder, "my.json", "--folder", "mission") as said:
+                planned(tab, said["url"])
+                take(tab, "serve.png", out)
 
 
 if __name__ == "__main__":

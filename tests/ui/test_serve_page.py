@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 import browser
 import pytest
 from hand_made import hand_made
+from serve_tab import click, in_report, on_page, put, served, text
 
 import adr_opt
 
@@ -27,80 +20,6 @@ pytestmark = [
     pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium"),
     pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals"),
 ]
-
-LOADED_S = 60.0
-"""A report is there by then."""
-
-# Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
-CHILD = (
-    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from adr_opt.__main__ import main; sys.exit(main())"
-)
-
-
-@contextmanager
-def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
-    """What `serve` says as JSON, while it runs; it ends well when it is interrupted."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", CHILD, "serve", *arguments, "--no-open", "--json"],
-        cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
-    assert process.stdout is not None
-    lines = []
-    while not lines or lines[-1] not in ("}\n", ""):
-        lines.append(process.stdout.readline())
-    try:
-        assert lines[-1], process.communicate()
-        yield json.loads("".join(lines))
-    finally:
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=90.0)
-    assert process.returncode == 0, err
-    assert "Traceback" not in err
-    assert err.startswith("adr-opt: serving 'hand-made', kept in ")
-
-
-def put(tab: browser.Browser, label: str, value: object) -> None:
-    """Change a field as by typing, and leave it."""
-    found = f"document.querySelector('[aria-label={json.dumps(label)}], {label}')"
-    if not label.startswith("#"):
-        found = f"document.querySelector('[aria-label={json.dumps(label)}]')"
-    tab.evaluate(
-        f"(() => {{ const field = {found}; field.value = {json.dumps(value)};"
-        " field.dispatchEvent(new Event('change', { bubbles: true })); })()"
-    )
-
-
-def click(tab: browser.Browser, name: str) -> None:
-    """Press a button."""
-    tab.evaluate(f"document.getElementById('{name}').click()")
-
-
-def text(tab: browser.Browser, name: str) -> str:
-    """What an element says."""
-    said: str = tab.evaluate(f"document.getElementById('{name}').textContent")
-    return said
-
-
-def on_page(tab: browser.Browser, key: str, value: object) -> None:
-    """Wait until the page says so of itself."""
-    tab.wait_for(f"document.documentElement?.dataset.{key} === {json.dumps(str(value))}")
-
-
-def in_report(tab: browser.Browser, expression: str) -> Any:
-    """Value of an expression in the report, which is a page of its own."""
-    mine = tab._session
-    tab._session = None
-    end, reports = time.monotonic() + LOADED_S, []
-    while not reports and time.monotonic() < end:  # after a reload it comes later than the page
-        found = tab.call("Target.getTargets")["targetInfos"]
-        reports = [each["targetId"] for each in found if "/report?" in each["url"]]
-    (target,) = reports
-    tab._session = tab.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
-    try:
-        return tab.wait_for(expression)
-    finally:
-        tab._session = mine
 
 
 @pytest.mark.slow
@@ -179,6 +98,7 @@ def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
         put(tab, "#limit", "3600")
         click(tab, "plan")
         on_page(tab, "phase", "planning")
+    assert said["stderr"].startswith("adr-opt: serving 'hand-made', kept in ")
     assert {path.name for path in tmp_path.iterdir()} == {"my.json", "my-served", "profile"}
     assert (tmp_path / "my.json").read_text() == hand_made().to_json()
     instance, plan = adr_opt.load(work / "instance.json"), adr_opt.load_plan(work / "plan.json")

@@ -30,7 +30,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
     if not history.has_mission:
         return {
             "name": None, **moves, "targets": [], "duration_s": None, "first_duration_s": None,
-            "chasers": [], "plan": None, "instance": None,
+            "epoch": None, "chasers": [], "plan": None, "instance": None,
         }  # fmt: skip
     draft, base = history.draft, history.base.field
     field = draft.field
@@ -49,6 +49,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
             for target in field.targets
         ],
         "duration_s": field.mission.duration_s,
+        "epoch": field.epoch.isoformat(),
         "first_duration_s": base.mission.duration_s,
         "chasers": [
             {

@@ -1,0 +1,156 @@
+// Forms for chasers, stations, mission, transfer and objective, made from what the server says.
+import { branch, branches, stands, withBranch } from "./alternatives.js";
+import { box, button, made } from "./dom.js";
+import { dig, fieldOf, withValue } from "./field.js";
+import { follow, told } from "./store.js";
+import { post } from "./talk.js";
+
+const LISTS = { chasers: "chaser", stations: "station" };
+const SINGLE = { mission: "Mission", transfer: "Transfer", objective: "Objective" };
+// Of each group one is given; the others make room for it.
+const INSTEAD = [["service_revolutions", "service_s"]];
+const built = new Map(); // by the place of an element: { key, fields, holder }
+
+const specsOf = (part) => told.forms.filter((spec) => spec.part === part);
+
+async function change(path, value) {
+  const { refused } = await post("/edit", { part: { path, value } });
+  return refused;
+}
+
+// The fields of one element, each of which changes a copy of it and sends the whole part.
+function form(part, at, element, commit) {
+  const specs = specsOf(part);
+  const id = (path) => `part-${part}${at === null ? "" : `-${at}`}-${path.replaceAll(".", "-")}`;
+  const current = () => (at === null ? told.state.instance[part] : told.state.instance[part][at]);
+  const one = (spec) => {
+    const { path } = spec;
+    if (branches(specs, spec)) {
+      const write = (chosen) => withBranch(specs, path, current(), chosen, told.state.instance);
+      const field = fieldOf(spec, id(path), (chosen) => commit(write(chosen)));
+      return { field, of: (now) => branch(specs, path, now) };
+    }
+    const described = path.endsWith(".station")
+      ? { ...spec, kind: "choice", choices: stationNames() } : spec;
+    const field = fieldOf(described, id(path), (value) => commit(changed(current(), path, value)));
+    return { field, of: (now) => dig(now, path) ?? (spec.optional ? null : spec.default) };
+  };
+  return specs.filter((spec) => stands(specs, spec, element)).map(one);
+}
+
+function changed(element, path, value) {
+  const copy = withValue(element, path, value);
+  const group = value === null ? [] : INSTEAD.find((names) => names.includes(path)) ?? [];
+  for (const other of group) if (other !== path) copy[other] = null;
+  return copy;
+}
+
+const stationNames = () => told.state.instance.stations.map(({ name }) => name);
+
+// What the fields of an element depend on beside their values.
+const keyOf = (part, element) => JSON.stringify([
+  specsOf(part).filter((spec) => stands(specsOf(part), spec, element)).map(({ path }) => path),
+  part === "chasers" ? stationNames() : null,
+]);
+
+function fill(place, part, at, element, holder, commit) {
+  const key = keyOf(part, element);
+  let known = built.get(place);
+  if (known?.key !== key || known.holder !== holder) {
+    const fields = form(part, at, element, commit);
+    holder.replaceChildren(...fields.map(({ field }) => field.row));
+    known = { key, fields, holder };
+    built.set(place, known);
+  }
+  for (const { field, of } of known.fields) field.set(of(element));
+}
+
+function newName(name, names) {
+  const stem = name.replace(/ \d+$/, "");
+  for (let number = 2; ; number += 1) {
+    if (!names.includes(`${stem} ${number}`)) return `${stem} ${number}`;
+  }
+}
+
+// ---- Lists ---------------------------------------------------------------------------------------
+
+const cards = { chasers: [], stations: [] };
+
+function card(part, at) {
+  const title = made("span");
+  const holder = made("div", { class: "form" });
+  const why = made("p", { class: "why", "aria-live": "polite" });
+  const all = () => told.state.instance[part];
+  const tell = async (elements) => { why.textContent = await change(part, elements); };
+  const another = button("Duplicate", () => {
+    const copy = structuredClone(all()[at]);
+    copy.name = newName(copy.name, all().map(({ name }) => name));
+    tell([...all(), copy]);
+  });
+  const less = button("Remove", () => tell(all().filter((_, other) => other !== at)));
+  const details = made("details", { class: "card" },
+    made("summary", {}, title), holder, made("div", { class: "acts small" }, another, less), why);
+  const commit = (element) =>
+    change(part, all().map((other, number) => (number === at ? element : other)));
+  const show = () => {
+    const element = all()?.[at];
+    if (!element) return;
+    title.textContent = element.name;
+    another.setAttribute("aria-label", `Duplicate ${element.name}`);
+    less.setAttribute("aria-label", `Remove ${element.name}`);
+    less.disabled = part === "chasers" && all().length === 1;
+    // Fields are made when somebody looks at them first.
+    if (details.open) fill(`${part} ${at}`, part, at, element, holder, commit);
+  };
+  details.addEventListener("toggle", show);
+  return { details, show };
+}
+
+function showList(part) {
+  const elements = told.state.instance[part] ?? [];
+  const holder = box(part);
+  while (cards[part].length < elements.length) {
+    const one = card(part, cards[part].length);
+    cards[part].push(one);
+    holder.append(one.details);
+  }
+  while (cards[part].length > elements.length) cards[part].pop().details.remove();
+  for (const { show } of cards[part]) show();
+}
+
+function add(part) {
+  const elements = told.state.instance[part];
+  const names = elements.map(({ name }) => name);
+  const like = elements.at(-1) ?? {
+    orbit: structuredClone(told.state.instance.chasers[0]?.start?.orbit ?? null),
+  };
+  const name = elements.length ? newName(like.name, names) : LISTS[part];
+  return change(part, [...elements, { ...structuredClone(like), name }]);
+}
+
+// ---- All of it -----------------------------------------------------------------------------------
+
+function show() {
+  const { state } = told;
+  if (!state?.instance || !told.forms.length) return;
+  for (const part of Object.keys(LISTS)) showList(part);
+  for (const part of Object.keys(SINGLE)) {
+    const details = box(part).closest("details");
+    if (details.open) {
+      fill(part, part, null, state.instance[part] ?? {}, box(part), (value) => change(part, value));
+    }
+  }
+}
+
+export function start() {
+  for (const part of Object.keys(SINGLE)) {
+    box(part).closest("details").addEventListener("toggle", show);
+  }
+  for (const part of Object.keys(LISTS)) {
+    box(`add-${part}`).addEventListener("click", async () => {
+      box(`${part}-why`).textContent = await add(part);
+    });
+  }
+  follow("state", show);
+  follow("forms", show);
+}

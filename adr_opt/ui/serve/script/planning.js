@@ -1,0 +1,89 @@
+// Planning: its orders, its progress, and the figures and notes of the plan that is shown.
+import { drawChart } from "./chart.js";
+import { box, made, NOTHING, put, text } from "./dom.js";
+import { follow, told } from "./store.js";
+import { complain, send } from "./talk.js";
+
+const PHASES = {
+  idle: "Not planned yet",
+  waiting: "Waiting for the plan before to stop",
+  compiling: "Getting ready",
+  timetable: "Building the timetable",
+  planning: "Planning",
+  done: "Done",
+  failed: "Failed",
+};
+
+const plan = () => send("/plan", {
+  method: box("method").value,
+  time_limit_s: box("limit").value === "" ? 0 : Number(box("limit").value),
+  bound: box("bound").value || null,
+  goes_on: box("goes-on").checked,
+});
+
+function show() {
+  const { work, state } = told;
+  if (!work) return;
+  const { phase, stopping, runs } = work;
+  // While nothing runs: the figures of the plan that is shown, as its report has them.
+  const settled = !runs && state?.plan;
+  const known = settled
+    ? { ...settled, incumbent: settled.objective, bound: settled.upper_bound } : work;
+  let line = PHASES[phase];
+  if (settled && phase === "idle") line = "The plan that was given";
+  if (runs && stopping) line = "Stopping: the best plan so far is on its way";
+  put("phase", line);
+  put("incumbent", text(known.incumbent));
+  put("bound-now", text(known.bound));
+  put("gap", known.gap_words);
+  const built = phase === "timetable" ? `${Math.round(100 * work.built)} %` : null;
+  put("elapsed", phase === "idle" ? NOTHING : built ?? `${work.elapsed_s.toFixed(1)} s`);
+  put("said", phase === "failed" ? "" : work.said);
+  box("bar").hidden = !runs;
+  if (phase === "timetable") box("bar").value = work.built;
+  else if (phase === "planning" && work.limit_s > 0) {
+    box("bar").value = Math.min(work.elapsed_s / work.limit_s, 1);
+  } else box("bar").removeAttribute("value");
+  box("plan").textContent = runs ? "Plan anew" : "Plan";
+  box("stop").disabled = !runs || stopping;
+  document.documentElement.dataset.phase = phase;
+  drawChart(work);
+}
+
+function showPlan(state) {
+  const stale = Boolean(state.plan) && !state.plan.fits;
+  box("stale").hidden = !stale;
+  put("stale", stale ? "Edited since: the report is of the plan before the edits." : "");
+  const notes = state.notes ?? state.plan?.notes ?? [];
+  box("with-notes").hidden = !notes.length;
+  box("notes").replaceChildren(...notes.map((note) => made("li", {}, sentence(note))));
+  show();
+}
+
+// Notes are parts of lines on the command line.
+function sentence(note) {
+  const begun = note.charAt(0).toUpperCase() + note.slice(1);
+  return /[.!?]$/.test(begun) ? begun : `${begun}.`;
+}
+
+export const redraw = () => drawChart(told.work);
+
+export function start() {
+  follow("choices", (offered) => {
+    box("method").replaceChildren(...offered.methods.map((each) => new Option(each, each)));
+    box("method").value = offered.method;
+    box("bound").replaceChildren(new Option("none", ""),
+      ...offered.bounds.map((each) => new Option(each, each)));
+    box("limit").value = text(offered.time_limit_s);
+  });
+  follow("state", showPlan);
+  follow("work", (work, before) => {
+    show();
+    if (work.phase === "failed" && before && before.phase !== "failed") complain(work.said);
+  });
+  box("plan").addEventListener("click", plan);
+  for (const name of ["stop", "undo", "redo"]) {
+    box(name).addEventListener("click", () => send(`/${name}`));
+  }
+  addEventListener("resize", redraw);
+}

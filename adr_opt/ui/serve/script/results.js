@@ -1,0 +1,99 @@
+// Everything that was made: opened in the frame, shown as the plan, selected for comparisons.
+import { box, button, counted, made, put, text } from "./dom.js";
+import { showPage, showPlanReport } from "./frame.js";
+import { follow, told } from "./store.js";
+import { send } from "./talk.js";
+import { beside } from "./views.js";
+
+const selected = new Set();
+const watching = [];
+const rows = new Map();
+let newest = null;
+
+export const selection = () => told.results.filter(({ id }) => selected.has(id));
+export const onSelection = (act) => watching.push(act);
+
+function figures(result) {
+  const said = [];
+  const value = (words, number, unit = "") => {
+    if (number !== null && number !== undefined) said.push(`${words} ${text(number, 5)}${unit}`);
+  };
+  value("objective", result.objective);
+  value("bound", result.bound);
+  if (result.gap !== null && result.gap !== undefined) said.push(`gap ${text(100 * result.gap, 3)} %`);
+  value("ΔV", result.delta_v_m_s, " m/s");
+  if (Number.isInteger(result.targets)) said.push(counted(result.targets, "target"));
+  if (result.status) said.push(result.status);
+  const lines = Array.isArray(result.said) ? result.said : [result.said];
+  return [said.join(", "), ...lines].filter(Boolean).join("; ");
+}
+
+function rowOf(result) {
+  if (rows.has(result.id)) return rows.get(result.id);
+  const name = `${result.label || result.verb} (${result.id})`;
+  const tick = made("input", { type: "checkbox", "aria-label": `Select ${name}` });
+  tick.addEventListener("change", () => {
+    if (tick.checked) selected.add(result.id);
+    else selected.delete(result.id);
+    for (const act of watching) act();
+  });
+  const said = made("span", { class: "said" });
+  const acts = made("span", { class: "acts small" });
+  const open = () => openPage(result);
+  if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
+  const show = button("Show", () => send("/show", { result: result.id }),
+    { "aria-label": `Show the plan of ${name}` });
+  if (result.has_plan) acts.append(show);
+  const moment = result.made_at?.slice(0, 16).replace("T", " ") ?? "";
+  const when = made("time", { datetime: result.made_at }, moment);
+  const row = made("li", { class: "result" }, tick,
+    made("span", { class: "what" }, made("b", {}, name), " ", when), acts, said);
+  row.dataset.verb = result.verb;
+  row.dataset.id = String(result.id);
+  rows.set(result.id, { row, said, show, tick });
+  return rows.get(result.id);
+}
+
+function openPage(result) {
+  showPage(result.id, result.label || result.verb);
+  beside();
+}
+
+function showResults() {
+  const { results, state } = told;
+  for (const result of results) {
+    const { row, said, show } = rowOf(result);
+    put(said, figures(result));
+    const shown = state?.result === result.id;
+    row.classList.toggle("shown", shown);
+    show.disabled = shown;
+  }
+  const wanted = results.map(({ id }) => rows.get(id).row).reverse();
+  const present = [...box("results").children];
+  if (present.length !== wanted.length || present.some((row, at) => row !== wanted[at])) {
+    box("results").replaceChildren(...wanted);
+  }
+  put("results-none", results.length ? "" : "Nothing made yet: Plan makes the first one.");
+  document.documentElement.dataset.results = String(results.length);
+}
+
+// What a job has made opens beside the list, where it has a page of its own.
+function openNewest(results) {
+  const last = results.at(-1);
+  if (newest !== null && last && last.id !== newest && last.has_page && last.verb !== "solve"
+    && document.body.dataset.view === "results") showPage(last.id, last.label || last.verb);
+  newest = last?.id ?? 0;
+}
+
+export function start() {
+  follow("results", (results) => {
+    showResults();
+    openNewest(results);
+    for (const act of watching) act();
+  });
+  follow("state", showResults);
+  box("report-again").addEventListener("click", () => {
+    if (told.state) showPlanReport(told.state);
+    beside();
+  });
+}

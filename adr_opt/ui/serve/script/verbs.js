@@ -1,0 +1,72 @@
+// Verbs of the server as a small menu: a button for each, its options, and what it waits for.
+import { box, button, made, put } from "./dom.js";
+import { optionFields, valuesOf } from "./field.js";
+import { onSelection, selection } from "./results.js";
+import { follow, told } from "./store.js";
+import { begin } from "./talk.js";
+
+const verbs = new Map(); // by name: { press, panel, run, why, fields }
+
+// Why a verb cannot begin yet; empty if it can.
+function missing(needs) {
+  const chosen = selection();
+  const plans = chosen.filter((result) => result.has_plan).length;
+  const dropped = (what) => told.state?.files?.some((file) => file.what.includes(what));
+  const absent = {
+    plan: !told.state?.plan && !chosen.length && "Needs a plan: press Plan in the mission view.",
+    plans: plans < 2 && "Select two plans or more in the list of results.",
+    certificate: !told.results.some(({ files }) => files.some((name) => name.startsWith("certificate")))
+      && "Needs a certificate: prove a bound with one first.",
+    uncertainty: !dropped("uncertainty") && "Needs a dropped file of uncertainties.",
+  };
+  absent["plan or refined"] = absent.plan;
+  return needs.map((need) => absent[need]).find(Boolean) ?? "";
+}
+
+function panelOf(name, { label, options = [] }) {
+  const fields = optionFields(name, options);
+  const why = made("p", { class: "why", id: `${name}-why`, "aria-live": "polite" });
+  const run = button(`Begin: ${label}`, async () => {
+    run.disabled = true;
+    await begin(name, valuesOf(fields), selection().map(({ id }) => id));
+    show();
+  }, { class: "act first", "aria-describedby": `${name}-why` });
+  const panel = made("div", { class: "panel-of", id: `verb-${name}`, hidden: true },
+    made("div", { class: "form" }, ...fields.map(([, field]) => field.row)), run, why);
+  const press = button(label, () => {
+    const opens = panel.hidden;
+    for (const other of verbs.values()) {
+      other.panel.hidden = true;
+      other.press.setAttribute("aria-expanded", "false");
+    }
+    panel.hidden = !opens;
+    press.setAttribute("aria-expanded", String(opens));
+  }, { "aria-expanded": "false", "aria-controls": `verb-${name}` });
+  return { press, panel, run, why, fields };
+}
+
+function show() {
+  for (const [name, { run, why }] of verbs) {
+    const said = missing(told.choices.verbs[name].needs);
+    run.disabled = said !== "";
+    put(why, said);
+  }
+}
+
+function build(choices) {
+  verbs.clear();
+  for (const [name, verb] of Object.entries(choices.verbs ?? {})) {
+    if (name === "worth" || name === "replan") continue; // have places of their own
+    verbs.set(name, panelOf(name, verb));
+  }
+  const all = [...verbs.values()];
+  box("verbs").replaceChildren(...all.map(({ press }) => press));
+  box("panels").replaceChildren(...all.map(({ panel }) => panel));
+  show();
+}
+
+export function start() {
+  follow("choices", build);
+  follow("state", () => told.choices && show());
+  onSelection(() => told.choices && show());
+}

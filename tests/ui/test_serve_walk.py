@@ -1,0 +1,198 @@
+"""The way from a catalogue to a zip file on the page of ``serve``, in a browser."""
+
+from __future__ import annotations
+
+import base64
+import io
+import os
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import browser
+import pytest
+from access import barriers
+from catalogue_files import as_tle, field
+from serve_tab import click, drag, drop, look, on_page, put, served, text
+
+import adr_opt
+
+for package in ("plotly", "starlette", "uvicorn", "sgp4"):
+    pytest.importorskip(package)
+
+pytestmark = [
+    pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium"),
+    pytest.mark.skipif(os.name != "posix", reason="sends POSIX signals"),
+]
+
+OBJECTS = 24_000
+LOOKS = [(1280, False), (1280, True), (390, False), (390, True)]
+"""Widths of the window, and whether it is dark."""
+
+DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+"""Waits until the page has drawn what was last done to it."""
+
+FAULTY = """<!DOCTYPE html><html lang="en"><title>Faulty</title>
+<style>p { color: #999; background: #fff } a:focus { outline: none } i { display: block }</style>
+<h1>One</h1><h3>Three</h3><p id="a">Pale</p><button id="a"></button><input aria-labelledby="b">
+<a href="#a">Link</a><i style="width: 3000px">Wide</i></html>"""
+
+
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
+    """One browser for all tests here, which take it in turn."""
+    with browser.Browser(tmp_path_factory.mktemp("profile")) as opened:
+        yield opened
+
+
+def judged(tab: browser.Browser, looks: Sequence[tuple[int, bool]] = LOOKS) -> None:
+    """Nothing keeps anybody from using the page as it stands, however it is looked at."""
+    for width, dark in looks:
+        look(tab, width, dark)
+        assert barriers(tab) == [], (width, dark)
+    look(tab, *LOOKS[0])
+
+
+def shown(tab: browser.Browser) -> int:
+    """Number of objects that pass the filters."""
+    return int(text(tab, "objects-count").split()[0].replace(",", ""))
+
+
+def asked(tab: browser.Browser, path: str) -> Any:
+    """What the server answers the page."""
+    return tab.evaluate(f"fetch('{path}').then((answer) => answer.json())")
+
+
+def brush(tab: browser.Browser) -> None:
+    """Drag in two plots: the brushes intersect, and Escape clears them."""
+    every = f"document.getElementById('objects-count').textContent.startsWith('{OBJECTS:,} of')"
+    drag(tab, ".brushed", (0.65, 0.85), (0.95, 0.05))
+    tab.evaluate(DRAWN)
+    first = shown(tab)
+    drag(tab, ".plot:nth-child(2) .brushed", (0.3, 0.85), (0.6, 0.05))
+    tab.evaluate(DRAWN)
+    assert tab.evaluate("document.getElementById('chips').children.length") == 2
+    assert 0 < shown(tab) < first < OBJECTS
+    for kind in ("keyDown", "keyUp"):
+        tab.call("Input.dispatchKeyEvent", type=kind, key="Escape", windowsVirtualKeyCode=27)
+    tab.wait_for(every)
+
+
+def filtered(tab: browser.Browser) -> set[str]:
+    """Set ranges; names of the objects within them, of which as many are shown."""
+    put(tab, "Inclination [deg], from", 98)
+    put(tab, "Node [deg], from", 100)
+    put(tab, "Node [deg], to", 100.8)
+    tab.evaluate(DRAWN)
+    columns = asked(tab, "/objects")
+    rows = zip(columns["names"], columns["inclination_deg"], columns["raan_deg"], strict=True)
+    wanted = {name for name, tilt, node in rows if tilt >= 98.0 and 100.0 <= node <= 100.8}
+    assert 3 < shown(tab) == len(wanted) < 40
+    return wanted
+
+
+def edit(tab: browser.Browser) -> None:
+    """Give the chaser another name by its form; a tank that cannot be is refused at its field."""
+    tab.wait_for("document.querySelector('#chasers details') !== null")
+    tab.evaluate("document.querySelector('#chasers details').open = true")
+    tab.wait_for("document.querySelector('#part-chasers-0-name') !== null")
+    tank = "document.querySelector('input[id^=part-chasers-0-tank-]')"
+    name = tab.evaluate(f"{tank}.id")
+    before = tab.evaluate(f"{tank}.value")
+    put(tab, f"#{name}", -1)
+    tab.wait_for(f"document.getElementById('{name}-why').textContent.includes('= -1')")
+    assert f"{name}-why" in tab.evaluate(f"{tank}.getAttribute('aria-describedby')")
+    put(tab, f"#{name}", before)
+    tab.wait_for(f"!document.getElementById('{name}').hasAttribute('aria-invalid')")
+    put(tab, "#part-chasers-0-name", "tug")
+    tab.wait_for("document.querySelector('#chasers summary').textContent === 'tug'")
+
+
+def press(tab: browser.Browser, verb: str) -> None:
+    """Open a verb of the menu, and begin."""
+    tab.evaluate(f"document.querySelector('[aria-controls=verb-{verb}]').click()")
+    tab.wait_for(f"!document.querySelector('#verb-{verb} .first').disabled")
+    tab.evaluate(f"document.querySelector('#verb-{verb} .first').click()")
+
+
+def check_and_compare(tab: browser.Browser) -> None:
+    """Check the plan that is shown, and open the comparison of both."""
+    press(tab, "check")
+    on_page(tab, "results", 3)
+    for number in (1, 2):
+        tab.evaluate(f"document.querySelector('[data-id=\"{number}\"] input').click()")
+    press(tab, "compare")
+    on_page(tab, "paged", 4)
+
+
+def exported(tab: browser.Browser, path: Path) -> None:
+    """Unpack the whole project beside a path."""
+    text_of = "btoa(String.fromCharCode(...part))"
+    packed = tab.evaluate(
+        "fetch('/export').then((answer) => answer.arrayBuffer()).then((content) => {"
+        " const bytes = new Uint8Array(content); let text = '';"
+        " for (let at = 0; at < bytes.length; at += 6000) {"
+        f"  const part = bytes.subarray(at, at + 6000); text += {text_of}; }}"
+        " return text; })"
+    )
+    with zipfile.ZipFile(io.BytesIO(base64.b64decode(packed))) as archive:
+        archive.extractall(path.parent)
+    (path.parent / "project").rename(path.parent / "exported")
+
+
+def test_faults_of_a_page_are_found(tab: browser.Browser, tmp_path: Path) -> None:
+    """Each kind of barrier is found on a page that has all of them."""
+    (tmp_path / "faulty.html").write_text(FAULTY, encoding="utf-8")
+    tab.open(tmp_path / "faulty.html")
+    tab.wait_for("document.readyState === 'complete'")
+    found = "\n".join(barriers(tab))
+    for fault in (
+        "button without a name", "textbox without a name", "id a stands twice", "leads nowhere",
+        "not one main part", "heading 2 has level 3", "contrast 2.8", "3008 px", "sideways",
+        "a#: focus is not seen",
+    ):  # fmt: skip
+        assert fault in found, fault
+
+
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_from_a_catalogue_to_an_export(tab: browser.Browser, tmp_path: Path, whole: bool) -> None:
+    """Somebody drops 24,000 objects, brushes, chooses, edits, plans and exports.
+
+    On the whole way two plans are made, one is checked, and both are compared. Nothing is on the
+    console, no request leaves the machine, and what is exported are files of the command line.
+    """
+    catalogue = tmp_path / "drawn.tle"
+    catalogue.write_text(as_tle(field(OBJECTS)))
+    with served(tmp_path, "--folder", "project") as said:
+        tab.go(said["url"])
+        on_page(tab, "stage", "empty")
+        drop(tab, catalogue)
+        on_page(tab, "objects", OBJECTS)
+        brush(tab)
+        wanted = filtered(tab)
+        judged(tab)
+        click(tab, "choose")
+        on_page(tab, "stage", "mission")
+        assert {target[0] for target in asked(tab, "/state")["targets"]} == wanted
+        edit(tab)
+        for number, method in enumerate(("greedy", "beam")[: 1 + whole], 1):
+            put(tab, "#method", method)
+            put(tab, "#limit", 1)
+            click(tab, "plan")
+            on_page(tab, "results", number)
+            on_page(tab, "reported", number)
+        judged(tab, LOOKS if whole else LOOKS[-1:])
+        click(tab, "to-results")
+        if whole:
+            check_and_compare(tab)
+            judged(tab)
+        exported(tab, tmp_path / "project.zip")
+        # A tank that is refused is a status that the browser notes.
+        assert [said for _, said in tab.complaints if "status of 422" not in said] == []
+        asked_for = {urlsplit(each).netloc for each in tab.requests if each.startswith("http")}
+        assert asked_for == {f"127.0.0.1:{said['port']}"}
+    instance, plan = (tmp_path / "exported" / name for name in ("instance.json", "plan.json"))
+    assert adr_opt.load(instance).chasers[0].name == "tug"
+    assert adr_opt.check(adr_opt.load(instance), adr_opt.load_plan(plan)) == ()
