@@ -33,6 +33,9 @@ MATCH_M_S = 1e-3
 LATE = 0.9
 """Share of times of services, and chance of captures, for which a way to refuel is kept."""
 
+ROUNDING = 1e-9
+"""Difference of chances that counts as none."""
+
 GRID = (np.arange(64) + 0.5) / 64
 """Quantiles over which means of distributions are taken."""
 
@@ -275,7 +278,9 @@ class Sight:
         if model.factor is not None:
             took *= model.factor.at(share)
         if model.added is not None:
-            took += model.added.at(1.0 - share)
+            # Delays are there below their chance, and grow up to it.
+            below = model.added.chance - (1.0 - share)
+            took += model.added.at(below) if below > ROUNDING else 0.0
         tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
         return max(tries * took - planned, 0.0)
 
