@@ -265,7 +265,9 @@ def test_a_replay_with_tows_and_kits_is_accepted() -> None:
 def test_what_does_not_fit_is_refused() -> None:
     """Unknown policies, plans of other instances, and policies without a plan are refused."""
     instance, plan = tiny()
-    with pytest.raises(InputError, match="unknown; use one of: beam, follow, learned, ppo, replan, skip"):
+    with pytest.raises(
+        InputError, match="unknown; use one of: beam, follow, learned, ppo, replan, skip"
+    ):
         rehearse(instance, plan, CERTAIN, policy="none", samples=1)
     with pytest.raises(InputError, match="keeps to a plan; give one"):
         setting_of(instance, None, CERTAIN, "follow")
