@@ -23,7 +23,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Target: frozenset({
         "name", "orbit", "prize", "required", "window_s", "mass_kg", "removal", "object_id",
-        "decay_m_per_day", "fit", "prize_until",
+        "decay_m_per_day", "fit", "prize_until", "success",
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
