@@ -42,6 +42,7 @@ def drawn(seed: int) -> tuple[Instance, Plan | None]:
     ).plan
 
 
+@pytest.mark.slow
 def test_what_is_flown_and_the_rest_are_one_mission() -> None:
     """At any time, with targets lost or legs kept, they stay as they were, and `check` passes."""
     at_targets = idle = 0

@@ -144,6 +144,7 @@ def test_a_drifting_field_is_traded_too() -> None:
         assert point.upper_bound >= alone.objective
 
 
+@pytest.mark.slow
 def test_campaigns_are_traded_over_durations() -> None:
     """Of several chasers with tanks of their own the duration is varied, and tanks stay."""
     axis = Axis("duration", (DAY_S, 2.0 * DAY_S))

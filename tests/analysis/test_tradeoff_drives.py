@@ -27,6 +27,7 @@ def made() -> Tradeoff:
     return tradeoff(electric(1, targets=3), [THRUSTS, IMPULSES], time_limit=60.0)
 
 
+@pytest.mark.slow
 def test_each_point_has_the_value_of_planning_alone() -> None:
     """Plan and bound at each thrust and specific impulse are those of that chaser's mission."""
     field = electric(1, targets=3)

@@ -245,6 +245,7 @@ def test_rounding_to_the_bad_is_no_bound(peers, bounds):
     assert bounds.didppy_bound(mission, time_limit_s=5.0, slot_s=2400.0).value >= optimum
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["ipm", "simplex"])
 def test_linear_relaxation_bounds_the_mission(bounds, tiny, solver):
     """HiGHS's bound is at least brute force, and merging nodes does not tighten it."""

@@ -41,6 +41,7 @@ def test_a_cluster_trades_as_one_process_does(address: str) -> None:
     assert there.proven == len(there.points)
 
 
+@pytest.mark.slow
 def test_a_cluster_refines_as_threads_do(address: str) -> None:
     """The legs of a plan are led by workers to where threads lead them."""
     instance = adr_opt.generate("tiny", 0)

@@ -165,6 +165,7 @@ def test_the_mission_with_deadlines_is_what_its_script_prints(
     assert capsys.readouterr().out == (FOLDER / "deadlines/mission.json").read_text("utf-8")
 
 
+@pytest.mark.slow
 def test_the_mission_with_deadlines_from_plan_to_export(cli: Cli, tmp_path: Path) -> None:
     """The commands of docs/rules.md work, one after the other, and the plan obeys every rule."""
     for package in ("boinor", "plotly"):

@@ -124,6 +124,7 @@ def test_the_site_in_a_browser(site: Path, tmp_path: Path, width: int) -> None:
             assert tab.evaluate(broken) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(browser.EXECUTABLE is None, reason="needs Chromium")
 def test_the_search_works_in_a_folder(site: Path, tmp_path: Path) -> None:
     """Opened as a file, without a server, the site finds pages by words."""

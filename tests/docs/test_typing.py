@@ -30,6 +30,7 @@ def checked(code: str, folder: Path, *options: str, place: Path) -> list[str]:
     return [line for line in ran.stdout.splitlines() if "mine.py" in line]
 
 
+@pytest.mark.slow
 def test_an_editable_install_is_found(tmp_path: Path) -> None:
     """`pip install -e .` makes a path that mypy follows, so that wrong calls are found."""
     pytest.importorskip("setuptools")

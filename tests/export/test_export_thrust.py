@@ -274,6 +274,7 @@ def test_czml_has_the_path_and_the_windows(tmp_path: Path) -> None:
     assert {name for name in shown if name.startswith("body/")} == {f"body/{name}" for name in ends}
 
 
+@pytest.mark.slow
 def test_what_cannot_be_written_is_refused(cli: Cli, tmp_path: Path) -> None:
     """Burns of one direction, plans that are not refined and bad names end with status 2."""
     instance, _, refined = mission()
@@ -362,6 +363,7 @@ def test_an_ocm_keeps_to_the_schema(tmp_path: Path) -> None:
     assert {man.man_ref_frame for man in read.man} == {"EME2000"}
 
 
+@pytest.mark.slow
 def test_thrust_is_turned_with_the_states(tmp_path: Path) -> None:
     """In GCRF forces are those in TEME, turned; the history of a script is in its own axes."""
     pytest.importorskip("astropy")

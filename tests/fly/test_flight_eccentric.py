@@ -61,6 +61,7 @@ def ellipses(e: float, seed: int = 4, delta_v_m_s: float = 4000.0) -> tuple[Inst
     return instance, plan
 
 
+@pytest.mark.slow
 def test_circles_tell_nothing_new() -> None:
     """Legs between circles have no further fields, alone or beside eccentric ones."""
     tiny = adr_opt.generate("tiny", 4)

@@ -413,6 +413,7 @@ def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:
     assert fly_refined(instance, flown).holds
 
 
+@pytest.mark.slow
 def test_messages_go_round_through_a_refined_plan(tmp_path: Path, mission: Mission) -> None:
     """Messages become an instance, a refined plan and messages again, to less than a metre."""
     sources = tmp_path / "given"

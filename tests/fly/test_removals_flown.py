@@ -120,6 +120,7 @@ def test_a_leg_that_begins_before_its_tow_may_be_over_is_refused():
         refuse_broken_chain(instance, spoiled)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", GATE)
 def test_plans_with_tows_and_kits_are_refined_flown_and_exported(seed, tmp_path):
     """Plans of three drawn missions hold in true dynamics and go into every file."""

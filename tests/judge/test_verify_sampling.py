@@ -140,8 +140,8 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(24), 12), j2=(drifting_mission, range(24), 1),
-    given=(given_mission, range(24), 12),
+    two_body=(random_mission, range(24), 7), j2=(drifting_mission, range(24), 1),
+    given=(given_mission, range(24), 7),
 )  # fmt: skip
 def test_connections_are_those_of_check(draw, seeds):
     """All that are drawn can be flown, none is missing; spoilt ones are found out."""

@@ -308,6 +308,7 @@ def test_who_cannot_write_to_the_home_uses_a_folder_that_only_he_can_write_to(
     assert kernel_cache.folders() == [usual]
 
 
+@pytest.mark.slow
 def test_two_processes_that_compile_at_once(tmp_path: Path) -> None:
     """Two cold processes both answer rightly, and leave what a third one can use."""
     write_pair(tmp_path)

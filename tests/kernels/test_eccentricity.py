@@ -168,6 +168,7 @@ def test_plans_state_the_share_and_no_more() -> None:
         assert leg.delta_v_m_s == pytest.approx(burned + leg.eccentricity_delta_v_m_s, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_the_closed_form_is_near_the_optimum(measured: ModuleType) -> None:
     """Random legs: within 10 % of the least ΔV in total, and within 15 % on average leg by leg.
 

@@ -96,7 +96,7 @@ def test_plans_of_a_registered_family_are_planned_proven_and_judged(
         assert other.objective <= plan.objective, method
 
 
-@over_seeds(range(24), gate=8)
+@over_seeds(range(24), gate=5)
 def test_proofs_over_a_registered_family_are_those_of_enumeration(
     seed: int, longer: LongerPhasing
 ) -> None:
@@ -236,6 +236,7 @@ def test_the_family_of_an_installed_package_is_known_at_once(tmp_path: Path) -> 
     assert LONGER.name in defined["Burn"]["properties"]["phase"]["enum"]
 
 
+@pytest.mark.slow
 def test_a_package_whose_family_cannot_be_registered_is_named_in_one_sentence(
     tmp_path: Path,
 ) -> None:

@@ -108,7 +108,7 @@ def ways(instance: adr_opt.Instance, rows: list[Row]) -> dict[tuple[str, ...], l
     return best
 
 
-@over_seeds(range(200), gate=20)
+@over_seeds(range(200), gate=11)
 def test_orders_are_scheduled_as_by_enumeration(seed: int) -> None:
     """The schedule of every order has the least cost of all ways to fly it, or none exists."""
     for place, cost in enumerate(("duration", "delta-v")):
@@ -126,7 +126,7 @@ def test_orders_are_scheduled_as_by_enumeration(seed: int) -> None:
                     assert found.made < length
 
 
-@over_seeds(range(200), gate=20)
+@over_seeds(range(200), gate=11)
 def test_the_least_end_is_that_of_enumeration(seed: int) -> None:
     """Where all targets are required, the plan ends as early as any, or there is none."""
     instance, rows = drawn(seed)
@@ -140,7 +140,7 @@ def test_the_least_end_is_that_of_enumeration(seed: int) -> None:
     assert result.plan.cost == pytest.approx(min(ends))
 
 
-@over_seeds(range(100), gate=12)
+@over_seeds(range(100), gate=7)
 def test_plans_and_bounds_hold_enumeration_between_them(seed: int) -> None:
     """The best prize lies between that of the plan and the bound, with any tank and cost."""
     cost = ("duration", "delta-v")[seed % 2]

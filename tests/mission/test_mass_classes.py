@@ -225,6 +225,7 @@ def test_one_class_is_that_of_the_heaviest():
         instance_of(instance.model_dump(mode="json") | {"transfer": {"mass_class": 0.0}})
 
 
+@pytest.mark.slow
 def test_launched_chasers_are_not_loaded_with_what_they_would_vent():
     """Before a launch propellant is left out, and all masses after it are as checked, with tows."""
     instance = adr_opt.generate("electric", 0, targets=4, chasers=1)

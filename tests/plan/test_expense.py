@@ -254,6 +254,7 @@ def test_summaries_tell_what_chasers_carry_and_take(cli, refuelled) -> None:
     assert "the one of the least expense is best" in text
 
 
+@pytest.mark.slow
 def test_the_earliest_end_of_a_campaign_is_proven() -> None:
     """Where the cost is the end of the last service, none is earlier that collects as much."""
     instance = two_chasers().replace(objective=Objective(cost="duration"))

@@ -37,7 +37,7 @@ def drawn(seed: int) -> Instance:
     return made if seed % 2 or made.given is not None else towing(made, seed)
 
 
-some_seeds = over_kinds("seeds", drawn=(range(60), 8))
+some_seeds = over_kinds("seeds", drawn=(range(60), 5))
 
 
 @some_seeds

@@ -59,7 +59,7 @@ def drawn(seed: int) -> Instance:
     return towing(carrying(made, seed) if seed % 4 < 2 else made, seed)
 
 
-some_seeds = over_kinds("seeds", drawn=(range(96), 10))
+some_seeds = over_kinds("seeds", drawn=(range(96), 6))
 
 
 @some_seeds

@@ -204,6 +204,7 @@ def test_a_large_field_ends_on_time() -> None:
     assert result.objective >= adr_opt.solve(mission, "greedy-guarded").objective
 
 
+@pytest.mark.slow
 def test_on_one_core_the_beam_comes_before_the_proof(monkeypatch):
     """A proof that takes all the time there is cannot keep auto from the beam of `beam`."""
     warm_up(PLANNERS, "auto")  # whose practice is not looked at

@@ -51,7 +51,7 @@ def ends_of(rows: list[tuple[int, int, float, float, bool]], order: tuple[int, .
     ]
 
 
-@over_seeds(range(60), gate=10)
+@over_seeds(range(60), gate=6)
 def test_tables_say_what_the_rows_say(seed: int) -> None:
     """The earliest end and the latest departure of a pair are those among all of its rows."""
     legs, rows = drawn(seed, 4)
@@ -64,7 +64,7 @@ def test_tables_say_what_the_rows_say(seed: int) -> None:
             assert leaves(legs, kind, i, j, time) == latest
 
 
-@over_seeds(range(100), gate=20)
+@over_seeds(range(100), gate=11)
 def test_times_of_an_order_are_those_of_enumeration(seed: int) -> None:
     """Earliest times are right by exceptions, and latest times are the last that suffice."""
     legs, rows = drawn(seed, 4)
@@ -83,7 +83,7 @@ def test_times_of_an_order_are_those_of_enumeration(seed: int) -> None:
             assert (left >= 0.0) == (end <= deadline)
 
 
-@over_seeds(range(60), gate=10)
+@over_seeds(range(60), gate=6)
 def test_the_search_finds_the_best_of_all_orders(seed: int) -> None:
     """On few targets the search, and the one over all sets, end as early as the best order."""
     legs, rows = drawn(seed, 5)

@@ -16,7 +16,7 @@ from adr_opt.mission.certify import certificate_of
 from adr_opt.problem.instance import instance_of
 
 KINDS = {
-    "alone": ({}, range(60), 4),
+    "alone": ({}, range(60), 3),
     "kits": ({"kits": True}, range(100, 140), 1),
     "tows": ({"tows": True}, range(300, 340), 3),
     "coarse": ({"resolution_m_s": 20.0}, range(400, 440), 2),

@@ -129,6 +129,7 @@ def test_gains_a_visit_on_a_nominal_instance(nominal):
     assert plan(nominal, windows=12).objective >= greedy(nominal) + 1.0
 
 
+@pytest.mark.slow
 def test_same_seed_same_plan(nominal):
     """Seed, windows and jobs fix the result, counters included; another seed searches elsewhere."""
     one, two, other = (plan(nominal, windows=5, seed=seed) for seed in (3, 3, 4))

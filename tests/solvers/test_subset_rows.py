@@ -38,7 +38,7 @@ from solvers.walks.walks import WalkBound
 every_mission = over_kinds(
     "draw, seeds",
     **{
-        draw.__name__: (draw, range(60), 8)
+        draw.__name__: (draw, range(60), 5)
         for draw in (
             roomy, roomy_launched, roomy_and_laden, drifting_mission, given_mission,
             towing_and_laden,
@@ -189,7 +189,7 @@ class CutAtRandom(proof.ColumnProof):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(tight, range(200), 6), j2=(drifting_mission, range(20), 1),
+    two_body=(tight, range(200), 4), j2=(drifting_mission, range(20), 1),
     given=(given_field, range(30), 3),
 )  # fmt: skip
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])

@@ -100,6 +100,7 @@ def test_second_signal_aborts(tiny_file: Path) -> None:
     assert not (tiny_file.parent / "plan.json").exists()
 
 
+@pytest.mark.slow
 @posix
 @pytest.mark.usefixtures("methods")
 def test_aborting_gives_the_cursor_back(tiny_file: Path) -> None:
@@ -235,6 +236,7 @@ def test_long_verbs_have_a_bar_and_end_at_once(
     assert [path.name for path in tmp_path.iterdir()] == ["tiny.json"]
 
 
+@pytest.mark.slow
 @posix
 def test_a_tradeoff_counts_proven_points(tmp_path: Path) -> None:
     """The bar is on the terminal beside the lines on single points, and not in what is printed."""

@@ -197,6 +197,7 @@ CHILD = (
 )
 
 
+@pytest.mark.slow
 def test_interrupted_keeps_what_is_done(mission: Instance) -> None:
     """Ctrl-C writes the legs that are done, says which are missing, and ends with 1."""
     process = subprocess.Popen(

@@ -46,6 +46,7 @@ def ax():
     pyplot.close(figure)
 
 
+@pytest.mark.slow
 def test_importing_does_not_import_matplotlib() -> None:
     """The functions use the axis that they are given, so the package needs no matplotlib."""
     code = "import sys, adr_opt.ui.plot; sys.exit('matplotlib' in sys.modules)"

@@ -219,6 +219,7 @@ def test_the_verdict_says_what_was_flown(cli: Cli) -> None:
     assert "when flown tank 1 (legs 1 to 2) of" in outcome.err
 
 
+@pytest.mark.slow
 def test_a_refined_plan_is_judged_by_its_refined_flight(cli: Cli) -> None:
     """A tank that breaks in mean motion and holds refined is not said to break, nor left unflown.
 

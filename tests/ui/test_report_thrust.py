@@ -56,6 +56,7 @@ def data(text: str) -> dict:
     return json.loads(found[1])
 
 
+@pytest.mark.slow
 def test_courses_have_no_jumps() -> None:
     """Each phase begins on the orbit on which the one before it ends: arcs lead to the targets."""
     instance, plan = electric()

@@ -118,6 +118,7 @@ def until(condition: Any) -> None:
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 def test_a_killed_server_leaves_what_was_done_and_nothing_else(tmp_path: Path, cli: Cli) -> None:
     """Files are private, the folder has one server, and its processes end with it."""
     folder = tmp_path / "project"
@@ -144,6 +145,7 @@ def test_a_killed_server_leaves_what_was_done_and_nothing_else(tmp_path: Path, c
     assert again.state()["plan"]["fits"]
 
 
+@pytest.mark.slow
 def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> None:
     """A killed worker is a failed run with one sentence; the next run has another worker."""
     results: list[float] = []
