@@ -113,7 +113,9 @@ class RouteSearches:
     def usual_width(self, width: int) -> int:
         """A width up to this one whose beam leaves most of the time for others."""
         needed_s, allowed_s = self.needed_s(width), UNHURRIED * self._stop.remaining_s()
-        return width if needed_s <= allowed_s else max(1, int(width * allowed_s / needed_s))
+        if needed_s <= max(allowed_s, 0.0):
+            return width
+        return max(1, int(width * max(allowed_s, 0.0) / needed_s))
 
     def scaled(self, width: int) -> int:
         """A width adapted to the size of the field."""

@@ -27,6 +27,7 @@ from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bo
 from adr_opt.analysis.rehearse.flight import FlownMission, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.known_world import prices_of_tries
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths, rounded_up, worths_of_tries
@@ -90,10 +91,12 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_time(draw, seeds) -> None:  #
         uncertainty = Uncertainty(
             capture={"success": 0.6, "tries": 2}, gone=0.1, targets=targets
         ).of(instance)
-        ground, per_day = (
-            Ground(instance),
-            float(10.0 ** np.random.default_rng(seed).uniform(-1, 2)),
-        )
+        ground = Ground(instance)
+        # No target is worth less than the time of its service: prices beyond that are refused.
+        share = float(np.random.default_rng(seed).uniform(0.0, 0.6))
+        tries_s = prices_of_tries(ground, 1.0)
+        worth_per_s = [ground.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
+        per_day = share * DAY_S * min(worth_per_s, default=0.0)
         setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
         bound, world = world_bounds(ground, setting, seed), DrawnWorld(instance, uncertainty, seed)
         for flown in _all_flown(ground, world, seed):
@@ -378,3 +381,21 @@ def test_several_tries_with_kits_over_given_connections_are_refused() -> None:
     tries = Uncertainty(capture={"success": 0.5, "tries": 2})
     with pytest.raises(InputError, match="several tries"):
         bounds(kitted, tries, samples=1)
+
+
+@pytest.mark.parametrize(
+    ("price", "uncertain", "sentence"),
+    [
+        (-1.0, {}, "must be 0 or more"),
+        (1e6, {}, "give a lower price"),
+        (1.0, {"service_s": {"factor": {"lognormal_sigma": 0.1}}}, "only where services take"),
+    ],
+)
+def test_prices_that_are_no_penalties_are_refused(
+    price: float, uncertain: dict[str, object], sentence: str
+) -> None:
+    """A price of time that would make a bound invalid is one sentence."""
+    instance = adr_opt.generate("tiny", 0)
+    uncertainty = Uncertainty.model_validate({"capture": {"success": 0.5, "tries": 2}, **uncertain})
+    with pytest.raises(InputError, match=sentence):
+        bounds(instance, uncertainty, samples=1, time_price=price)

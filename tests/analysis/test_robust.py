@@ -17,7 +17,7 @@ import adr_opt
 from adr_opt import analysis
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
-from adr_opt.analysis.rehearse.tries import mean_worths
+from adr_opt.analysis.rehearse.tries import TryWorths
 from adr_opt.analysis.robust.levels import between, equal, shared
 from adr_opt.analysis.robust.promise import promise_of
 from adr_opt.analysis.robust.robust import robust
@@ -283,11 +283,8 @@ def test_bounds_hold_for_every_plan_that_keeps_its_promise(
 
 def _worths(ground: Ground, uncertainty: Uncertainty) -> dict[int, float]:
     """What going to each target is worth on average, as robust plans count it."""
-    known = mean_worths(ground.instance, uncertainty)
-    return {
-        ground.number[target.name]: known.get(target.name, target.prize)
-        for target in ground.instance.targets
-    }
+    worths = TryWorths(ground.instance, uncertainty)
+    return {body: worths.most(body) for body in range(ground.first_target, len(ground.names))}
 
 
 @pytest.mark.parametrize("name", ["launched", "towed"])
@@ -327,6 +324,45 @@ def test_plans_are_kept_as_often_as_asked() -> None:
 
     assert kept(made.plan) >= 0.915
     assert kept(plain) < 0.6
+
+
+def test_a_tank_that_surely_runs_dry_is_promised_by_nobody() -> None:
+    """A tank of which only a part can be used, less than its legs take, has no chance."""
+    instance = adr_opt.generate("reduced-fuel", seed=1, targets=25)
+    plan = adr_opt.solve(instance, method="beam").plan
+    ground = Ground(instance)
+    uncertainty = Uncertainty(tanks={"least": 0.2, "most": 0.2})
+    promise = promise_of(ground, intended(ground, plan), uncertainty)
+    assert promise.tanks_chance == 0.0
+    assert not promise.keeps(0.5)
+
+
+def test_worths_are_means_where_all_targets_have_one_chance() -> None:
+    """Worth and bound count chances of captures also where they are the same everywhere."""
+    instance = adr_opt.generate("tiny", seed=1)
+    sure = robust(instance, Uncertainty(), 0.9, method="exact")
+    half = robust(instance, Uncertainty(capture={"success": 0.5}), 0.9, method="exact")
+    assert half.worth == pytest.approx(0.5 * sure.worth)
+    assert half.upper_bound == pytest.approx(0.5 * sure.upper_bound)
+    gone = Uncertainty(targets={instance.targets[0].name: {"gone": 1.0}})
+    made = robust(instance, gone, 0.9, method="exact")
+    assert made.worth == made.upper_bound <= len(instance.targets) - 1
+
+
+def test_no_bound_is_stated_where_tanks_by_mass_are_used_in_part() -> None:
+    """What a kit takes off the mass is no share of what is left, so that charges prove nothing."""
+    instance = launched.campaign("two-body")
+    made = robust(
+        instance, Uncertainty(tanks={"least": 0.9}), 0.9, method="greedy-guarded", time_limit=5.0
+    )
+    assert made.upper_bound == math.inf
+    assert not any("no plan" in note for note in made.notes)
+
+
+def test_levels_stay_below_certainty() -> None:
+    """However cautious, no level is 1, which no tank and no stay could keep."""
+    highest = between(equal(0.95), equal(0.9999), 30.0)
+    assert max(highest) < 1.0
 
 
 @pytest.mark.parametrize("confidence", [0.3, 1.0, math.nan])

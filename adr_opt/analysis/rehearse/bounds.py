@@ -32,11 +32,13 @@ from .known_world import (
     clairvoyant_worth,
     known_problem,
     penalised_worth,
+    prices_of_tries,
     refuse_bounds,
     required_worth,
 )
 from .rehearsals import Rehearsals, share, summary
 from .rows_file import EXACT, RowsFile
+from .tries import TryWorths
 
 METHOD = "exact"
 TIME_LIMIT_S = 20.0
@@ -206,7 +208,8 @@ def bounds(  # noqa: PLR0913
         Of each proof; what is proven by then is valid [s].
     time_price : float
         Price of the time of tries in penalties, where services take as long as planned
-        [prize per day]. Any is valid; what a plan collects in a day is a good one.
+        [prize per day]. What a plan collects in a day is a good one, and any is valid at which
+        no target is worth less than the time of its service.
     jobs, cluster, path, stop, told
         As :func:`.sampling.rehearse` takes them.
 
@@ -268,10 +271,19 @@ def _check_price(setting: BoundSetting) -> None:
     if not 0.0 <= price < math.inf:
         raise InputError(f"time price = {price!r}: must be 0 or more, in prize per day")
     services = [uncertainty.service_of(target.name) for target in setting.instance.targets]
-    if price > 0.0 and any(each.factor or each.added for each in services):
+    if price == 0.0:
+        return
+    if any(each.factor or each.added for each in services):
         raise InputError(
             "time price: penalties may price the time of tries only where services take as long "
             "as planned; leave it out"
+        )
+    paid = prices_of_tries(Ground(setting.instance), price / DAY_S)
+    worths = TryWorths(setting.instance, uncertainty, paid)
+    if any(worths.most(body) < 0.0 for body in paid):
+        raise InputError(
+            f"time price = {price:g}: a target is worth less than the time of its service; give a "
+            "lower price"
         )
 
 

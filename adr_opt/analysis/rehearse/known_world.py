@@ -260,6 +260,15 @@ def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
     return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
 
 
+def prices_of_tries(ground: Ground, per_s: float) -> dict[int, float]:
+    """Price of the time of a try at each target, by its number."""
+    service = ground.chasers[0].limits.service
+    return {
+        body: per_s * (float(service[body]) - ground.tow_s.get(body, 0.0))
+        for body in range(ground.first_target, len(ground.names))
+    }
+
+
 def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Worth:
     """The mean prize of going to each target, and what of it is left if a chaser gives up.
 
@@ -268,12 +277,7 @@ def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Wo
     per_s : float
         Price of the time of tries, which has to be certain [prize per s].
     """
-    service = ground.chasers[0].limits.service
-    paid = {
-        body: per_s * (float(service[body]) - ground.tow_s.get(body, 0.0))
-        for body in range(ground.first_target, len(ground.names))
-    }
-    worths = TryWorths(ground.instance, world.uncertainty, paid)
+    worths = TryWorths(ground.instance, world.uncertainty, prices_of_tries(ground, per_s))
 
     def worth(target: Target) -> Counted:
         number, first = ground.number[target.name], world.first_success(target.name)

@@ -75,17 +75,28 @@ class TryWorths:
 def mean_worths(instance: Instance, uncertainty: Uncertainty) -> dict[str, float]:
     """Mean worth of going to each target, rounded up, by name.
 
-    Empty where all are worth the same share of their prizes, which then count as well.
+    Empty where all targets are worth the same share of their prizes, which then count as well.
     """
+    if common_share(instance, uncertainty) is not None:
+        return {}
     worths = TryWorths(instance, uncertainty)
-    found = {
-        target.name: (target.prize, worths.most(body))
+    return {
+        target.name: rounded_up(worths.most(body))
         for body, target in enumerate(instance.targets, start=instance.first_target)
     }
-    shares = [worth / prize for prize, worth in found.values() if prize > 0.0]
-    if not shares or max(shares) - min(shares) < 1e-12:
-        return {}
-    return {name: rounded_up(worth) for name, (_, worth) in found.items()}
+
+
+def common_share(instance: Instance, uncertainty: Uncertainty) -> float | None:
+    """The share of its prize that each target is worth on average; None where shares differ."""
+    worths = TryWorths(instance, uncertainty)
+    shares = [
+        worths.most(body) / target.prize
+        for body, target in enumerate(instance.targets, start=instance.first_target)
+        if target.prize > 0.0
+    ]
+    if not shares:
+        return 1.0
+    return shares[0] if max(shares) - min(shares) < 1e-12 else None
 
 
 def with_worths(instance: Instance, worths: dict[str, float]) -> Instance:
@@ -93,9 +104,7 @@ def with_worths(instance: Instance, worths: dict[str, float]) -> Instance:
     if not worths:
         return instance
     targets = tuple(
-        target.replace(prize=worths[target.name])
-        if target.prize > 0.0 and worths[target.name] > 0.0
-        else target
+        target.replace(prize=worths[target.name]) if target.prize > 0.0 else target
         for target in instance.targets
     )
     return instance.replace(targets=targets)

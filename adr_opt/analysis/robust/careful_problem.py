@@ -8,6 +8,7 @@ proven of all plans that keep these chances.
 
 from __future__ import annotations
 
+import math
 from statistics import NormalDist
 
 from ...common.errors import InputError
@@ -79,6 +80,15 @@ def risk_charge(ground: Ground, uncertainty: Uncertainty, level: float) -> RiskC
     return charge or None
 
 
+def is_bounded(ground: Ground, uncertainty: Uncertainty) -> bool:
+    """Whether what is proven of such a mission is proven of all plans that keep these chances.
+
+    Not where tanks by mass can be used in part: what a service makes of the ΔV that is left is not
+    a share of it.
+    """
+    return uncertainty.tanks is None or all(what.loads is None for what in ground.chasers)
+
+
 def _services(ground: Ground, uncertainty: Uncertainty, level: float) -> dict[str, float]:
     """Time of each service that may last longer, by name of the target [s]."""
     limits, found = ground.chasers[0].limits, {}
@@ -89,6 +99,10 @@ def _services(ground: Ground, uncertainty: Uncertainty, level: float) -> dict[st
         if stay.is_certain:
             continue
         longest_s = stay.quantile(level)
+        if not math.isfinite(longest_s):
+            raise InputError(
+                f"target {name!r}: no stay is long enough with a chance of {level:.6g}"
+            )
         if longest_s > planned_s:
             found[name] = longest_s
     return found

@@ -11,6 +11,9 @@ _NORMAL = NormalDist()
 
 MOST_LEVEL = 1.0 - 1e-9
 
+LEAST_STEP = 0.3
+"""Least difference of shared levels from the confidence, in normal scores."""
+
 
 class Levels(NamedTuple):
     """Chances with which each part of a promise is to be kept.
@@ -38,6 +41,8 @@ def equal(confidence: float) -> Levels:
 def shared(confidence: float, promise: Promise) -> Levels:
     """The risk shared out equally: among kinds of parts, and among the parts of each.
 
+    Each level is above the confidence, since charges ask less than a tank of unequal legs needs.
+
     Parameters
     ----------
     confidence : float
@@ -47,7 +52,8 @@ def shared(confidence: float, promise: Promise) -> Levels:
     """
     numbers = len(promise.tanks), len(promise.stays), len(promise.launches)
     kinds = sum(number > 0 for number in numbers)
-    return Levels(*(confidence ** (1.0 / max(1, kinds * number)) for number in numbers))
+    least = _NORMAL.cdf(_NORMAL.inv_cdf(confidence) + LEAST_STEP)
+    return Levels(*(max(confidence ** (1.0 / max(1, kinds * number)), least) for number in numbers))
 
 
 def between(first: Levels, second: Levels, share: float) -> Levels:
@@ -58,7 +64,7 @@ def between(first: Levels, second: Levels, share: float) -> Levels:
 
     return Levels(
         *(
-            _NORMAL.cdf(score(a) + share * (score(b) - score(a)))
+            min(_NORMAL.cdf(score(a) + share * (score(b) - score(a))), MOST_LEVEL)
             for a, b in zip(first, second, strict=True)
         )
     )

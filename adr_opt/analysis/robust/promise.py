@@ -80,7 +80,7 @@ class Promise:
     Attributes
     ----------
     tanks : tuple of TankChance
-        Those that may run dry.
+        Those that may run dry, or do.
     stays : tuple of InTime
         Those that may last longer than planned.
     launches : tuple of InTime
@@ -127,7 +127,9 @@ def promise_of(ground: Ground, planned: Intended, uncertainty: Uncertainty) -> P
             spare_s = hops[0].departure - what.limits.ready
             launches.append(InTime(what.name, "", slip_chance(slip, spare_s)))
     return Promise(
-        tuple(each for each in tanks if each.sigma_m_s > 0.0), tuple(stays), tuple(launches)
+        tuple(each for each in tanks if each.sigma_m_s > 0.0 or each.spare_m_s < 0.0),
+        tuple(stays),
+        tuple(launches),
     )
 
 

@@ -31,8 +31,8 @@ from ..departures import plan_of
 from ..rehearse.ground import Ground
 from ..rehearse.intended import Intended, intended
 from ..rehearse.sampling import Setting, flown_in
-from ..rehearse.tries import mean_worths
-from .careful_problem import careful_problem
+from ..rehearse.tries import common_share, mean_worths
+from .careful_problem import careful_problem, is_bounded
 from .levels import Levels, between, equal, shared
 from .promise import Promise, promise_of
 from .robust_plan import Caution, RobustPlan
@@ -137,6 +137,9 @@ class _Search:
         self._end = self._began + wanted.time_limit
         self._whole = Problem(instance, connecting=self._ground.finder)
         self._worths = mean_worths(instance, uncertainty)
+        # Prizes are planned with where all targets are worth as much of theirs.
+        share = common_share(instance, uncertainty)
+        self._share = 1.0 if share is None else share
         self._prizes = {target.name: target.prize for target in instance.targets}
         self._rounds: list[Caution] = []
         self._best: _Made | None = None
@@ -145,24 +148,28 @@ class _Search:
         """Plan, first for a bound on all plans, then with shared risks."""
         first = equal(self._confidence)
         result = self._result(first, FIRST_SHARE * self._wanted.time_limit, progress)
-        upper = result.upper_bound
+        upper = self._bound(result)
         made = self._adopt(first, result)
         if self._best is not None and not self._is_over(upper):
             # Nothing is gained by other levels: the same ones, with the rest of the time.
             longer = self._result(first, self._end - now_s(), progress, result.plan)
-            upper = min(upper, longer.upper_bound)
+            upper = min(upper, self._bound(longer))
             self._adopt(first, longer)
         elif made is not None:
             for levels in self._cautions(first, made.promise):
                 if self._is_over(upper):
                     break
                 last = len(self._rounds) == MOST_ROUNDS
-                left_s = self._end - now_s()
-                self._adopt(levels, self._result(levels, left_s * (1.0 if last else 0.4), silent))
+                limit_s = (self._end - now_s()) * (1.0 if last else 0.4)
+                try:
+                    self._adopt(levels, self._result(levels, limit_s, silent))
+                except InputError:  # no tank holds anything, or no stay ends, with such a chance
+                    self._rounds.append(Caution(levels, -math.inf, 0.0))
         best = self._best
         return RobustPlan(
             None if best is None else best.plan, None if best is None else best.promise,
-            self._confidence, -math.inf if best is None else best.worth, upper,
+            self._confidence, -math.inf if best is None else self._share * best.worth,
+            self._share * upper if math.isfinite(upper) else upper,
             result.status == "infeasible", 0.0 if best is None else best.kept, WORLDS,
             tuple(self._rounds), self._method, self._wanted.seed, now_s() - self._began,
         )  # fmt: skip
@@ -173,13 +180,19 @@ class _Search:
         low, high, caution = 0.0, math.inf, 1.0
         for _ in range(MOST_ROUNDS):
             yield between(first, full, caution)
-            if self._rounds[-1].kept >= self._confidence:
+            last = self._rounds[-1]
+            if last.kept >= self._confidence or last.worth == -math.inf:
                 high = caution
             else:
                 low = caution
             if high - low < NEAR:
                 return
             caution = 1.3 * caution if high == math.inf else 0.5 * (low + high)
+
+    def _bound(self, result: Result) -> float:
+        """What a result proves of all plans that are kept."""
+        bounded = is_bounded(self._ground, self._uncertainty)
+        return result.upper_bound if bounded else math.inf
 
     def _is_over(self, upper: float) -> bool:
         """Whether there is no time left, or nothing left to gain."""
@@ -210,7 +223,7 @@ class _Search:
         if promise.keeps(self._confidence):
             kept = self._kept(planned)
         made = _Made(plan, self._worth(plan), promise, kept)
-        self._rounds.append(Caution(levels, made.worth, kept))
+        self._rounds.append(Caution(levels, self._share * made.worth, kept))
         if kept >= self._confidence and (self._best is None or made.rank > self._best.rank):
             self._best = made
         return made
