@@ -22,6 +22,9 @@ INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
 
 PROJECT = "project.json"
 
+HISTORY, RESULTS, FILES = "history", "results", "files"
+"""Folders of a project; without its file they are somebody else's."""
+
 
 class Folder:
     """The folder where edits and plans are stored; nothing is written elsewhere.
@@ -82,9 +85,15 @@ class Folder:
                 f"{path}: holds {there[0]}, but is no project; give the files in it as INSTANCE "
                 "and PLAN, or name another folder with --folder"
             )
-        self.drafts = DraftsKept(self.path / "history")
-        self.results = Results(self.path / "results")
-        self.files = self.path / "files"
+        for name in () if PROJECT in there else (HISTORY, RESULTS, FILES):
+            if os.path.lexists(self.path / name):
+                raise InputError(
+                    f"{path}: holds {name}, but no {PROJECT} that says it is of a project; name "
+                    "another folder with --folder"
+                )
+        self.drafts = DraftsKept(self.path / HISTORY)
+        self.results = Results(self.path / RESULTS)
+        self.files = self.path / FILES
 
     def make(self) -> None:
         """Create the folder if it is absent.
