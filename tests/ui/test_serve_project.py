@@ -200,7 +200,7 @@ def test_every_option_of_a_job_is_one_of_its_verb() -> None:
 
 def test_what_is_not_the_projects_stays(tmp_path: Path) -> None:
     """A project removes its own unfinished results and unused drafts, and nothing else."""
-    assert KEPT_VERBS == VERBS.keys() | {"solve"}
+    assert VERBS.keys() | {"solve"} == KEPT_VERBS
     folder = tmp_path / "p"
     session_of(None, None, Folder(folder))
     for name in ("results/2024-run", "results/0007-check", "results/mine", "history/mine",
