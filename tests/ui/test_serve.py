@@ -114,7 +114,8 @@ def test_the_token_opens_the_page_and_becomes_a_cookie(desk: EditingSession) -> 
         assert answer.headers["cache-control"] == "no-store"
         assert answer.headers["x-content-type-options"] == "nosniff"
         assert not [name for name in answer.headers if name.startswith("access-control")]
-    assert client.get("/report").headers["content-security-policy"] == "frame-ancestors 'self'"
+    framed = client.get("/report").headers["content-security-policy"]
+    assert framed == "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
     assert not any(word in page.text for word in ("<style", "onclick", "style=", TOKEN))
 
 

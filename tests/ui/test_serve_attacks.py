@@ -18,6 +18,8 @@ from serve_at import BYTES, At
 from serve_catalogue import catalogue
 from serve_desks import files_under
 
+from adr_opt.ui.serve.jobs import queue
+from adr_opt.ui.serve.jobs.job import Job
 from adr_opt.ui.serve.jobs.verbs import VERBS
 
 pytest.importorskip("starlette")
@@ -229,3 +231,63 @@ def test_a_folder_with_links_is_not_left(at: At, tmp_path: Path) -> None:
     assert b"secret" not in answer.content
     assert "a link" in at.drop("c", catalogue(3), 422)["error"]
     assert [path.name for path in secret.iterdir()] == ["key"]
+
+
+def test_only_what_is_of_the_project_is_exported(at: At) -> None:
+    """The archive holds what the project knows, whatever else lies in its folder."""
+    at.drop("i", hand_made().to_json().encode())
+    at.drop("c.tle", catalogue(3))
+    folder = at.session.folder.path
+    for name in ("diary", "files/2-mine", "history/mine/data", "results/mine/data",
+                 "results/0007-check/data"):  # fmt: skip
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("mine")
+    os.utime(folder / "project.json", (0, 0))  # before zip files have times
+    with zipfile.ZipFile(io.BytesIO(at.client.get("/export").content)) as made:
+        names = sorted(name.removeprefix("project/") for name in made.namelist())
+    (key,) = [path.name for path in (folder / "history").iterdir() if path.name != "mine"]
+    assert names == ["draft.json", "files/1-c.tle", f"history/{key}/instance.json", "project.json"]
+
+
+def test_no_part_of_an_archive_is_left(at: At, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the disk is full, an export is one sentence and leaves nothing."""
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    before = files_under(at.session.folder.path)
+    monkeypatch.setattr(zipfile.ZipFile, "write", full)
+    answer = at.client.get("/export")
+    assert answer.status_code == 507
+    assert "No space left on device" in answer.json()["error"]
+    assert files_under(at.session.folder.path) == before
+
+
+def test_a_running_job_is_listed_whatever_comes_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only jobs that are over drop off the list, the earliest first."""
+    monkeypatch.setattr(queue, "MOST_LISTED", 3)
+    jobs: list[Job] = []
+    for number in range(1, 7):
+        job = Job(number, "check", "Check", None, lambda: None)
+        if number > 2:
+            job.settle("done")
+        jobs = queue._listed([*jobs, job])
+    assert [job.number for job in jobs] == [1, 2, 6]
+
+
+@pytest.mark.parametrize("digits", ["9" * 400, "-" + "9" * 400, "9" * 4000, str(2**63)])
+def test_numbers_without_end_are_refused(at: At, digits: str) -> None:
+    """A whole number of hundreds of digits is one short sentence wherever a number is asked for."""
+    at.drop("i", hand_made().to_json().encode())
+    for path, content in (
+        ("/jobs", '{"verb": "bound", "options": {"seed": %s}}'),
+        ("/jobs", '{"verb": "bound", "options": {"time_limit_s": %s}}'),
+        ("/jobs", '{"verb": "check", "options": {}, "results": [%s]}'),
+        ("/jobs/stop", '{"job": %s}'),
+        ("/show", '{"result": %s}'),
+    ):
+        answer = at.client.post(
+            path, content=content % digits, headers={"content-type": "application/json"}
+        )
+        assert answer.status_code == 422, path
+        assert len(answer.json()["error"]) < 200, path

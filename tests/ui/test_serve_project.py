@@ -25,6 +25,7 @@ from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.forms.fields import form_fields
 from adr_opt.ui.serve.jobs.verbs import VERBS
 from adr_opt.ui.serve.project.record import json_schema
+from adr_opt.ui.serve.project.result_record import KEPT_VERBS
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -195,6 +196,32 @@ def test_every_option_of_a_job_is_one_of_its_verb() -> None:
         known = {sign for each in there.params for sign in each.opts}
         signs = {option.sign for option in verb.options if option.sign}
         assert signs | {output.sign for output in verb.outputs} | {"--json"} <= known, name
+
+
+def test_what_is_not_the_projects_stays(tmp_path: Path) -> None:
+    """A project removes its own unfinished results and unused drafts, and nothing else."""
+    assert VERBS.keys() | {"solve"} == KEPT_VERBS
+    folder = tmp_path / "p"
+    session_of(None, None, Folder(folder))
+    for name in ("results/2024-run", "results/0007-check", "results/mine", "history/mine",
+                 "history/0123456789abcdef"):  # fmt: skip
+        (folder / name).mkdir(parents=True)
+        (folder / name / "data").write_text("mine")
+    session_of(None, None, Folder(folder))
+    left = sorted(str(path.relative_to(folder)) for path in folder.glob("*/*"))
+    assert left == ["history/mine", "results/2024-run", "results/mine"]
+
+
+@pytest.mark.parametrize("name", ["results", "history", "files"])
+@pytest.mark.parametrize("going_on", [None, "x.json"])
+def test_a_folder_of_somebody_else_is_refused(
+    tmp_path: Path, name: str, going_on: str | None
+) -> None:
+    """A folder with one of the names of a project, but without its file, is left as it is."""
+    (tmp_path / name / "0001-solve").mkdir(parents=True)
+    with pytest.raises(InputError, match=f"holds {name}, but no project.json"):
+        Folder(tmp_path, going_on)
+    assert (tmp_path / name / "0001-solve").is_dir()
 
 
 def test_a_spoilt_project_is_one_sentence(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from starlette.applications import Starlette
 from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import (
     FileResponse,
     HTMLResponse,
@@ -39,7 +39,7 @@ from .requests import (
     read_order,
     read_request,
 )
-from .uploads import uploaded
+from .uploads import not_written, uploaded
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -48,8 +48,8 @@ POLICY = (
 )
 """Content security policy of the page: everything comes from this server."""
 
-FRAMED = "frame-ancestors 'self'"
-"""Framing policy of the report, which is shown only within the page."""
+FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
+"""Policy of the report, which is shown only within the page, and may ask this server nothing."""
 
 
 def application(desk: Desk, token: str, port: int, closing: threading.Event) -> Starlette:
@@ -79,7 +79,12 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
     async def exported(request: Request) -> Response:
-        path = await run_in_threadpool(desk.archive)
+        try:
+            path = await run_in_threadpool(desk.archive)
+        except InputError as error:
+            return JSONResponse({"error": str(error)}, status_code=422)
+        except OSError as error:
+            return JSONResponse({"error": not_written("the archive", error)}, status_code=507)
         return FileResponse(
             path, media_type="application/zip", filename=f"{desk.name}.zip",
             background=BackgroundTask(path.unlink),
@@ -148,10 +153,14 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
         try:
             text = (await request.body()).decode("utf-8")
             made = await run_in_threadpool(act, text)
+        except ClientDisconnect:
+            return Response(status_code=400)  # which nobody hears
         except UnicodeDecodeError:
             return JSONResponse({"error": "the request is not text in UTF-8"}, status_code=422)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
+        except OSError as error:
+            return JSONResponse({"error": not_written("that", error)}, status_code=507)
         return JSONResponse(made or {})
 
     return Route(path, answer, methods=["POST"])

@@ -118,9 +118,17 @@ class Desk:
         return read_text(refuse_link(place / record.page))
 
     def archive(self) -> Path:
-        """A temporary file with the whole project, zipped; the caller removes it."""
-        folder = self.session.folder.path
-        return archived(folder, passing(folder, ".zip"))
+        """A temporary file with the whole project, zipped; the caller removes it.
+
+        Raises
+        ------
+        InputError
+            A file of the project is spoilt.
+        OSError
+            The archive cannot be written.
+        """
+        folder = self.session.folder
+        return archived(folder.path, folder.own(), passing(folder.path, ".zip"))
 
     def temporary(self) -> Path:
         """Path of a new temporary file for what is being uploaded."""

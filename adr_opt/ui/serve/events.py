@@ -10,6 +10,7 @@ from typing import Any
 
 from starlette.concurrency import run_in_threadpool
 
+from ...common.errors import InputError
 from .desk import Desk
 
 PAUSE_S, BREATH_S = 0.2, 15.0
@@ -34,12 +35,16 @@ async def told(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
     while not closing.is_set():
         silent_s += PAUSE_S
         # Looked at before the state: what the planner is done with is in the state that follows.
-        look = json.dumps(desk.look())
+        look = json.dumps(desk.look(), allow_nan=False)
         for name, revision, content in parts:
             now = revision()
             if now != revisions[name]:
                 revisions[name] = now
-                yield f"event: {name}\ndata: {json.dumps(await run_in_threadpool(content))}\n\n"
+                try:
+                    text = json.dumps(await run_in_threadpool(content), allow_nan=False)
+                    yield f"event: {name}\ndata: {text}\n\n"
+                except InputError as error:
+                    yield f"event: trouble\ndata: {json.dumps(str(error))}\n\n"
                 silent_s = 0.0
         if look != last:
             last = look

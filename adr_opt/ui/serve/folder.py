@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import stat
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from pathlib import Path
 
 from ...common.errors import InputError
 from ...common.files import read_model, write_text
 from ...plan.plan import Plan
 from ...problem.instance import Instance
+from ...problem.instance_file import InstanceFile
 from .project.drafts_kept import DraftsKept
 from .project.lock import locked
 from .project.private import private_folder, refuse_link, remove_passing
@@ -21,6 +22,9 @@ INSTANCE, PLAN, DRAFT = "instance.json", "plan.json", "draft.json"
 """Files at hand; the first two always belong together."""
 
 PROJECT = "project.json"
+
+HISTORY, RESULTS, FILES = "history", "results", "files"
+"""Folders of a project; without its file they are somebody else's."""
 
 
 class Folder:
@@ -82,9 +86,15 @@ class Folder:
                 f"{path}: holds {there[0]}, but is no project; give the files in it as INSTANCE "
                 "and PLAN, or name another folder with --folder"
             )
-        self.drafts = DraftsKept(self.path / "history")
-        self.results = Results(self.path / "results")
-        self.files = self.path / "files"
+        for name in () if PROJECT in there else (HISTORY, RESULTS, FILES):
+            if os.path.lexists(self.path / name):
+                raise InputError(
+                    f"{path}: holds {name}, but no {PROJECT} that says it is of a project; name "
+                    "another folder with --folder"
+                )
+        self.drafts = DraftsKept(self.path / HISTORY)
+        self.results = Results(self.path / RESULTS)
+        self.files = self.path / FILES
 
     def make(self) -> None:
         """Create the folder if it is absent.
@@ -114,6 +124,27 @@ class Folder:
         self.results.read()
         path = self._file(PROJECT)
         return read_model(path, ProjectRecord) if path.exists() else None
+
+    def own(self) -> list[Path]:
+        """All files and folders of the project, as its files name them; some may be gone.
+
+        Raises
+        ------
+        InputError
+            The file of the project is spoilt.
+        """
+        record = read_model(self._file(PROJECT), ProjectRecord)
+        names = {PROJECT, INSTANCE, PLAN, DRAFT}
+        for name in (INSTANCE, DRAFT):
+            if (self.path / name).exists():
+                with suppress(InputError):
+                    names |= _beside(read_model(self._file(name), InstanceFile))
+        return [
+            *(self.path / name for name in names),
+            *(self.drafts.folder / step.draft for step in record.steps if step.draft is not None),
+            *(self.files / each.file for each in record.files),
+            *(self.results.place(each.number) for each in self.results.all()),
+        ]
 
     def keep(self, record: ProjectRecord) -> None:
         """Store the file of the project."""
@@ -155,3 +186,12 @@ class Folder:
     def _file(self, name: str) -> Path:
         """A file of the folder, which must not lead outside."""
         return refuse_link(self.path / name)
+
+
+def _beside(instance: InstanceFile) -> set[str]:
+    """Names of the files that belong to an instance."""
+    given, ephemerides = instance.transfer.given, instance.ephemerides
+    names = set() if given is None else {given.file, given.functions}
+    return {name for name in names if name is not None} | set(
+        () if ephemerides is None else ephemerides.files
+    )

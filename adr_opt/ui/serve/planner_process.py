@@ -64,6 +64,7 @@ class PlannerProcess:
     def prepare(self, *, drifts: bool) -> None:
         """Start the process, and let it load what the default method needs."""
         with self._changed:
+            self._start()
             self._tell("prepare", method=DEFAULT_METHOD, drifts=drifts)
 
     def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
@@ -132,7 +133,7 @@ class PlannerProcess:
         ).start()
 
     def _tell(self, kind: str, **content: Any) -> None:
-        self._start()
+        """Say something to the process, which was started."""
         assert self._process is not None
         assert self._process.stdin is not None
         with suppress(OSError):  # it has ended, which whoever listens to it will say

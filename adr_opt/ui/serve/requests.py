@@ -15,6 +15,10 @@ MOST_CHOSEN = 2000
 """Maximum number of objects that become targets at once."""
 
 
+ListNumber = Annotated[int, Field(ge=1, le=999_999)]
+"""Number of a job or result."""
+
+
 class OrderRequest(Record):
     """Parameters of a planning run, as requested by the page."""
 
@@ -43,19 +47,19 @@ class JobRequest(Record):
 
     verb: str
     options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
-    results: Annotated[tuple[int, ...], Field(strict=False, max_length=50)] = ()
+    results: Annotated[tuple[ListNumber, ...], Field(strict=False, max_length=50)] = ()
 
 
 class StopRequest(Record):
     """The job to stop, by its number."""
 
-    job: int
+    job: ListNumber
 
 
 class ShowRequest(Record):
     """The result to show, by its number."""
 
-    result: int
+    result: ListNumber
 
 
 Asked = TypeVar("Asked", bound=Record)

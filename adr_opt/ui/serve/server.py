@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import secrets
 import socket
 import threading
@@ -81,6 +82,8 @@ class Server:
 
     def close(self) -> None:
         """Stop answering."""
+        # What is cut off at the end is meant to be: nobody needs to read of it.
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL + 1)
         self._closing.set()
         self._server.should_exit = True
         self._thread.join(LAST_ANSWERS_S + 3.0)

@@ -17,7 +17,7 @@ from .folder import Folder
 from .history import History
 from .kept_history import forget_unused, restored, to_record
 from .looks import Done, Look, PlannedRun, PlanningOrder, PlanningWork
-from .project.record import DroppedFile, ProjectRecord
+from .project.record import DroppedFile, ProjectRecord, StepRecord
 from .project.results import Results
 
 
@@ -69,6 +69,8 @@ class EditingSession:
         folder.make()
         record = folder.read()
         if record is None:
+            # From here on what is in the folder is known as the project's, even after a kill.
+            folder.keep(ProjectRecord(steps=(StepRecord(draft=None),), at=0))
             self._history = History(None if instance is None else Draft(instance))
         else:
             self._history = restored(record, folder.drafts)

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from starlette.concurrency import run_in_threadpool
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
 from ...common.errors import InputError
@@ -44,10 +44,20 @@ def uploaded(desk: Desk) -> Callable[[Request], Awaitable[Response]]:
                 return JSONResponse(await run_in_threadpool(desk.drop, path, name))
             except InputError as error:
                 return _refused(str(error))
+            except OSError as error:
+                return _refused(not_written("the file", error), 507)
+            except ClientDisconnect:
+                return Response(status_code=400)  # which nobody hears
             finally:
                 path.unlink(missing_ok=True)
 
     return answer
+
+
+def not_written(what: str, error: OSError) -> str:
+    """The sentence that says that something cannot be stored, as where the disk is full."""
+    why = error.strerror or type(error).__name__
+    return f"{what} cannot be stored in the project folder ({why}); make room there, and try again"
 
 
 def _refused(sentence: str, status: int = 422) -> Response:

@@ -15,6 +15,9 @@ Kind = Literal["number", "text", "choice", "flag"]
 LONGEST_TEXT = 200
 """Maximum length of a text [characters]."""
 
+GREATEST = 10**18
+"""Greatest whole number, by its amount; greater ones are no floats, or have no end of digits."""
+
 Value = bool | int | float | str | None
 
 
@@ -90,6 +93,8 @@ class JobOption:
     def _number(self, value: Value) -> str:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise InputError(f"option {self.name}: must be a number")
+        if isinstance(value, int) and abs(value) > GREATEST:
+            raise InputError(f"option {self.name}: must be a number of at most 18 digits")
         if not (math.isfinite(value) and self.least <= value <= self.most):
             raise InputError(
                 f"option {self.name} = {value:g}: must be {self.least:g} to {self.most:g}"

@@ -27,7 +27,7 @@ MOST_WAITING = 50
 """Maximum number of jobs that run or wait."""
 
 MOST_LISTED = 100
-"""Number of jobs that are listed, the latest."""
+"""Number of jobs that are listed: those that run or wait, and the latest others."""
 
 ANSWER = "answer.json"
 """File of a result with what the verb answered."""
@@ -53,7 +53,6 @@ class JobQueue:
         self._jobs: list[Job] = []
         self._pool = ThreadPoolExecutor(MOST_AT_ONCE, "job")
         self._count = 0
-        self._closing = False
         self.revision = 0
 
     def begin(self, asked: JobRequest) -> int:
@@ -75,14 +74,16 @@ class JobQueue:
                 limit_s if isinstance(limit_s, (int, float)) and asked.verb != "tradeoff" else None,
                 self._changed,
             )  # fmt: skip
-            self._jobs = [*self._jobs, job][-MOST_LISTED:]
-        number, place = self._session.results.begin(asked.verb)
+            self._jobs = _listed([*self._jobs, job])
+        place: Path | None = None
         try:
+            number, place = self._session.results.begin(asked.verb)
             # The files are those of now, however long it waits.
             command = self._inputs.command(asked, place)
-        except BaseException:
-            self._session.results.drop(place)
-            job.settle("failed")
+        except BaseException as error:
+            if place is not None:
+                self._session.results.drop(place)
+            job.settle("failed", str(error))
             raise
         self._changed()
         self._pool.submit(self._run, job, number, place, command)
@@ -100,7 +101,7 @@ class JobQueue:
             if job.number == number:
                 job.stop()
                 return
-        raise InputError(f"there is no job {number}")
+        raise InputError("there is no such job")
 
     def rows(self) -> list[dict[str, Any]]:
         """All jobs as JSON data, the latest last."""
@@ -152,6 +153,13 @@ class JobQueue:
             results.drop(place)
             known = isinstance(error, (InputError, OSError))
             job.settle("failed", str(error) if known else f"{type(error).__name__}: {error}")
+
+
+def _listed(jobs: list[Job]) -> list[Job]:
+    """The jobs without the earliest that are over, where they are more than are listed."""
+    over = [job for job in jobs if not job.runs]
+    dropped = set(over[: max(len(jobs) - MOST_LISTED, 0)])
+    return [job for job in jobs if job not in dropped]
 
 
 def _answer(printed: bytes) -> dict[str, Any] | None:

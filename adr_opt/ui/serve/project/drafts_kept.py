@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Collection
 from contextlib import suppress
@@ -12,6 +13,7 @@ from ....common.errors import InputError
 from ....common.files import read_model, write_text
 from ....problem.instance import Instance
 from .private import passing, private_folder
+from .record import KEY
 
 INSTANCE = "instance.json"
 
@@ -71,10 +73,12 @@ class DraftsKept:
         return self._sizes[key]
 
     def forget(self, kept: Collection[str]) -> None:
-        """Remove all instances but some."""
+        """Remove all instances but some; what is none by its name stays."""
         with suppress(OSError):
             for path in self.folder.iterdir():
-                if path.name not in kept and path.is_dir() and not path.is_symlink():
+                if path.name in kept or re.fullmatch(KEY, path.name) is None:
+                    continue
+                if path.is_dir() and not path.is_symlink():
                     shutil.rmtree(path, ignore_errors=True)
 
 

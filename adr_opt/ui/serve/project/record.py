@@ -11,7 +11,10 @@ from ....common.records import Name, Record
 
 FORMAT: Literal["adr-opt-project/1"] = "adr-opt-project/1"
 
-Key = Annotated[str, Field(pattern="^[0-9a-f]{16}$")]
+KEY = "^[0-9a-f]{16}$"
+"""Pattern of the names of folders in ``history``."""
+
+Key = Annotated[str, Field(pattern=KEY)]
 """Name of a folder in ``history``: the beginning of the SHA-256 of the instance in it."""
 
 FileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$")]

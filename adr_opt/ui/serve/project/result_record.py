@@ -13,6 +13,12 @@ from .record import FileName, Number
 
 FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
 
+KEPT_VERBS = frozenset({
+    "bound", "check", "compare", "fly", "refine", "rehearse", "replan", "report", "solve",
+    "tradeoff", "verify", "worth",
+})  # fmt: skip
+"""Verbs whose results are kept; any other folder among the results is not the project's."""
+
 
 class ResultRecord(Record):
     """What a verb has made, as the file ``result.json`` of its folder says.

@@ -16,7 +16,7 @@ from ....common.files import read_model, write_text
 from ....plan.plan import Plan, load_plan
 from ....problem.instance import Instance
 from .private import private_folder
-from .result_record import ResultRecord
+from .result_record import KEPT_VERBS, ResultRecord
 
 RECORD, INSTANCE, PLAN = "result.json", "instance.json", "plan.json"
 
@@ -50,11 +50,13 @@ class Results:
     def read(self) -> None:
         """Read the results that are there, and remove those that a killed server left unfinished.
 
-        What is no result is left where it is.
+        What is no result, by the number and the verb in its name, is left where it is.
         """
         for path in list(self.folder.iterdir()) if self.folder.is_dir() else ():
-            found = re.fullmatch(r"(\d{4,6})-[a-z-]+", path.name)
-            if found is None or path.is_symlink():
+            found = re.fullmatch(r"([0-9]{4,6})-([a-z]+)", path.name)
+            if found is None or found[2] not in KEPT_VERBS:
+                continue
+            if path.is_symlink() or not path.is_dir():
                 continue
             self._last = max(self._last, int(found[1]))
             if not (path / RECORD).exists():

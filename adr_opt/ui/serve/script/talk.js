@@ -55,6 +55,7 @@ export function listen() {
   for (const name of ["state", "work", "jobs", "results"]) {
     events.addEventListener(name, (event) => tell(name, JSON.parse(event.data)));
   }
+  events.addEventListener("trouble", (event) => complain(JSON.parse(event.data)));
   events.addEventListener("open", () => {
     if (lost) complain("");
     lost = false;
