@@ -1,6 +1,7 @@
 """Robust plans: what a confidence costs, and how often plans are kept when they are followed.
 
     python bench/robust.py --count 5 --time-limit 60
+    python bench/robust.py --charges 5000
     python bench/robust.py --family campaign --count 3 --time-limit 120 --scenarios mixed
 
 Each field is planned as it is, by the best-known plan or by "auto", and with a confidence of 0.95
@@ -9,6 +10,9 @@ in each scenario; both plans are followed in the same worlds, which planning doe
 * ``dear``: legs cost a factor of lognormal spread 0.05; ``dearer``: of 0.1;
 * ``mixed``: of 0.05, and services take a factor of spread 0.2;
 * ``captures``: of 0.05, and a try succeeds with a chance of 0.8, two tries.
+
+With ``--charges`` tanks of drawn legs are filled until they are just kept, and the table says how
+much of them the charges on their legs take (docs/model.md section 13.4).
 
 ``prize`` is what going to the targets is worth on average, a target without captures its prize.
 """
@@ -21,12 +25,14 @@ import statistics
 import time
 from pathlib import Path
 
+import numpy as np
 from machine import heading
 
 import adr_opt
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths
 from adr_opt.analysis.robust.robust import robust
+from adr_opt.legs.risk_charge import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
@@ -69,6 +75,27 @@ def worth(instance: Instance, plan: Plan, uncertainty: Uncertainty) -> float:
     return math.fsum(worths.most(number[name]) for name in plan.destinations if name in targets)
 
 
+def charges(count: int) -> None:
+    """Print what charges take of drawn tanks that are just kept."""
+    rng, taken = np.random.default_rng(0), []
+    while len(taken) < count:
+        legs, score = int(rng.integers(1, 20)), float(rng.uniform(0.0, 3.5))
+        mean, sigma = np.exp(rng.uniform(-0.1, 0.1, legs)), rng.uniform(0.0, 0.3, legs)
+        size = rng.exponential(1.0, legs) ** rng.uniform(0.3, 2.0)
+        # Without a share that can be used, what a tank has to hold grows with its legs.
+        full = float((mean * size).sum() + score * np.sqrt(((sigma * size) ** 2).sum()))
+        factors = {
+            (str(leg), "short"): Moments(float(mean[leg]), float(sigma[leg])) for leg in range(legs)
+        }
+        charge = RiskCharge(score, full, factors=factors)
+        total = sum(float(charge.charged(str(leg), "short", size[leg])) for leg in range(legs))
+        taken.append(total / full)
+    print("| tanks | 5 % take less than | half take less than | most |")
+    print("|---|---|---|---|")
+    low, middle = np.quantile(taken, [0.05, 0.5])
+    print(f"| {count} | {low:.1%} | {middle:.1%} | {max(taken):.4%} |")
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
@@ -80,8 +107,12 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=2000)
     parser.add_argument("--method", default="auto")
     parser.add_argument("--scenarios", nargs="+", default=list(SCENARIOS), choices=SCENARIOS)
+    parser.add_argument("--charges", type=int, metavar="N", help="of N drawn tanks alone")
     asked = parser.parse_args()
     print(heading())
+    if asked.charges:
+        charges(asked.charges)
+        return
     print("| field | scenario | plain: prize | kept | robust: prize | bound | kept | s |")
     print("|---|---|---|---|---|---|---|---|")
     rows: dict[str, list[tuple[float, float]]] = {}

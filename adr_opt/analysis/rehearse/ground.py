@@ -20,6 +20,7 @@ from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg
 from ...problem.instance import Instance
 from ...problem.tour_rules import refuse_tour_rules
+from ...problem.uncertainty import LognormalFactor, Uncertainty
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -160,6 +161,11 @@ class Ground:
         """The instance in which no target is required."""
         targets = tuple(target.replace(required=False) for target in self.instance.targets)
         return self.instance.replace(targets=targets)
+
+    def factor_of(self, hop: Hop, uncertainty: Uncertainty) -> LognormalFactor | None:
+        """Distribution of the factor on the ΔV of a connection; None where it is 1."""
+        name = None if hop.destination < self.stations else self.names[hop.destination]
+        return uncertainty.factor_of(leg_kinds()[hop.family].name, name)
 
     def takes_kit(self, body: int) -> bool:
         """Whether a body is a target that takes a kit."""

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...plan.leg_kinds import leg_kinds
 from ...problem.chasers import Chaser, Tank
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
@@ -85,10 +84,7 @@ class Prospect:
 
     def sigma(self, hop: Hop) -> float:
         """Spread of the factor on a leg; 0 where it is 1."""
-        ground, kind = self._ground, leg_kinds()[hop.family].name
-        is_station = hop.destination < ground.stations
-        name = None if is_station else ground.names[hop.destination]
-        model = self._uncertainty.factor_of(kind, name)
+        model = self._ground.factor_of(hop, self._uncertainty)
         return 0.0 if model is None else model.lognormal_sigma
 
     def _reserve(self, intended: Intended) -> float:

@@ -17,7 +17,6 @@ from typing import NamedTuple
 from ...common.constants import SLACK_S
 from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service
-from ...plan.leg_kinds import leg_kinds
 from ...problem.uncertainty import Uncertainty
 from ..rehearse.crafts import beginning, full_of
 from ..rehearse.ground import Ground, Hop
@@ -179,8 +178,7 @@ def _tanks(
 
 def moments_of(ground: Ground, hop: Hop, uncertainty: Uncertainty) -> tuple[float, float]:
     """Mean and standard deviation of the factor on the ΔV of a leg."""
-    name = None if hop.destination < ground.stations else ground.names[hop.destination]
-    model = uncertainty.factor_of(leg_kinds()[hop.family].name, name)
+    model = ground.factor_of(hop, uncertainty)
     return (1.0, 0.0) if model is None else model.moments
 
 

@@ -19,6 +19,7 @@ from ...common.clock import now_s
 from ...common.errors import InputError
 from ...common.progress import Progress, silent
 from ...common.stop import Stop
+from ...common.tolerance import RELATIVE
 from ...mission.problem import Problem
 from ...mission.result import Result
 from ...plan.plan import Plan
@@ -135,6 +136,7 @@ class _Search:
         self._method, self._wanted, self._stop = method, wanted, stop
         self._began = now_s()
         self._end = self._began + wanted.time_limit
+        self._is_bounded = is_bounded(self._ground, uncertainty)
         self._whole = Problem(instance, connecting=self._ground.finder)
         self._worths = mean_worths(instance, uncertainty)
         # Prizes are planned with where all targets are worth as much of theirs.
@@ -170,8 +172,8 @@ class _Search:
             None if best is None else best.plan, None if best is None else best.promise,
             self._confidence, -math.inf if best is None else self._share * best.worth,
             self._share * upper if math.isfinite(upper) else upper,
-            result.status == "infeasible", 0.0 if best is None else best.kept, WORLDS,
-            tuple(self._rounds), self._method, self._wanted.seed, now_s() - self._began,
+            result.status == "infeasible" and self._is_bounded,
+            0.0 if best is None else best.kept, WORLDS, tuple(self._rounds), self._method, self._wanted.seed, now_s() - self._began,
         )  # fmt: skip
 
     def _cautions(self, first: Levels, promise: Promise) -> Iterator[Levels]:
@@ -191,8 +193,7 @@ class _Search:
 
     def _bound(self, result: Result) -> float:
         """What a result proves of all plans that are kept."""
-        bounded = is_bounded(self._ground, self._uncertainty)
-        return result.upper_bound if bounded else math.inf
+        return result.upper_bound if self._is_bounded else math.inf
 
     def _is_over(self, upper: float) -> bool:
         """Whether there is no time left, or nothing left to gain."""
@@ -200,7 +201,14 @@ class _Search:
             self._stop is not None and self._stop.remaining_s() <= 0.0
         ):
             return True
-        return self._best is not None and self._whole.meets(self._best.worth, upper)
+        if self._best is None:
+            return False
+        # Mean worths have no steps to which bounds could be rounded.
+        return (
+            self._best.worth >= upper - RELATIVE * upper
+            if self._worths
+            else self._whole.meets(self._best.worth, upper)
+        )
 
     def _result(
         self, levels: Levels, limit_s: float, progress: Progress, start: Plan | None = None
