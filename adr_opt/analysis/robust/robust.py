@@ -169,12 +169,19 @@ class _Search:
                     self._rounds.append(Caution(levels, -math.inf, 0.0))
         best = self._best
         return RobustPlan(
-            None if best is None else best.plan, None if best is None else best.promise,
-            self._confidence, -math.inf if best is None else self._share * best.worth,
-            self._share * upper if math.isfinite(upper) else upper,
-            result.status == "infeasible" and self._is_bounded,
-            0.0 if best is None else best.kept, WORLDS, tuple(self._rounds), self._method, self._wanted.seed, now_s() - self._began,
-        )  # fmt: skip
+            plan=None if best is None else best.plan,
+            promise=None if best is None else best.promise,
+            confidence=self._confidence,
+            worth=-math.inf if best is None else self._share * best.worth,
+            upper_bound=self._share * upper if math.isfinite(upper) else upper,
+            infeasible=result.status == "infeasible" and self._is_bounded,
+            kept=0.0 if best is None else best.kept,
+            worlds=WORLDS,
+            rounds=tuple(self._rounds),
+            method=self._method,
+            seed=self._wanted.seed,
+            runtime_s=now_s() - self._began,
+        )
 
     def _cautions(self, first: Levels, promise: Promise) -> Iterator[Levels]:
         """Levels to plan with: shared risks, more of that until a plan is kept, then less."""
