@@ -66,8 +66,12 @@ class Asked:
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
         )  # fmt: skip
         assert self.process.stdout is not None
-        lines = list(iter(self.process.stdout.readline, "}\n"))
-        said = json.loads("".join([*lines, "}"]))
+        lines: list[str] = []
+        while not lines or lines[-1] != "}\n":
+            lines.append(self.process.stdout.readline())
+            if not lines[-1]:
+                raise SystemExit("the server ended before it said where it serves")
+        said = json.loads("".join(lines))
         self.port = said["port"]
         self.headers = {
             "Cookie": f"adr-opt-{self.port}={urlsplit(said['url']).query.partition('=')[2]}"

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
+from ...common.constants import DAY_S
 from ...plan.plan import Plan, relative_gap
 from ...problem.instance import Instance
 from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
@@ -14,7 +15,7 @@ from ..report.text import NOTHING, number
 
 Phase = Literal["idle", "waiting", "compiling", "timetable", "planning", "done", "failed"]
 
-LONGEST_S = 7.0 * 86400.0
+LONGEST_S = 7.0 * DAY_S
 """Largest time limit; beyond it, a typing error is assumed."""
 
 

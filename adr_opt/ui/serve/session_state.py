@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 from ...common.wording import status_words
 from ...plan.plan import Plan
 from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
-from .drafts import Draft, amount_of
+from .drafts import Draft, Part, amount_of
 from .history import History
 from .looks import in_percent
 
-PARTS = ("chasers", "stations", "mission", "transfer", "objective")
+PARTS = get_args(Part)
 """Parts of an instance that forms edit."""
 
 

@@ -31,7 +31,6 @@ WORDS = {
     "raan_deg": FieldWords("Right ascension of the node"),
     "argument_of_perigee_deg": FieldWords("Argument of perigee"),
     "true_anomaly_deg": FieldWords("True anomaly"),
-    "decay_m_per_day": FieldWords("Decay", "of the semi-major axis, in m per day"),
     "available_s": FieldWords(
         "Available", "earliest and latest time since the epoch; no latest one: for ever"
     ),

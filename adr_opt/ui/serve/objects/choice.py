@@ -12,9 +12,6 @@ from ....sources.catalogue.finding import Finder
 from ....sources.catalogue.records import ElementSet
 from ....sources.ephemerides.imported import with_ephemerides
 
-DAYS = 7.0
-"""Duration of the mission, as that of ``import`` [d]."""
-
 
 def mission_of(
     records: Sequence[ElementSet],
