@@ -15,11 +15,19 @@ from drifting_plans import drifting_instance, drifting_plan
 from plans import solved
 
 import adr_opt
-from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights
+from adr_opt.fly.dispersion import (
+    Dispersion,
+    FlightErrors,
+    Quantile,
+    sample_flights,
+    usable_tank,
+)
 from adr_opt.fly.dispersion.exact import fly_exactly
 from adr_opt.fly.dispersion.feedback import LegPart, fly, parts_of
+from adr_opt.fly.flight.tanks import legs_by_tank, tanks_of
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
 
 NONE = FlightErrors(0.0, 0.0, 0.0, 0.0)
 
@@ -292,3 +300,62 @@ def test_errors_go_with_samples_of_refined_plans(cli: Cli) -> None:
         cli("fly", "my.json", "refined.json", "--samples", "9", "--burn-pointing-error", "80"),
         "burn_pointing_deg = 80",
     )
+    refused(
+        cli("fly", "my.json", "refined.json", "--out-uncertainty", "u.json"),
+        "--out-uncertainty needs --samples",
+    )
+    refused(
+        cli("fly", "my.json", "refined.json", "--samples", "9", "--out-uncertainty", "my.json"),
+        "my.json: this is the input",
+    )
+
+
+def test_without_errors_the_usable_share_is_planned_over_refined() -> None:
+    """Flights without errors leave each tank the share that planned legs are of refined ones."""
+    instance, refined = mission()
+    found = usable_tank(instance, refined, sample_flights(instance, refined, 20, NONE))
+    tanks = tanks_of(instance, refined)
+    shares = [tank.planned_delta_v_m_s / (tank.flown_delta_v_m_s or 0.0) for tank in tanks]
+    middle, spread = float(np.mean(shares)), math.sqrt(3.0) * float(np.std(shares))
+    assert found.least == pytest.approx(min(middle - spread, 1.0), abs=1e-6)
+    assert found.most == pytest.approx(min(middle + spread, 1.0), abs=1e-6)
+
+
+def test_the_usable_share_has_the_moments_of_the_flights() -> None:
+    """The uniform share has mean and deviation of planned over flown ΔV of the tanks of flights."""
+    instance, refined = mission()
+    drawn = sampled(burn_magnitude=0.05, burn_pointing_deg=3.0)
+    # Legs that take half as much again, so that nothing is cut off at a full tank.
+    flights = dataclasses.replace(drawn, leg_delta_v_m_s=1.5 * drawn.leg_delta_v_m_s)
+    found = usable_tank(instance, refined, flights)
+    row = {leg.leg: at for at, leg in enumerate(refined.legs)}
+    shares = np.concatenate(
+        [
+            sum(leg.planned_delta_v_m_s for leg in one.legs)
+            / flights.leg_delta_v_m_s[[row[leg.leg] for leg in one.legs]].sum(axis=0)
+            for one in legs_by_tank(instance, refined)
+        ]
+    )
+    assert found.most < 1.0
+    assert found.moments == pytest.approx((shares.mean(), shares.std()), rel=1e-9)
+
+
+def test_fly_writes_an_uncertainty_that_rehearse_reads(cli: Cli) -> None:
+    """`--out-uncertainty` writes the usable share of tanks, and rehearsals fly with it."""
+    instance, refined = mission()
+    instance.save("my.json")
+    solved(instance).save("plan.json")
+    refined.save("refined.json")
+    written = cli(
+        "fly", "my.json", "refined.json", "--samples", "50", "--burn-magnitude-error", "0.1",
+        "--out-uncertainty", "learnt.json",
+    )  # fmt: skip
+    assert "wrote learnt.json" in written.err
+    learnt = Uncertainty.load("learnt.json")
+    flights = sample_flights(instance, refined, 50, FlightErrors(burn_magnitude=0.1))
+    assert learnt == Uncertainty(tanks=usable_tank(instance, refined, flights))
+    rehearsed = cli(
+        "rehearse", "my.json", "plan.json", "--uncertainty", "learnt.json", "--samples", "20",
+        "--json",
+    )  # fmt: skip
+    assert rehearsed.status == 0, rehearsed.err

@@ -10,6 +10,7 @@ trajectory (:mod:`.feedback`). A few of the flights are flown again without line
 from .errors import FlightErrors
 from .result import Dispersion, LegDispersion, Quantile, TankDispersion
 from .sample import sample_flights
+from .tanks import usable_tank
 
 __all__ = [
     "Dispersion",
@@ -18,4 +19,5 @@ __all__ = [
     "Quantile",
     "TankDispersion",
     "sample_flights",
+    "usable_tank",
 ]

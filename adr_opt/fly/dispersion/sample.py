@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
@@ -13,15 +13,15 @@ import numpy as np
 from ...common.errors import InputError
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
-from ...plan.routes import several
 from ...problem.instance import Instance
 from ...sources.uncertainty import TargetError
 from ..flight.refined import refuse_strangers
-from ..flight.tanks import legs_by_tank, refined_routes
+from ..flight.tanks import refined_routes
 from .displaced import DisplacedBodies
 from .errors import FlightErrors
 from .flown_leg import LegFlights, fly_leg
-from .result import Dispersion, LegDispersion, Linearity, Quantile, TankDispersion
+from .result import Dispersion, LegDispersion, Linearity, Quantile
+from .tanks import tank_dispersions
 
 SHARE = 0.95
 """Share of flights for which a tank must suffice."""
@@ -179,7 +179,7 @@ def _told(
         waits_s=Quantile.of(revolutions @ waiting, share),
         late_share=float(late.mean()),
         legs=legs,
-        tanks=tuple(_tanks(instance, refined, spent, share)),
+        tanks=tuple(tank_dispersions(instance, refined, spent, share)),
         linearity=Linearity(
             flights=flown[0].exact_m_s.size,
             delta_v_m_s=float(np.abs(sum(leg.exact_m_s for leg in flown)).max()),
@@ -201,23 +201,3 @@ def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, floa
         departures = [*(leg.states[0].time_s for leg in legs), instance.mission.duration_s]
         found |= {leg.leg: next_s for leg, next_s in zip(legs, departures[1:], strict=True)}
     return found
-
-
-def _tanks(
-    instance: Instance, refined: RefinedPlan, spent: Array, share: float
-) -> Iterator[TankDispersion]:
-    row = {leg.leg: at for at, leg in enumerate(refined.legs)}
-    for one in legs_by_tank(instance, refined):
-        legs, budget = one.legs, one.budget_m_s
-        removals_m_s = math.fsum(leg.removal_m_s + leg.holding_m_s for leg in legs)
-        taken = spent[[row[leg.leg] for leg in legs]].sum(axis=0) + removals_m_s
-        yield TankDispersion(
-            tank=one.tank,
-            first_leg=legs[0].leg,
-            last_leg=legs[-1].leg,
-            budget_m_s=budget,
-            refined_delta_v_m_s=math.fsum(leg.flown_delta_v_m_s for leg in legs) + removals_m_s,
-            delta_v_m_s=Quantile.of(taken, share),
-            breaks_share=float((taken > budget).mean()),
-            chaser=one.chaser.name if several(instance) else None,
-        )

@@ -65,6 +65,8 @@ def command(
     sampling = Sampling(**asked)
     forces.refuse_stray(sampling.samples)
     sampling.refuse_stray()
+    read = (instance_path, plan_path, sampling.target_errors, *sampling.element_sets)
+    check_out(sampling.out_uncertainty, *read, results=(out,))
     if is_refined(plan_path) and forces.is_full:
         return fly_forces.fly_and_tell(instance_path, plan_path, out, as_json, quiet, forces)
     if is_refined(plan_path):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
-from .output import emit
+from .output import emit, say
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -51,6 +51,12 @@ OPTIONS = (
         "Time before a stand-off from which it is known where the target is; default one "
         "revolution.",
     ),
+    (
+        "--out-uncertainty",
+        str,
+        "FILE",
+        "Uncertainty file to write, with the usable share of tanks that the flights amount to.",
+    ),
 )
 
 SEVERAL = ("--element-sets",)
@@ -70,6 +76,7 @@ class Sampling(NamedTuple):
     target_errors: str | None
     element_sets: tuple[str, ...]
     known_before: float | None
+    out_uncertainty: str | None
 
     def refuse_stray(self) -> None:
         """Raise :class:`InputError` for error options without what they belong to."""
@@ -108,6 +115,19 @@ class Sampling(NamedTuple):
                 f"{plan_path}: flights with errors are those of a refined plan; make one with "
                 "'refine' and give that"
             )
+
+    def save_uncertainty(
+        self, instance: Instance, refined: RefinedPlan, dispersion: Dispersion, quiet: bool
+    ) -> None:
+        """Write what flights with errors amount to, if that is asked for."""
+        if self.out_uncertainty is None:
+            return
+        from ...fly.dispersion import usable_tank
+        from ...problem.uncertainty import Uncertainty
+
+        learnt = Uncertainty(tanks=usable_tank(instance, refined, dispersion))
+        learnt.save(self.out_uncertainty)
+        say(f"wrote {self.out_uncertainty}", unless=quiet)
 
     def fly(
         self,

@@ -49,6 +49,8 @@ def fly_and_tell(
         kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
         refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)
         say(f"wrote {out}", unless=quiet)
+    if dispersion is not None:
+        sampling.save_uncertainty(instance, refined, dispersion, quiet)
     if as_json:
         errors = {} if dispersion is None else {"errors": dispersion.to_dict()}
         if shown is not None:
