@@ -29,14 +29,6 @@ pytest.importorskip("starlette.testclient")
 from adr_opt.ui.serve import guard
 
 
-@pytest.fixture
-def at(tmp_path: Path) -> Iterator[At]:
-    """A desk on a new project."""
-    made = At(tmp_path / "project")
-    yield made
-    made.close()
-
-
 def zipped(name: str, content: bytes) -> bytes:
     """A zip file with one file in it."""
     file = io.BytesIO()

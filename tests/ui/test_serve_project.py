@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import jsonschema
@@ -31,14 +30,6 @@ pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 pytest.importorskip("sgp4")
 pytest.importorskip("starlette.testclient")
-
-
-@pytest.fixture
-def at(tmp_path: Path) -> Iterator[At]:
-    """A desk on a new project."""
-    made = At(tmp_path / "project")
-    yield made
-    made.close()
 
 
 def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:

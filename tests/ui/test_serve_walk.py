@@ -12,8 +12,8 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import browser
+import page_access
 import pytest
-from access import barriers
 from catalogue_files import as_tle, field
 from serve_tab import click, drag, drop, look, on_page, put, served, text
 
@@ -34,11 +34,6 @@ LOOKS = [(1280, False), (1280, True), (390, False), (390, True)]
 DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 """Waits until the page has drawn what was last done to it."""
 
-FAULTY = """<!DOCTYPE html><html lang="en"><title>Faulty</title>
-<style>p { color: #999; background: #fff } a:focus { outline: none } i { display: block }</style>
-<h1>One</h1><h3>Three</h3><p id="a">Pale</p><button id="a"></button><input aria-labelledby="b">
-<a href="#a">Link</a><i style="width: 3000px">Wide</i></html>"""
-
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
@@ -50,8 +45,8 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
 def judged(tab: browser.Browser, looks: Sequence[tuple[int, bool]] = LOOKS) -> None:
     """Nothing keeps anybody from using the page as it stands, however it is looked at."""
     for width, dark in looks:
-        look(tab, width, dark)
-        assert barriers(tab) == [], (width, dark)
+        scheme = ("dark" if dark else "light",)
+        assert page_access.faults(tab, widths=(width,), schemes=scheme) == [], (width, dark)
     look(tab, *LOOKS[0])
 
 
@@ -140,20 +135,6 @@ def exported(tab: browser.Browser, path: Path) -> None:
     with zipfile.ZipFile(io.BytesIO(base64.b64decode(packed))) as archive:
         archive.extractall(path.parent)
     (path.parent / "project").rename(path.parent / "exported")
-
-
-def test_faults_of_a_page_are_found(tab: browser.Browser, tmp_path: Path) -> None:
-    """Each kind of barrier is found on a page that has all of them."""
-    (tmp_path / "faulty.html").write_text(FAULTY, encoding="utf-8")
-    tab.open(tmp_path / "faulty.html")
-    tab.wait_for("document.readyState === 'complete'")
-    found = "\n".join(barriers(tab))
-    for fault in (
-        "button without a name", "textbox without a name", "id a stands twice", "leads nowhere",
-        "not one main part", "heading 2 has level 3", "contrast 2.8", "3008 px", "sideways",
-        "a#: focus is not seen",
-    ):  # fmt: skip
-        assert fault in found, fault
 
 
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])

@@ -54,7 +54,7 @@ class Guard:
         self._app = app
         self._token = token.encode()
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
-        self.cookie = f"adr-opt-{port}"
+        self._cookie = cookie_name(port)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or refuse it."""
@@ -101,7 +101,7 @@ class Guard:
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             return 403, "this is served to 127.0.0.1 only; open the address that was printed"
         asked = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[-1]
-        if not self._knows(asked) and not self._knows(_cookie(headers, self.cookie)):
+        if not self._knows(asked) and not self._knows(_cookie(headers, self._cookie)):
             return 403, "the token is missing or wrong; open the address that was printed"
         site, origin = headers.get("sec-fetch-site"), headers.get("origin")
         # Another port of this machine is the same site, and gets the cookie, but is not this page.
@@ -123,6 +123,11 @@ class Guard:
 
     def _knows(self, token: str) -> bool:
         return secrets.compare_digest(token.encode(), self._token)
+
+
+def cookie_name(port: int) -> str:
+    """Name of the cookie with the token: browsers do not tell the ports of a machine apart."""
+    return f"adr-opt-{port}"
 
 
 def _uploads(scope: Scope) -> bool:

@@ -10,13 +10,10 @@ from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
 from .looks import PlanningOrder
+from .project.record import Number
 
 MOST_CHOSEN = 2000
 """Maximum number of objects that become targets at once."""
-
-
-ListNumber = Annotated[int, Field(ge=1, le=999_999)]
-"""Number of a job or result."""
 
 
 class OrderRequest(Record):
@@ -47,19 +44,19 @@ class JobRequest(Record):
 
     verb: str
     options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
-    results: Annotated[tuple[ListNumber, ...], Field(strict=False, max_length=50)] = ()
+    results: Annotated[tuple[Number, ...], Field(strict=False, max_length=50)] = ()
 
 
 class StopRequest(Record):
     """The job to stop, by its number."""
 
-    job: ListNumber
+    job: Number
 
 
 class ShowRequest(Record):
     """The result to show, by its number."""
 
-    result: ListNumber
+    result: Number
 
 
 Asked = TypeVar("Asked", bound=Record)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
     figures: dict[str, Any] = {
         name: float(value)
         for name, value in found.items()
-        if isinstance(value, (int, float)) and not isinstance(value, bool)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     }
     status = answer.get("status")
     return figures | ({"status": status} if isinstance(status, str) else {})

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
 from ..objects.dropped import DroppedObjects
 from ..project.result_record import ResultRecord
@@ -15,9 +16,6 @@ from .options import words_of
 from .verbs import VERBS, JobVerb
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
-
-DESIGNS = ("launches", "separation", "kits", "dry-mass", "start", "budget")
-"""What designs vary, whose points have plans of their own."""
 
 
 class JobCommand(NamedTuple):
@@ -191,4 +189,4 @@ def _of_designs(asked: JobRequest) -> bool:
     priced = any(
         asked.options.get(f"{name}_cost_eur") is not None for name in ("launch", "kit", "kg")
     )
-    return priced or any(name in DESIGNS for name in varied)
+    return priced or any(name in KINDS and KINDS[name].of_designs for name in varied)
