@@ -65,7 +65,8 @@ def command(
     from ..serve.desk import Desk
     from ..serve.folder import Folder
     from ..serve.planner_process import PlannerProcess
-    from ..serve.session import EditingSession, refuse_stranger
+    from ..serve.session import EditingSession
+    from ..serve.shown_plan import refuse_stranger
 
     instance = None if instance_path is None else load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
@@ -76,7 +77,7 @@ def command(
         place.make()
         with place.held():
             session = EditingSession(
-                instance, plan, place, lambda done: PlannerProcess(done, place.path)
+                instance, plan, place, lambda done, found: PlannerProcess(done, place.path, found)
             )
             desk = Desk(session)
             server, ended = Server(desk, listener), threading.Event()

@@ -9,7 +9,7 @@ from typing import Any
 from ....common.wording import counted
 from ....plan.plan import load_plan
 from ....problem.instance import Instance
-from ..project.results import INSTANCE, PLAN, of_plan
+from ..project.plan_files import INSTANCE, PLAN, of_plan
 
 
 def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:

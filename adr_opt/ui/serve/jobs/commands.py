@@ -8,8 +8,8 @@ from typing import NamedTuple
 from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
 from ..objects.dropped import DroppedObjects
+from ..project.plan_files import INSTANCE, PLAN
 from ..project.result_record import ResultRecord
-from ..project.results import INSTANCE, PLAN
 from ..requests import JobRequest
 from ..session import EditingSession
 from .options import words_of
