@@ -78,7 +78,7 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     client.cookies.clear()
     gets = (
         "/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other",
-        "/objects", "/forms", "/jobs", "/results", "/results/page", "/export",
+        "/objects", "/forms", "/jobs", "/results", "/results/page", "/results/points", "/export",
     )  # fmt: skip
     posts = (
         "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",

@@ -230,3 +230,46 @@ def test_a_spoilt_project_is_one_sentence(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=named):
             session_of(None, None, Folder(tmp_path / "p"))
         assert path.read_text() == spoilt
+
+
+def test_a_point_of_a_trade_off_opens_its_plan(at: At) -> None:
+    """Each point with a plan shows it as a result, with its instance as one step; others do not."""
+    at.drop("i", hand_made().to_json().encode())
+    options = {"vary": "delta-v=1,600,1200", "method": "greedy-guarded", "time_limit_s": 5.0}
+    job = at.post("/jobs", {"verb": "tradeoff", "options": options, "results": []})["job"]
+    row = at.done(job)
+    assert row["state"] == "done", row
+    told = at.get(f"/results/points?id={row['result']}")
+    assert (told["titles"], told["across"], told["prize"]) == (
+        ["ΔV of a full tank [m/s]"],
+        0,
+        "prize",
+    )
+    points = told["points"]
+    assert [point["values"] for point in points] == [[1.0], [600.0], [1200.0]]
+    prizes = [point["prize"] for point in points]
+    assert prizes == sorted(prizes)
+    assert prizes[-1] > 0.0
+    for point in points[1:]:
+        assert point["has_plan"]
+        for _ in range(2):  # the second time it is the result of the first
+            at.post("/show", {"result": row["result"], "point": point["point"]})
+            state = at.get("/state")
+            assert state["plan"]["fits"]
+            assert state["plan"]["objective"] == point["prize"]
+            assert state["chasers"][0]["amount"] == point["values"][0]
+    assert state["undoes"] == f"result {state['result']} shown"
+    at.post("/undo")
+    assert at.get("/state")["chasers"][0]["amount"] == 600.0
+    made = at.get("/results")
+    assert [result["inputs"] for result in made[1:]] == [[row["result"]]] * 2
+    assert made[-1]["label"] == f"point 3 of result {row['result']}"
+    for wrong, named in (
+        ({"result": row["result"], "point": 9}, "point 9 has no plan"),
+        ({"result": made[-1]["id"], "point": 1}, "point 1 has no plan"),
+        ({"result": row["result"], "point": 0}, "point"),
+        ({"result": row["result"], "point": "../1"}, "point"),
+    ):
+        assert named in at.post("/show", wrong, 422)["error"]
+    for wrong_id in (str(made[-1]["id"]), "0", "../1", ""):
+        assert at.client.get("/results/points", params={"id": wrong_id}).status_code == 422

@@ -23,7 +23,7 @@ from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.looks import PlanningOrder
 from adr_opt.ui.serve.session import EditingSession
 
-HALF, WHOLE = ("north",), ("north", "south")
+HALF, WHOLE = ("south",), ("south", "station", "beyond")
 
 
 def until(condition: Callable[[], bool]) -> None:

@@ -116,6 +116,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
             Route("/events", events),
             Route("/report", report),
             Route("/results/page", page_of_result),
+            _told_of("/results/points", desk.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(desk), methods=["POST"]),
             _action("/edit", lambda text: session.edit(read_edit(text))),
@@ -127,7 +128,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
             _action("/choose", lambda text: desk.choose(read_request(ChooseRequest, text))),
             _action("/jobs", lambda text: desk.begin(read_request(JobRequest, text))),
             _action("/jobs/stop", lambda text: desk.stop(read_request(StopRequest, text).job)),
-            _action("/show", lambda text: desk.show(read_request(ShowRequest, text).result)),
+            _action("/show", lambda text: desk.show(read_request(ShowRequest, text))),
         ],
         middleware=[Middleware(Guard, token=token, port=port)],
     )
@@ -135,16 +136,22 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
 
 def _told(path: str, content: Callable[[], Any]) -> Route:
     """A GET request that is answered with JSON, compressed where the browser takes that."""
+    return _told_of(path, lambda number: content())
 
-    def text(compressed: bool) -> bytes:
-        plain_text = to_json(content()).encode()
+
+def _told_of(path: str, content: Callable[[str], Any]) -> Route:
+    """The same of a result, whose number the query has as ``id``."""
+
+    def text(number: str, compressed: bool) -> bytes:
+        plain_text = to_json(content(number)).encode()
         return gzip.compress(plain_text, 5) if compressed else plain_text
 
     async def answer(request: Request) -> Response:
         compressed = "gzip" in request.headers.get("accept-encoding", "")
         headers = {"Content-Encoding": "gzip"} if compressed else {}
+        number = request.query_params.get("id", "")
         try:
-            body = await run_in_threadpool(text, compressed)
+            body = await run_in_threadpool(text, number, compressed)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
         return Response(body, media_type="application/json", headers=headers)

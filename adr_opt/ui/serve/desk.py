@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,13 @@ from ...common.files import read_text
 from ...common.wording import counted
 from .choices import choices
 from .forms.fields import form_fields
-from .jobs.queue import JobQueue
+from .project.points import points_of
+from .jobs.queue import ANSWER, JobQueue
 from .objects.dropped import DroppedObjects
 from .project.archive import archived
 from .project.private import passing, refuse_link
-from .requests import ChooseRequest, JobRequest, WorthRequest
+from .project.result_record import ResultRecord
+from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest
 from .session import EditingSession
 
 
@@ -110,12 +113,15 @@ class Desk:
         InputError
             There is no such result, or it has no page.
         """
-        digits = number.isascii() and number.isdigit() and len(number) <= 6
-        record = self.session.results.record(int(number) if digits else 0)
+        record = self._record(number)
         if record.page is None:
             raise InputError(f"result {record.number} ({record.verb}) has no page")
         place = self.session.results.place(record.number)
         return read_text(refuse_link(place / record.page))
+
+    def _record(self, number: str) -> ResultRecord:
+        digits = number.isascii() and number.isdigit() and len(number) <= 6
+        return self.session.results.record(int(number) if digits else 0)
 
     def archive(self) -> Path:
         """A temporary file with the whole project, zipped; the caller removes it.
@@ -155,6 +161,26 @@ class Desk:
         """Stop a job."""
         self.queue.stop(job)
 
-    def show(self, result: int) -> None:
-        """Show the plan of a result."""
-        self.session.show(result)
+    def points(self, number: str) -> dict[str, Any]:
+        """Points of a trade-off, as JSON data.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it is none, or spoilt.
+        """
+        record = self._record(number)
+        if record.verb != "tradeoff":
+            raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
+        place = self.session.results.place(record.number)
+        try:
+            return points_of(place, json.loads(read_text(refuse_link(place / ANSWER))))
+        except (ValueError, LookupError, TypeError):
+            raise InputError(f"the answer of result {record.number} is spoilt") from None
+
+    def show(self, asked: ShowRequest) -> None:
+        """Show the plan of a result, or of a point of it."""
+        if asked.point is None:
+            self.session.show(asked.result)
+        else:
+            self.session.show_point(asked.result, asked.point)

@@ -54,9 +54,10 @@ class StopRequest(Record):
 
 
 class ShowRequest(Record):
-    """The result to show, by its number."""
+    """The result to show, by its number; of a trade-off, the point whose plan is shown."""
 
     result: Number
+    point: Number | None = None
 
 
 Asked = TypeVar("Asked", bound=Record)

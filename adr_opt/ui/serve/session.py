@@ -13,6 +13,7 @@ from . import session_state
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
+from .project.points import plan_of_point
 from .kept_history import forget_unused, restored
 from .looks import Done, Found, Look, PlannedRun, PlanningOrder, PlanningWork
 from .project.record import DroppedFile, ProjectRecord, StepRecord
@@ -164,6 +165,18 @@ class EditingSession:
                 self._history.begin_anew(Draft(instance), f"result {number} shown")
             self._shown.show(number)
             self._settle()
+
+    def show_point(self, number: int, point: int) -> None:
+        """Show the plan of a point of a trade-off, which becomes a result of its own.
+
+        Raises
+        ------
+        InputError
+            There is no such result or point, or it has no plan.
+        """
+        instance, plan = plan_of_point(self.results.place(number), point)
+        label = f"point {point} of result {number}"
+        self.show(self._shown.given(instance, plan, label, (number,)))
 
     def adopt(self, plan: Plan, name: str) -> None:
         """Show a plan that was dropped.

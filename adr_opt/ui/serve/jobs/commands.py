@@ -88,8 +88,6 @@ class JobInputs:
             outputs.append(
                 f"--out={self._named(place / ('points.jsonl' if of_designs else 'points.csv'))}"
             )
-            if of_designs:
-                outputs.append(f"--plans={self._named(place / 'plans')}")
         return read._replace(words=[asked.verb, *read.words, *options, *outputs, "--json"])
 
     def _files(self, verb: JobVerb, asked: JobRequest, place: Path | None) -> JobCommand:

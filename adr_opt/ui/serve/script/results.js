@@ -1,6 +1,7 @@
 // Everything that was made: opened in the frame, shown as the plan, selected for comparisons.
 import { box, button, counted, made, put, text } from "./dom.js";
 import { showPage, showPlanReport } from "./frame.js";
+import { showPoints } from "./points.js";
 import { follow, told } from "./store.js";
 import { send } from "./talk.js";
 import { beside } from "./views.js";
@@ -41,6 +42,10 @@ function rowOf(result) {
   const acts = made("span", { class: "acts small" });
   const open = () => openPage(result);
   if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
+  if (result.verb === "tradeoff") {
+    acts.append(button("Points", () => showPoints(result.id, result.label || result.verb),
+      { "aria-label": `Points of ${name}` }));
+  }
   const show = button("Show", () => send("/show", { result: result.id }),
     { "aria-label": `Show the plan of ${name}` });
   if (result.has_plan) acts.append(show);
