@@ -92,9 +92,17 @@ def command(
                 say(f"serving {said}kept in {place.path}; Ctrl-C ends it", unless=quiet)
                 session.prepare()
                 if not no_open:
-                    click.launch(server.url)
+                    _open(server.launch(place.path))
                 server.wait(ended)
                 server.close()
                 if not desk.close(PATIENCE_S):
                     raise Aborted(signal.SIGINT)
     return 0
+
+
+def _open(address: str) -> None:
+    """Open a file in the browser."""
+    if click.launch(address) != 0:
+        import webbrowser
+
+        webbrowser.open(address)

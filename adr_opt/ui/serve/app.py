@@ -56,7 +56,13 @@ FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
 """Policy of the report, which is shown only within the page, and may ask this server nothing."""
 
 
-def application(desk: Desk, token: str, port: int, closing: threading.Event) -> Starlette:
+def application(
+    desk: Desk,
+    token: str,
+    port: int,
+    closing: threading.Event,
+    opened: Callable[[], None] = lambda: None,
+) -> Starlette:
     """The application.
 
     Parameters
@@ -67,10 +73,13 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
     port : int
     closing : Event
         Ends the streams of events.
+    opened : callable
+        Called when the page is asked for.
     """
     session, shown = desk.session, ShownReport(desk.session)
 
     async def page(request: Request) -> Response:
+        opened()
         answer = HTMLResponse(
             asset("page.html", PACKAGE), headers={"Content-Security-Policy": POLICY}
         )

@@ -11,10 +11,10 @@ from ...common.files import read_text
 from ...common.wording import counted
 from .choices import choices
 from .forms.fields import form_fields
-from .project.points import points_of
 from .jobs.queue import ANSWER, JobQueue
 from .objects.dropped import DroppedObjects
 from .project.archive import archived
+from .project.points import points_of
 from .project.private import passing, refuse_link
 from .project.result_record import ResultRecord
 from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest

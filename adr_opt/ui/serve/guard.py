@@ -30,6 +30,10 @@ HEADERS = {
 """Headers of every answer. There are none of CORS: no other page may read anything."""
 
 
+WELCOME = "adr_opt.welcome"
+"""Where the state of a request has what marks its connection as known."""
+
+
 class TooLarge(Exception):
     """A request is larger than declared, or than allowed."""
 
@@ -73,6 +77,7 @@ class Guard:
         if refused is not None:
             await _refuse(*refused, answer)
             return
+        _welcome(scope)
         counted, started = 0, False
         most = _most(scope)
 
@@ -125,6 +130,13 @@ class Guard:
         return secrets.compare_digest(token.encode(), self._token)
 
 
+def _welcome(scope: Scope) -> None:
+    """Mark the connection of a request that has shown the token as known."""
+    mark = scope.get("state", {}).get(WELCOME)
+    if mark is not None:
+        mark()
+
+
 def cookie_name(port: int) -> str:
     """Name of the cookie with the token: browsers do not tell the ports of a machine apart."""
     return f"adr-opt-{port}"
@@ -153,9 +165,11 @@ def _cookie(headers: Headers, name: str) -> str:
 
 
 async def _refuse(status: int, sentence: str, send: Send) -> None:
+    """Refuse a request without reading its body, and end the connection."""
     body = json.dumps({"error": sentence}).encode()
     headers = [
-        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())
+        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode()),
+        (b"connection", b"close"),
     ]  # fmt: skip
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

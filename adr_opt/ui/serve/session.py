@@ -13,9 +13,9 @@ from . import session_state
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
-from .project.points import plan_of_point
 from .kept_history import forget_unused, restored
 from .looks import Done, Found, Look, PlannedRun, PlanningOrder, PlanningWork
+from .project.points import plan_of_point
 from .project.record import DroppedFile, ProjectRecord, StepRecord
 from .project.result_record import ResultRecord
 from .project.results import Results
