@@ -148,10 +148,12 @@ class Desk:
         """Begin a job that computes the worth of the dropped objects."""
         return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
 
-    def choose(self, asked: ChooseRequest) -> None:
-        """Make a mission of dropped objects."""
-        made = self.dropped.mission(asked.names, by_worth=asked.prizes == "worth")
-        self.session.begin_anew(made, f"{counted(len(made.targets), 'target')} chosen")
+    def choose(self, asked: ChooseRequest) -> dict[str, Any]:
+        """Make a mission of dropped objects; returns what became of them, as JSON data."""
+        made = self.dropped.mission(asked.names, asked.prizes, asked.options)
+        words = f"{counted(len(made.instance.targets), 'target')} chosen"
+        self.session.begin_anew(made.instance, words)
+        return made.to_dict()
 
     def begin(self, asked: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""

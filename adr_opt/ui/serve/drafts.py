@@ -19,6 +19,9 @@ from ...problem.chasers import Chaser, TankByMass
 from ...problem.given import among
 from ...problem.instance import Instance
 
+Dynamics = Literal["two-body", "j2"]
+"""How bodies move after the epoch."""
+
 Part = Literal["chasers", "stations", "mission", "transfer", "objective"]
 """Parts of an instance that forms edit."""
 
@@ -53,6 +56,7 @@ class Edit(Record):
     duration_s: float | None = None
     budget: BudgetEdit | None = None
     part: PartEdit | None = None
+    dynamics: Dynamics | None = None
 
 
 def read_edit(text: str) -> Edit:
@@ -118,7 +122,9 @@ class Draft:
         if edit.budget is not None:
             return self._with_budget(edit.budget)
         if edit.part is not None:
-            return self._with_part(edit.part)
+            return self._with(edit.part.path, edit.part.value)
+        if edit.dynamics is not None:
+            return self._with("dynamics", edit.dynamics)
         return replace(self, field=self.field.with_limits(duration_s=edit.duration_s))
 
     def _with_targets(self, edit: TargetsEdit) -> Draft:
@@ -157,14 +163,14 @@ class Draft:
         )
         return replace(self, field=self.field.replace(chasers=chasers))
 
-    def _with_part(self, edit: PartEdit) -> Draft:
-        """Read the part within the whole file, so that errors name its fields as for a file."""
-        content = self.field.model_dump(mode="json") | {edit.path: edit.value}
+    def _with(self, path: str, value: Any) -> Draft:
+        """Read a part within the whole file, so that errors name its fields as for a file."""
+        content = self.field.model_dump(mode="json") | {path: value}
         try:
             made = Instance.from_json(json.dumps(content))
         except ValidationError as error:
             raise InputError(sentence(error)) from None
-        return replace(self, field=self.field.replace(**{edit.path: getattr(made, edit.path)}))
+        return replace(self, field=self.field.replace(**{path: getattr(made, path)}))
 
 
 def _refuse_strangers(wanted: Iterable[str], known: Iterable[str], what: str) -> None:
@@ -197,6 +203,8 @@ def told(edit: Edit) -> str:
         return f"budget of {edit.budget.chaser} {edit.budget.amount:.6g}"
     if edit.part is not None:
         return f"{edit.part.path} changed"
+    if edit.dynamics is not None:
+        return f"dynamics {edit.dynamics}"
     assert edit.targets is not None
     names = edit.targets.names
     whose = names[0] if len(names) == 1 else counted(len(names), "target")

@@ -27,10 +27,11 @@ class OrderRequest(Record):
 
 
 class ChooseRequest(Record):
-    """Objects of the dropped catalogue that become the targets of a mission."""
+    """Objects of the dropped catalogue that become the targets of a mission, and its options."""
 
     names: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=MOST_CHOSEN)]
-    prizes: Literal["one", "worth"] = "one"
+    prizes: Literal["one", "worth", "criticality"] = "one"
+    options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
 
 
 class WorthRequest(Record):

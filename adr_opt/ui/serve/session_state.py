@@ -12,7 +12,7 @@ from .drafts import Draft, Part, amount_of
 from .history import History
 from .looks import in_percent
 
-PARTS = get_args(Part)
+PARTS = (*get_args(Part), "dynamics")
 """Parts of an instance that forms edit."""
 
 

@@ -38,7 +38,8 @@ def form_fields() -> list[dict[str, Any]]:
         if content.get("type") == "array":
             content = _resolved(content["items"], schema)
         found += [{"part": part, **field} for field in _inside(content, schema, "", None)]
-    return found
+    dynamics = _field(schema["properties"]["dynamics"], schema, "dynamics", None, must=True)
+    return [*found, *({"part": "dynamics", **field} for field in dynamics)]
 
 
 def _inside(

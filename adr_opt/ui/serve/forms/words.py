@@ -77,6 +77,7 @@ WORDS = {
     "max_drift_s": FieldWords("Longest drift", "0 for none"),
     "mass_class": FieldWords("Width of classes of mass", "as a share"),
     "max_leg_s": FieldWords("Longest leg", "from arrival to arrival; empty for no limit"),
+    "dynamics": FieldWords("Dynamics", "with j2 planes drift; two-body for short missions"),
     "cost": FieldWords("Cost", "that decides between plans of equal prizes"),
     "time_m_s_per_day": FieldWords("Price of a day", "in ΔV"),
 }
