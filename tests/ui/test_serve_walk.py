@@ -314,6 +314,8 @@ def test_each_verb_is_pressed_once(tab: browser.Browser, tmp_path: Path) -> None
     (tmp_path / "few.tle").write_bytes(catalogue(60))
     (tmp_path / "uncertainty.json").write_text(json.dumps(UNCERTAINTY))
     with served(tmp_path, "--folder", "project") as said:
+        tab.go("about:blank")  # what is there still asks for a server that has ended
+        tab.wait_for("location.href === 'about:blank'")
         launched = LaunchFile(tmp_path, said["url"])
         tab.go(launched.address)
         tab.wait_for("location.protocol === 'http:'")

@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
+from ..forms.options import words_of
 from ..objects.dropped import DroppedObjects
 from ..project.plan_files import INSTANCE, PLAN
 from ..project.result_record import ResultRecord
 from ..requests import JobRequest
 from ..session import EditingSession
-from .options import words_of
 from .verbs import VERBS, JobVerb
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"

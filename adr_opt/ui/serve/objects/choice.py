@@ -13,7 +13,7 @@ from ....sources import catalogue
 from ....sources.catalogue.finding import Finder
 from ....sources.catalogue.records import ElementSet
 from ....sources.ephemerides.imported import with_ephemerides
-from .import_options import ImportWanted
+from .import_wanted import ImportWanted
 
 
 class MissionMade(NamedTuple):

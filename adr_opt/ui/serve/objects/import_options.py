@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from typing import Any
 
 from ....common.errors import InputError
 from ....sources import catalogue
@@ -11,7 +11,8 @@ from ....sources.asked.crew_given import CrewOptions
 from ....sources.asked.fitting import Fitting
 from ....sources.asked.mission_given import MissionOptions
 from ....sources.catalogue.filters import parse_range
-from ..jobs.options import JobOption
+from ..forms.options import JobOption
+from .import_wanted import ImportWanted
 
 RANGE = "two numbers as LOW:HIGH; one may be left out"
 BY_MASS = "for a tank by mass"
@@ -75,31 +76,6 @@ OPTIONS: tuple[JobOption, ...] = (
 """All options but for files, of which those count that were dropped."""
 
 LABELS = {option.sign: option.label for option in OPTIONS} | {"--prizes": "Prizes", "--oem": "OEM"}
-
-
-class ImportWanted(NamedTuple):
-    """What is asked of an import.
-
-    Attributes
-    ----------
-    filters : Filters
-    max_targets : int or None
-    station : str or None
-    mission : MissionOutline
-    crew : Crew
-    demands : Demands
-        Without a table of prizes.
-    ephemerides : bool
-        Whether element sets are kept, and orbits fitted to their states.
-    """
-
-    filters: catalogue.Filters
-    max_targets: int | None
-    station: str | None
-    mission: catalogue.MissionOutline
-    crew: catalogue.Crew
-    demands: catalogue.Demands
-    ephemerides: bool
 
 
 def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:

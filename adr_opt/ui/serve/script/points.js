@@ -72,6 +72,16 @@ function plot(id, told) {
   return svg;
 }
 
+// What the colours of the lines mean, where there is more than one.
+function legend({ titles, across, points }) {
+  const rows = rowsOf({ across, points });
+  const said = ({ values }) => titles.map((title, at) => `${title} ${text(values[at], 5)}`)
+    .filter((_, at) => at !== across).join(", ");
+  return made("ul", { class: "plain keys", "aria-label": "Colours of the points" },
+    ...(rows.length < 2 ? [] : rows.slice(0, COLOURS).map(([point], number) => made("li", {},
+      made("i", { class: `swatch kind-${number}`, "aria-hidden": "true" }), said(point)))));
+}
+
 const words = ({ titles, prize }, point) => [
   ...titles.map((title, at) => `${title} ${text(point.values[at], 5)}`),
   `${prize} ${text(point.prize, 5)}`,
@@ -104,6 +114,7 @@ export async function showPoints(id, label) {
   section.dataset.of = String(id);
   section.hidden = false;
   box("points-title").textContent = `Points of ${label} (${id})`;
-  box("points").replaceChildren(plot(id, content), table(id, content));
+  box("points").replaceChildren(
+    plot(id, content), legend(content), table(id, content));
   section.scrollIntoView({ block: "nearest" });
 }
