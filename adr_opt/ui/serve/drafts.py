@@ -15,6 +15,7 @@ from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
 from ...common.wording import counted
+from ...problem.bodies import Removal
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.given import among
 from ...problem.instance import Instance
@@ -33,6 +34,9 @@ class TargetsEdit(Record):
     prize: float | None = None
     required: bool | None = None
     excluded: bool | None = None
+    window_s: Annotated[tuple[float, float | None], Field(strict=False)] | None = None
+    removal: Removal | None = None
+    mass_kg: float | None = None
 
 
 class BudgetEdit(Record):
@@ -144,6 +148,9 @@ class Draft:
             changes |= {"prize": edit.prize, "prize_until": None}
         if edit.required is not None or edit.excluded:
             changes["required"] = bool(edit.required)
+        for name in ("window_s", "removal", "mass_kg"):
+            if getattr(edit, name) is not None:
+                changes[name] = getattr(edit, name)
         excluded = self.excluded
         if edit.excluded or edit.required:
             excluded = excluded | wanted if edit.excluded else excluded - wanted
@@ -210,6 +217,12 @@ def told(edit: Edit) -> str:
     whose = names[0] if len(names) == 1 else counted(len(names), "target")
     if edit.targets.prize is not None:
         return f"prize of {whose} {edit.targets.prize:.6g}"
+    if edit.targets.window_s is not None:
+        return f"window of {whose}"
+    if edit.targets.removal is not None:
+        return f"service of {whose}: {edit.targets.removal}"
+    if edit.targets.mass_kg is not None:
+        return f"mass of {whose} {edit.targets.mass_kg:.6g} kg"
     if edit.targets.excluded is not None:
         return f"{whose} {'excluded' if edit.targets.excluded else 'not excluded'}"
     return f"{whose} {'required' if edit.targets.required else 'not required'}"

@@ -45,6 +45,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
                 target.name, target.greatest_prize, target.required,
                 target.name in draft.excluded,
                 target.name in visited,
+                list(target.window_s), target.removal, target.mass_kg,
             ]
             for target in field.targets
         ],

@@ -12,6 +12,9 @@ from .words import NOT_EDITED, VARIANTS, WORDS, unit_of
 
 Schema = dict[str, Any]
 
+OF_TARGETS = ("window_s", "removal", "mass_kg")
+"""Fields of targets in a form, beside prize and requirement, which stand in their table."""
+
 KINDS = {
     "number": "number",
     "integer": "number",
@@ -39,7 +42,17 @@ def form_fields() -> list[dict[str, Any]]:
             content = _resolved(content["items"], schema)
         found += [{"part": part, **field} for field in _inside(content, schema, "", None)]
     dynamics = _field(schema["properties"]["dynamics"], schema, "dynamics", None, must=True)
-    return [*found, *({"part": "dynamics", **field} for field in dynamics)]
+    target = schema["$defs"]["Target"]["properties"]
+    services = [
+        field
+        for name in OF_TARGETS
+        for field in _field(target[name], schema, name, None, must=True)
+    ]
+    return [
+        *found,
+        *({"part": "dynamics", **field} for field in dynamics),
+        *({"part": "targets", **field} for field in services),
+    ]
 
 
 def _inside(

@@ -25,8 +25,19 @@ function figures(result) {
   value("ΔV", result.delta_v_m_s, " m/s");
   if (Number.isInteger(result.targets)) said.push(counted(result.targets, "target"));
   if (result.status) said.push(result.status);
-  const lines = Array.isArray(result.said) ? result.said : [result.said];
-  return [said.join(", "), ...lines].filter(Boolean).join("; ");
+  return said.join(", ");
+}
+
+// Messages of a verb: one or two stand in the list, more can be opened.
+const FEW = 2;
+
+function messages(result) {
+  const lines = (result.said ?? "").split("\n").map((line) => line.replace(/^adr-opt: /, ""))
+    .filter((line) => line && !line.startsWith("wrote "));
+  if (!lines.length) return null;
+  if (lines.length <= FEW) return made("span", { class: "said" }, lines.join("; "));
+  return made("details", { class: "said" }, made("summary", {}, counted(lines.length, "message")),
+    ...lines.map((line) => made("p", {}, line)));
 }
 
 function rowOf(result) {
@@ -53,6 +64,8 @@ function rowOf(result) {
   const when = made("time", { datetime: result.made_at }, moment);
   const row = made("li", { class: "result" }, tick,
     made("span", { class: "what" }, made("b", {}, name), " ", when), acts, said);
+  const told = messages(result);
+  if (told) row.append(told);
   row.dataset.verb = result.verb;
   row.dataset.id = String(result.id);
   rows.set(result.id, { row, said, show, tick });
