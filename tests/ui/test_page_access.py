@@ -94,7 +94,7 @@ FAULTS = {
     "</main><main>another": "2 main parts",
     "<input aria-label=a aria-controls=b>": "aria-controls of a missing b",
     "<label for=b>a</label>": "for of a missing b",
-    "<p style='position: relative; left: -9px'>a</p>": "1280 px: wider than the window",
+    "<p style='position: relative; left: -90px'>a</p>": "1280 px: wider than the window",
     "<a href='#' style='outline: none'>a</a>": "focus is not seen",
     "<input>": "textbox without a name",
     "<i style='display: block; width: 3000px'>a</i>": "the page is 30",
