@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 import stand_ins
@@ -100,6 +101,16 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
         return (yield)
     finally:
         item.stash.get(GIVE_BACK, lambda: None)()
+
+
+@pytest.fixture
+def at(tmp_path: Path) -> Iterator[Any]:
+    """A desk of ``serve`` on a new project, with a client: :class:`serve_at.At`."""
+    from serve_at import At
+
+    made = At(tmp_path / "project")
+    yield made
+    made.close()
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from itertools import chain
 from typing import Any
 
 from ..common.errors import InputError
-from ..common.progress import Progress, silent
+from ..common.progress import Progress, Relayed, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.connection_finder import estimate
 from ..legs.families.registry import registered_of
@@ -229,7 +229,8 @@ def run(
 
     def plan(limit_s: float) -> Result:
         asked = replace(wanted, time_limit=limit_s, bound=None)
-        return once(group, whole, method, asked, lambda known, _: progress(known, math.inf))
+        heard = Relayed(lambda known, _: progress(known, math.inf), progress)
+        return once(group, whole, method, asked, heard)
 
     def prove(limit_s: float, objective: float, routes: Routes) -> Result:
         start: Any = routes[0] if len(routes) == 1 else routes

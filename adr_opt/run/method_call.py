@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar
 
 from ..common.errors import InputError
 from ..common.options import read
-from ..common.progress import Progress, silent
+from ..common.progress import Progress, Relayed, silent
 from ..common.stop import Stop
 from ..common.wording import counted
 from ..mission.build_legs import APPROXIMATE
@@ -56,7 +56,7 @@ def _shown(problem: Problem, progress: Progress) -> Progress:
     def tell(incumbent: float, bound: float) -> None:
         progress(problem.shown(incumbent), problem.shown(bound))
 
-    return tell
+    return Relayed(tell, progress)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ..common.clock import now_s
-from ..common.progress import Progress
+from ..common.progress import Progress, Relayed
 from ..common.stop import Proven, Stop
 from ..mission.build_legs import APPROXIMATE
 from ..mission.certified import certify_routes
@@ -142,13 +142,14 @@ def together(
     began = now_s()
     meeting = Meeting(stop, progress)
     meeting.hear(-math.inf, problem.total_prize)
+    heard = Relayed(meeting.hear, progress)
     seats = [Seat(meeting, limit) for limit in limits or (None, None)]
     results: list[Result] = []
     errors: list[BaseException] = []
 
     def prove() -> None:
         try:
-            proven = bound(problem, seats[1], meeting.hear)
+            proven = bound(problem, seats[1], heard)
             results.append(proven)
             meeting.hear(proven.objective, proven.upper_bound)
         except BaseException as error:
@@ -159,7 +160,7 @@ def together(
     thread = threading.Thread(target=prove, name="bound", daemon=True)
     thread.start()
     try:
-        planned = planner(problem, seats[0], meeting.hear)
+        planned = planner(problem, seats[0], heard)
         meeting.hear(planned.objective, planned.upper_bound)
         thread.join()
     except BaseException:

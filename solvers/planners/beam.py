@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
@@ -101,7 +101,7 @@ def beam(
             {min(width, options.width) for width in (*pilots(mission), options.width)}
         ):
             if best.offer(beams.search(replace(settings, width=each), seed=seed)):
-                progress(best.objective, math.inf)
+                tell_plan(progress, best.objective, best.sequence or ())
         states = beams.states
     return certify(
         mission,

@@ -10,7 +10,7 @@ import numpy as np
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import MOST_JOBS, Options, option
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
@@ -105,7 +105,7 @@ def ppo(
         field = Field(mission, learned, threads)
         play(field, 1, None, 1.0, best.offer)
         counters["plans"] = 1
-        progress(best.objective, math.inf)
+        tell_plan(progress, best.objective, best.sequence or ())
         if options.decode == "sample":
             noise = gumbel(np.random.default_rng(np.random.SeedSequence([seed, 5])))
             for count in chunks(options.samples - 1, BATCH):
@@ -113,7 +113,7 @@ def ppo(
                     break
                 play(field, count, noise, options.temperature, best.offer)
                 counters["plans"] += count
-                progress(best.objective, math.inf)
+                tell_plan(progress, best.objective, best.sequence or ())
         elif options.decode == "beam":
             weight = PRIOR_WEIGHT_BESIDE_CHAINS if field.sees_chains else PRIOR_WEIGHT
             pace_s, widest = 0.0, 0  # of a beam, per unit of width; of all of them
@@ -137,7 +137,7 @@ def ppo(
                 )
                 pace_s = (now_s() - since) / wide
                 counters["plans"] += 1
-                progress(best.objective, math.inf)
+                tell_plan(progress, best.objective, best.sequence or ())
     return certify(
         mission,
         "ppo",

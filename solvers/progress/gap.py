@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from adr_opt.common.clock import now_s
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, show_plan
 from adr_opt.common.tolerance import rounded_up
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.evidence import USUAL_SLOT_M_S, CostEvidence, Evidence
@@ -69,6 +69,8 @@ class GapTracker:
         """Offer a plan; returns whether it is the best so far: see :class:`Incumbent`."""
         before = self.incumbent
         better = self._best.offer(*routes)
+        if better and self.routes is not None:
+            show_plan(self._progress, *self.routes)
         if self.incumbent > before:
             self.tell(self.incumbent, self.bound)
         return better

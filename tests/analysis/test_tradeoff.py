@@ -20,6 +20,7 @@ from two_chasers import campaign
 import adr_opt
 from adr_opt.analysis import Axis, parse_axis, tradeoff
 from adr_opt.analysis.trade.axes import PointLimits, Tanks, grid
+from adr_opt.analysis.trade.plans import plans_of
 from adr_opt.analysis.trade.points import Impossible, KnownPoints, Point
 from adr_opt.analysis.trade.shared import Shared, slack_m_s, variant
 from adr_opt.common.constants import DAY_S
@@ -39,6 +40,28 @@ DURATIONS = Axis("duration", tuple(round(n * PERIOD_S) * 1.0 for n in (4, 8, 11,
 @pytest.fixture(scope="module")
 def surface():
     return tradeoff(hand_made(), [TANKS, DURATIONS], time_limit=60.0)
+
+
+def test_each_point_has_a_plan_of_its_own_instance(surface) -> None:
+    """Plans of points are legal on the instances of their limits, and collect what is told."""
+    found = {at: (instance, plan) for at, instance, plan in plans_of(surface)}
+    assert sorted(found) == [at for at, point in enumerate(surface.points) if point.routes]
+    for at, (instance, plan) in found.items():
+        point = surface.points[at]
+        assert instance == variant(surface.instance, point.limits, tanks=IN_DELTA_V)
+        assert adr_opt.check(instance, plan) == ()
+        assert (plan.objective, plan.status) == (point.prize, point.status)
+        assert plan.cost == pytest.approx(point.cost)
+
+
+def test_plans_of_points_are_written(cli: Cli) -> None:
+    """``--plans`` writes instance and plan of each point that has one, as other verbs read them."""
+    hand_made().save("i.json")
+    call = ("tradeoff", "i.json", "--vary", "delta-v=1,600", "--method", "greedy", "--quiet")
+    assert cli(*call, "--plans", "p").status == 0
+    names = [f"point-{at}.{what}.json" for at in (1, 2) for what in ("instance", "plan")]
+    assert sorted(path.name for path in Path("p").iterdir()) == names
+    assert cli("check", f"p/{names[2]}", f"p/{names[3]}").status == 0
 
 
 def test_every_point_is_what_planning_it_alone_gives(surface) -> None:

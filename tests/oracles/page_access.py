@@ -15,7 +15,8 @@ HEIGHT = 844
 SCHEMES = ("light", "dark")
 
 NAMED = {
-    "button", "checkbox", "combobox", "dialog", "graphics-document", "image", "link", "listbox",
+    "button", "checkbox", "combobox", "dialog", "DisclosureTriangle", "graphics-document", "image",
+    "link", "listbox",
     "img", "menuitem", "meter", "option", "progressbar", "radio", "region", "searchbox", "slider",
     "spinbutton", "switch", "tab", "textbox", "Iframe",
 }  # fmt: skip
@@ -66,11 +67,11 @@ for (const head of heads) {
 for (const one of all.filter(({ tabIndex }) => tabIndex > 0)) {
   found.push(`focus out of order: ${said(one)}`);
 }
-for (const one of document.querySelectorAll('[aria-labelledby], [aria-describedby]')) {
-  const named = ['aria-labelledby', 'aria-describedby']
-    .flatMap((key) => (one.getAttribute(key) ?? '').split(/\s+/)).filter(Boolean);
-  for (const id of named) {
-    if (!document.getElementById(id)) found.push(`named by a missing ${id}: ${said(one)}`);
+for (const key of ['for', 'aria-labelledby', 'aria-describedby', 'aria-controls']) {
+  for (const one of document.querySelectorAll(`[${key}]`)) {
+    for (const id of one.getAttribute(key).split(/\s+/).filter(Boolean)) {
+      if (!document.getElementById(id)) found.push(`${key} of a missing ${id}: ${said(one)}`);
+    }
   }
 }
 for (const one of document.querySelectorAll('[role="img"]')) {
@@ -103,10 +104,15 @@ for (const one of document.body.querySelectorAll('*')) {
   if (scrolls && one.tabIndex < 0 && !one.querySelector(reachable)) {
     found.push(`scrolls by mouse only: ${said(one)}`);
   }
-  if (one.getBoundingClientRect().right > width + 1) {
+  const { left, right } = one.getBoundingClientRect();
+  // For screen readers alone; and where plotly measures texts.
+  const meant = one.matches('.away, .unseen, #js-plotly-tester');
+  if (right > width + 1 || (left < -1 && !meant)) {
     let outer = one.parentElement;
     while (outer && outer !== document.body && !clips(outer)) outer = outer.parentElement;
-    if (outer === document.body) found.push(`wider than the window: ${said(one)}`);
+    if (outer === document.body) {
+      found.push(`wider than the window: ${said(one)}`);
+    }
   }
 }
 return found;
@@ -204,6 +210,35 @@ return [...found];
 """
 
 
+FOCUS = r"""
+const found = [];
+const before = document.activeElement;
+for (const one of document.querySelectorAll(`${reachable}, summary, [tabindex]`)) {
+  if (!one.checkVisibility({ visibilityProperty: true }) || one.matches(':disabled')) continue;
+  one.focus({ preventScroll: true });
+  if (document.activeElement !== one) continue;
+  const marked = [one, one.parentElement].some((each) => {
+    const { outlineStyle, outlineWidth, boxShadow } = getComputedStyle(each);
+    return outlineStyle === 'auto'
+      || (outlineStyle !== 'none' && parseFloat(outlineWidth) >= 1.5) || boxShadow !== 'none';
+  });
+  if (!marked) found.push(`focus is not seen: ${said(one)}`);
+}
+before?.focus?.({ preventScroll: true });
+return found;
+"""
+"""What does not show that it has the focus."""
+
+
+def unmarked(tab: Browser) -> list[str]:
+    """What can have the focus and does not show it to those who work by keys."""
+    for kind in ("keyDown", "keyUp"):  # focus is drawn for them alone
+        tab.call(
+            "Input.dispatchKeyEvent", type=kind, key="Tab", code="Tab", windowsVirtualKeyCode=9
+        )
+    return _asked(tab, FOCUS)
+
+
 def _asked(tab: Browser, script: str) -> list[str]:
     found: list[str] = tab.evaluate(f"(() => {{ {SHARED} {script} }})()")
     return found
@@ -265,5 +300,6 @@ def faults(
             tab.call("Emulation.setEmulatedMedia", features=[feature])
             tab.evaluate(settled)
             found += [f"{width} px, {scheme}: {said}" for said in _asked(tab, CONTRAST)]
+            found += [f"{width} px, {scheme}: {said}" for said in unmarked(tab)]
         found += [f"{width} px: {said}" for said in _asked(tab, LAYOUT)]
     return found

@@ -13,15 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from browser import Browser
+from interruptible import CHILD
 
 LOADED_S = 60.0
 """A report is there by then."""
-
-# Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
-CHILD = (
-    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from adr_opt.__main__ import main; sys.exit(main())"
-)
 
 
 @contextmanager

@@ -158,7 +158,7 @@ def test_plans_are_written_without_reports_where_charts_are_not_installed(
         ((*VARY, "--launch-cost", "nan"), "price of a launch: nan euros"),
         ((*COSTS, "--vary", "mass=1"), "'mass' is unknown"),
         (COSTS, "nothing is varied"),
-        (("--vary", "duration=10,20", "--plans", "p"), "--plans: these are files of designs"),
+        (("--vary", "duration=10,20", "--plans", "i.json"), "i.json: this is a file"),
         ((*VARY, *COSTS, "--method", "magic"), "magic"),
         ((*VARY, *COSTS, "--time-limit", "0"), "time limit"),
         ((*VARY, *COSTS, "--jobs", "-1"), "jobs = -1"),

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from interruptible import CHILD
 from terminals import parts, read_until
 
 import adr_opt
@@ -37,13 +38,6 @@ def test_live_line_tells_what_is_known(incumbent: float, bound: float, expected:
 def test_live_line_tells_how_much_of_the_timetable_is_built() -> None:
     """Before there is anything to plan with, the line says how far that is."""
     assert describe(2.5, -math.inf, math.inf, 0.374) == "2.5 s  timetable 37 %"
-
-
-# Children of a script in the background inherit an ignored SIGINT; a user's shell does not do that.
-CHILD = (
-    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    "from adr_opt.__main__ import main; sys.exit(main())"
-)
 
 
 def begin(tiny_file: Path, method: str, *more: str, **how: Any) -> subprocess.Popen[str]:

@@ -92,6 +92,12 @@ FAULTS = {
     "<div role=img aria-label=x><button>a</button></div>": "a picture with controls",
     "<div style='overflow: auto; height: 20px'><p>a<br>b</p></div>": "scrolls by mouse only",
     "</main><main>another": "2 main parts",
+    "<input aria-label=a aria-controls=b>": "aria-controls of a missing b",
+    "<label for=b>a</label>": "for of a missing b",
+    "<p style='position: relative; left: -90px'>a</p>": "1280 px: wider than the window",
+    "<a href='#' style='outline: none'>a</a>": "focus is not seen",
+    "<input>": "textbox without a name",
+    "<i style='display: block; width: 3000px'>a</i>": "the page is 30",
     "<svg width=90 height=90 role=img aria-label=x><rect width=90 height=90 fill='#333'/>"
     "<text x=20 y=40 fill='#444'>dim</text></svg>": "contrast 1.3",
 }

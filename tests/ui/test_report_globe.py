@@ -188,6 +188,17 @@ def test_the_globe_without_a_mouse(tmp_path: Path) -> None:
         press(tab, "#orbits", "ArrowRight")
         tab.wait_for(f"document.getElementById('orbits').data[1].x[0] !== {before}")
 
+        # Without 3D, too, it comes nearer by a key, and goes back.
+        width = (
+            "(({ range }) => range[1] - range[0])"
+            "(document.getElementById('orbits')._fullLayout.xaxis)"
+        )
+        whole = tab.evaluate(width)
+        press(tab, "#orbits", "+")
+        tab.wait_for(f"Math.abs({width} * 1.25 - {whole}) < 1e-6 * {whole}")
+        press(tab, "#orbits", "-")
+        tab.wait_for(f"Math.abs({width} - {whole}) < 1e-6 * {whole}")
+
         # Time is played faster and slower by keys, and tools of a chart are one stop.
         speed = "document.getElementById('speed').selectedIndex"
         index = tab.evaluate(speed)

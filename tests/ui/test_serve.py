@@ -78,7 +78,7 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     client.cookies.clear()
     gets = (
         "/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other",
-        "/objects", "/forms", "/jobs", "/results", "/results/page", "/export",
+        "/objects", "/forms", "/jobs", "/results", "/results/page", "/results/points", "/export",
     )  # fmt: skip
     posts = (
         "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",
@@ -489,3 +489,20 @@ def test_without_its_packages_the_verb_says_how_to_get_them(
                     patch.delitem(sys.modules, name)
             refused(cli("serve", "my.json", "--no-open"), package, "[serve]")
     assert not os.path.lexists(world / "my-served")
+
+
+def test_numbers_that_are_not_finite_are_null(
+    desk: EditingSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """NaN and infinities, wherever they come from, end neither an answer nor the events."""
+    known = desk.state
+
+    def spoilt() -> dict[str, Any]:
+        return known() | {"duration_s": math.nan, "chasers": [{"amount": math.inf}, (-math.inf,)]}
+
+    monkeypatch.setattr(desk, "state", spoilt)
+    state = let_in(desk).get("/state").json()
+    assert (state["duration_s"], state["chasers"]) == (None, [{"amount": None}, [None]])
+    desk.plan(PlanningOrder("greedy-guarded", 20.0))
+    events = heard(desk, "done")
+    assert [event["duration_s"] for name, event in events if name == "state"][:1] == [None]

@@ -18,23 +18,18 @@ from serve_at import BYTES, At
 from serve_catalogue import catalogue
 from serve_desks import files_under
 
+import adr_opt
 from adr_opt.ui.serve.jobs import queue
 from adr_opt.ui.serve.jobs.job import Job
 from adr_opt.ui.serve.jobs.verbs import VERBS
+from adr_opt.ui.serve.project.result_record import ResultRecord
+from adr_opt.ui.serve.project.results import now
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 pytest.importorskip("starlette.testclient")
 
 from adr_opt.ui.serve import guard
-
-
-@pytest.fixture
-def at(tmp_path: Path) -> Iterator[At]:
-    """A desk on a new project."""
-    made = At(tmp_path / "project")
-    yield made
-    made.close()
 
 
 def zipped(name: str, content: bytes) -> bytes:
@@ -291,3 +286,35 @@ def test_numbers_without_end_are_refused(at: At, digits: str) -> None:
         )
         assert answer.status_code == 422, path
         assert len(answer.json()["error"]) < 200, path
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links")
+def test_points_are_of_the_project_alone(at: At, tmp_path: Path) -> None:
+    """Plans of points that are links, or lie behind one, are not read; a spoilt answer is said."""
+    at.drop("i", hand_made().to_json().encode())
+    number, place = at.session.results.begin("tradeoff")
+    point = {"delta_v_m_s": 1.0, "prize": 1.0, "upper_bound": float("inf")}
+    answer = {"varied": {"delta-v": [1.0]}, "points": [point]}
+    (place / "answer.json").write_text(json.dumps(answer))
+    record = ResultRecord(number=number, verb="tradeoff", label="Trade off", made_at=now())
+    at.session.results.done(record)
+    secret = tmp_path / "secret"
+    secret.mkdir()
+    hand_made().save(secret / "point-1.instance.json")
+    plan = adr_opt.solve(hand_made(), "greedy-guarded").plan
+    assert plan is not None
+    plan.save(secret / "point-1.plan.json")
+    (place / "plans").symlink_to(secret)
+    told = at.get(f"/results/points?id={number}")
+    assert told["points"] == [{"point": 1, "values": [1.0], "prize": 1.0, "bound": None,
+                               "has_plan": False}]  # fmt: skip
+    assert "no plan" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
+    (place / "plans").unlink()
+    (place / "plans").mkdir()
+    for name in ("point-1.instance.json", "point-1.plan.json"):
+        (place / "plans" / name).symlink_to(secret / name)
+    assert "a link" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
+    for spoilt in ("{", "[]", "{}", '{"varied": {"delta-v": []}, "points": [{}]}'):
+        (place / "answer.json").write_text(spoilt)
+        answer = at.client.get("/results/points", params={"id": str(number)})
+        assert (answer.status_code, "spoilt" in answer.text) == (422, True), spoilt

@@ -15,7 +15,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank, TankByMass
 from adr_opt.ui.serve import drafts
 from adr_opt.ui.serve import history as steps
-from adr_opt.ui.serve.drafts import Draft, read_edit
+from adr_opt.ui.serve.drafts import Draft, read_edit, told
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.history import History
 from adr_opt.ui.serve.looks import PlanningOrder
@@ -156,3 +156,25 @@ def test_edits_are_undone_and_done_again(monkeypatch: pytest.MonkeyPatch) -> Non
     for days in (1.0, 2.0, 3.0):
         history.edit(read_edit(json.dumps({"duration_s": 86400.0 * days})))
     assert [history.undo() for _ in range(3)] == [True, True, False]
+
+
+def test_windows_and_services_are_set_of_several_targets() -> None:
+    """Window, service and mass of targets are edits in words, refused as in the file."""
+    draft = Draft(hand_made())
+    for changes, said in (
+        ({"window_s": [100.0, None]}, "window of 2 targets"),
+        ({"mass_kg": 800.0}, "mass of 2 targets 800 kg"),
+        ({"removal": "visit"}, "service of 2 targets: visit"),
+    ):
+        edit = read_edit(json.dumps(of("north", "south", **changes)))
+        assert told(edit) == said
+        draft = draft.edited(edit)
+    changed = {each.name: (each.window_s, each.mass_kg) for each in draft.field.targets}
+    assert changed["north"] == changed["south"] == ((100.0, None), 800.0)
+    assert changed["far"] == ((0.0, None), None)
+    for wrong, named in (
+        ({"window_s": [5.0, 1.0]}, "window_s"), ({"mass_kg": -1.0}, "mass_kg"),
+        ({"removal": "tow"}, "tow"), ({"removal": "eat"}, "removal"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=named):
+            draft.edited(read_edit(json.dumps(of("north", **wrong))))

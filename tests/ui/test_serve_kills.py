@@ -175,6 +175,52 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == []
 
 
+def known_plans(folder: Path) -> list[Path]:
+    """Plans in folders of results that are not over."""
+    return [
+        path for path in folder.glob("results/*/plan.json")
+        if not (path.parent / "result.json").exists()
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_best_plan_so_far_outlives_a_kill(tmp_path: Path) -> None:
+    """Killed while it plans, a server leaves the best plan so far, shown as one stopped early."""
+    folder = tmp_path / "project"
+    with served(folder) as server:
+        server.drop("i", adr_opt.generate("nominal", 0, targets=30).to_json().encode())
+        server.post("/plan", {"method": "local-search", "time_limit_s": 3600.0})
+        until(lambda: known_plans(folder))
+        assert server.ask("GET", "/results") == []
+    again = session_of(None, None, Folder(folder))
+    state = again.state()
+    assert (state["result"], state["plan"]["fits"], state["trouble"]) == (1, True, "")
+    (record,) = again.results.all()
+    assert record.said.startswith("stopped early")
+    assert record.objective is not None
+    assert record.objective > 0.0
+    instance, plan = again.results.plan(1)
+    assert adr_opt.check(instance, plan) == ()
+    assert adr_opt.load_plan(folder / "plan.json") == plan
+    assert session_of(None, None, Folder(folder)).state()["result"] == 1
+
+
+@pytest.mark.slow
+def test_the_best_plan_so_far_outlives_its_planner(tmp_path: Path) -> None:
+    """Where the process that plans is killed, the best plan so far is a result at once."""
+    folder = tmp_path / "project"
+    with served(folder) as server:
+        server.drop("i", adr_opt.generate("nominal", 0, targets=30).to_json().encode())
+        server.post("/plan", {"method": "local-search", "time_limit_s": 3600.0})
+        until(lambda: known_plans(folder))
+        for child in server.children():
+            os.kill(child, signal.SIGKILL)
+        until(lambda: server.ask("GET", "/results"))
+        (row,) = server.ask("GET", "/results")
+        assert row["said"].startswith("stopped early")
+        assert server.ask("GET", "/state")["result"] == row["id"] == 1
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_a_kill_at_any_moment_loses_nothing_that_was_answered(tmp_path: Path, seed: int) -> None:

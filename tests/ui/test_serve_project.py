@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
+from conftest import Cli
 from hand_made import hand_made
 from serve_at import At
 from serve_catalogue import catalogue
@@ -24,6 +25,7 @@ from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.forms.fields import form_fields
 from adr_opt.ui.serve.jobs.verbs import VERBS
+from adr_opt.ui.serve.objects.import_options import OPTIONS
 from adr_opt.ui.serve.project.record import json_schema
 from adr_opt.ui.serve.project.result_record import KEPT_VERBS
 
@@ -31,14 +33,6 @@ pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 pytest.importorskip("sgp4")
 pytest.importorskip("starlette.testclient")
-
-
-@pytest.fixture
-def at(tmp_path: Path) -> Iterator[At]:
-    """A desk on a new project."""
-    made = At(tmp_path / "project")
-    yield made
-    made.close()
 
 
 def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
@@ -239,3 +233,131 @@ def test_a_spoilt_project_is_one_sentence(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=named):
             session_of(None, None, Folder(tmp_path / "p"))
         assert path.read_text() == spoilt
+
+
+def test_a_point_of_a_trade_off_opens_its_plan(at: At) -> None:
+    """Each point with a plan shows it as a result, with its instance as one step; others do not."""
+    at.drop("i", hand_made().to_json().encode())
+    options = {"vary": "delta-v=1,600,1200", "method": "greedy-guarded", "time_limit_s": 5.0}
+    job = at.post("/jobs", {"verb": "tradeoff", "options": options, "results": []})["job"]
+    row = at.done(job)
+    assert row["state"] == "done", row
+    told = at.get(f"/results/points?id={row['result']}")
+    assert (told["titles"], told["across"], told["prize"]) == (
+        ["ΔV of a full tank [m/s]"],
+        0,
+        "prize",
+    )
+    points = told["points"]
+    assert [point["values"] for point in points] == [[1.0], [600.0], [1200.0]]
+    prizes = [point["prize"] for point in points]
+    assert prizes == sorted(prizes)
+    assert prizes[-1] > 0.0
+    for point in points[1:]:
+        assert point["has_plan"]
+        for _ in range(2):  # the second time it is the result of the first
+            at.post("/show", {"result": row["result"], "point": point["point"]})
+            state = at.get("/state")
+            assert state["plan"]["fits"]
+            assert state["plan"]["objective"] == point["prize"]
+            assert state["chasers"][0]["amount"] == point["values"][0]
+    assert state["undoes"] == f"result {state['result']} shown"
+    at.post("/undo")
+    assert at.get("/state")["chasers"][0]["amount"] == 600.0
+    made = at.get("/results")
+    assert [result["inputs"] for result in made[1:]] == [[row["result"]]] * 2
+    assert made[-1]["label"] == f"point 3 of result {row['result']}"
+    for wrong, named in (
+        ({"result": row["result"], "point": 9}, "point 9 has no plan"),
+        ({"result": made[-1]["id"], "point": 1}, "point 1 has no plan"),
+        ({"result": row["result"], "point": 0}, "point"),
+        ({"result": row["result"], "point": "../1"}, "point"),
+    ):
+        assert named in at.post("/show", wrong, 422)["error"]
+    for wrong_id in (str(made[-1]["id"]), "0", "../1", ""):
+        assert at.client.get("/results/points", params={"id": wrong_id}).status_code == 422
+
+
+def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path) -> None:
+    """What `import` makes of the same objects with the same options, prizes by criticality too."""
+    at.drop("all.tle", catalogue(60))
+    (tmp_path / "all.tle").write_bytes(catalogue(60))
+    names = at.get("/objects")["names"]
+    options = {
+        "epoch": "2026-01-02T00:00:00", "duration_days": 200.0, "altitude": "700:820",
+        "max_targets": 9, "station": "750,98.1,100", "dry_mass": 800, "propellant": 400.0,
+        "isp": 1500.0, "thrust": 0.2, "duty_cycle": 0.5, "launches": 2, "launch_every": 60,
+        "service_days": 1, "exclude": "10001,10002", "deadline": "10004 = 150; ",
+        "require": "10004", "max_drift_days": 100, "resolution": None, "name": "",
+    }  # fmt: skip
+    answer = at.post("/choose", {"names": names, "prizes": "criticality", "options": options})
+    asked = [f"--{name.replace('_', '-')}={value}" for name, value in options.items() if value]
+    asked = [each.replace(" = ", "=").replace("; ", "") for each in asked]
+    assert cli(
+        "import", "all.tle", "--out", "i.json", *asked, "--criticality", "--quiet"
+    ).status == 0  # fmt: skip
+    made, by_import = at.session.instance(), adr_opt.load(tmp_path / "i.json")
+    assert made == by_import
+    assert answer["targets"] == len(made.targets) <= 9
+    assert answer["left_out"]["exclude"] == 2
+    assert any("criticality" in warning for warning in answer["warnings"])
+    assert at.get("/state")["instance"]["dynamics"] == "j2"
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"duty_cycle": 0.5}, "Duty cycle: of no thrust; give Low thrust, or leave it out"),
+        ({"thrust": 0.2}, "Low thrust: the tank is given in ΔV"),
+        ({"altitude": "high"}, "Altitudes kept = 'high': give two numbers"),
+        ({"altitude": "10:20"}, "no object is left of 60"),
+        ({"epoch": "today"}, "Epoch 'today': give a time"),
+        ({"dynamics": "two-body", "max_drift_days": 3}, "Longest drift = 3: no plane drifts"),
+        ({"dynamics": "three-body"}, "Dynamics = 'three-body': must be one of j2, two-body"),
+        ({"max_targets": 0}, "max targets = 0: must be at least 1"),
+        ({"max_targets": 2.5}, "Most targets = 2.5: must be a whole number"),
+        ({"station": "nobody"}, "Station"),
+        ({"kit_mass": 5}, "Mass of a kit: there are no kits"),
+        ({"duration_days": -1}, "Mission duration = -1: must be a positive number"),
+        ({"require": "nobody"}, "Required objects"),
+        ({"prizes": "/etc/passwd"}, "'prizes' is no option of an import"),
+        ({"out": "/tmp/x"}, "'out' is no option of an import"),
+        ({"station": "a\nb"}, "Station"),
+    ],
+)
+def test_options_of_an_import_are_refused_by_their_labels(
+    at: At, options: dict[str, Any], said: str
+) -> None:
+    """A value that `import` refuses is one sentence that names the field, and makes nothing."""
+    at.drop("all.tle", catalogue(60))
+    names = at.get("/objects")["names"]
+    error = at.post("/choose", {"names": names, "options": options}, 422)["error"]
+    assert said in error
+    assert "--" not in error
+    assert at.get("/state")["stage"] == "objects"
+
+
+def test_options_of_an_import_are_those_of_the_verb() -> None:
+    """Each field is an option of `import`; those without one are files, filled in or always on."""
+    there = command.get_command(None, "import")  # type: ignore[arg-type]
+    assert there is not None
+    known = {each.opts[0] for each in there.params if each.opts[0].startswith("--")}
+    beside = {"--out", "--prizes", "--oem", "--skip-bad", "--json", "--quiet", "--help",
+              "--criticality", "--only-prized", "--must"}  # fmt: skip
+    assert {option.sign for option in OPTIONS} == known - beside
+    assert len({option.label for option in OPTIONS}) == len(OPTIONS)
+
+
+def test_dynamics_are_edited_as_one_step(at: At) -> None:
+    """The motion of planes is an edit like any other, refused where the instance cannot have it."""
+    at.drop("i", adr_opt.generate("electric", 0, targets=4, chasers=1).to_json().encode())
+    error = at.post("/edit", {"dynamics": "two-body"}, 422)["error"]
+    assert "low thrust" in error or "dynamics" in error
+    at.post("/edit", {"dynamics": "moon"}, 422)
+    at.drop("i", hand_made().to_json().encode())
+    assert at.get("/state")["instance"]["dynamics"] == "two-body"
+    at.post("/edit", {"dynamics": "j2"})
+    state = at.get("/state")
+    assert (state["instance"]["dynamics"], state["undoes"]) == ("j2", "dynamics j2")
+    at.post("/undo")
+    assert at.get("/state")["instance"]["dynamics"] == "two-body"

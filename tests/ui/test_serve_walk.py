@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import os
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -12,12 +13,14 @@ from typing import Any
 from urllib.parse import urlsplit
 
 import browser
+import page_access
 import pytest
-from access import barriers
 from catalogue_files import as_tle, field
+from serve_catalogue import catalogue
 from serve_tab import click, drag, drop, look, on_page, put, served, text
 
 import adr_opt
+from adr_opt.ui.serve.launch import LaunchFile
 
 for package in ("plotly", "starlette", "uvicorn", "sgp4"):
     pytest.importorskip(package)
@@ -34,11 +37,6 @@ LOOKS = [(1280, False), (1280, True), (390, False), (390, True)]
 DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 """Waits until the page has drawn what was last done to it."""
 
-FAULTY = """<!DOCTYPE html><html lang="en"><title>Faulty</title>
-<style>p { color: #999; background: #fff } a:focus { outline: none } i { display: block }</style>
-<h1>One</h1><h3>Three</h3><p id="a">Pale</p><button id="a"></button><input aria-labelledby="b">
-<a href="#a">Link</a><i style="width: 3000px">Wide</i></html>"""
-
 
 @pytest.fixture(scope="module")
 def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
@@ -50,8 +48,8 @@ def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[browser.Browser]:
 def judged(tab: browser.Browser, looks: Sequence[tuple[int, bool]] = LOOKS) -> None:
     """Nothing keeps anybody from using the page as it stands, however it is looked at."""
     for width, dark in looks:
-        look(tab, width, dark)
-        assert barriers(tab) == [], (width, dark)
+        scheme = ("dark" if dark else "light",)
+        assert page_access.faults(tab, widths=(width,), schemes=scheme) == [], (width, dark)
     look(tab, *LOOKS[0])
 
 
@@ -142,20 +140,6 @@ def exported(tab: browser.Browser, path: Path) -> None:
     (path.parent / "project").rename(path.parent / "exported")
 
 
-def test_faults_of_a_page_are_found(tab: browser.Browser, tmp_path: Path) -> None:
-    """Each kind of barrier is found on a page that has all of them."""
-    (tmp_path / "faulty.html").write_text(FAULTY, encoding="utf-8")
-    tab.open(tmp_path / "faulty.html")
-    tab.wait_for("document.readyState === 'complete'")
-    found = "\n".join(barriers(tab))
-    for fault in (
-        "button without a name", "textbox without a name", "id a stands twice", "leads nowhere",
-        "not one main part", "heading 2 has level 3", "contrast 2.8", "3008 px", "sideways",
-        "a#: focus is not seen",
-    ):  # fmt: skip
-        assert fault in found, fault
-
-
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_from_a_catalogue_to_an_export(tab: browser.Browser, tmp_path: Path, whole: bool) -> None:
     """Somebody drops 24,000 objects, brushes, chooses, edits, plans and exports.
@@ -196,3 +180,170 @@ def test_from_a_catalogue_to_an_export(tab: browser.Browser, tmp_path: Path, who
     instance, plan = (tmp_path / "exported" / name for name in ("instance.json", "plan.json"))
     assert adr_opt.load(instance).chasers[0].name == "tug"
     assert adr_opt.check(adr_opt.load(instance), adr_opt.load_plan(plan)) == ()
+
+
+UNCERTAINTY = {
+    "format": "adr-opt-uncertainty/1", "legs": {"delta_v_factor": {"lognormal_sigma": 0.1}}
+}  # fmt: skip
+
+VERBS: dict[str, dict[str, object]] = {
+    "bound": {"time_limit_s": 5},
+    "verify": {},
+    "refine": {},
+    "fly": {},
+    "check": {},
+    "compare": {},
+    "tradeoff": {"vary": "delta-v=600,3000", "method": "greedy-guarded", "time_limit_s": 2},
+    "rehearse": {"samples": 20},
+    "report": {},
+}
+"""Verbs of the menu in an order in which each has what it needs, with options."""
+
+PAGES = {"compare", "tradeoff", "rehearse", "report", "worth"}
+"""Verbs whose results open a page."""
+
+
+def ticked(tab: browser.Browser, *numbers: int) -> None:
+    """Select these results alone."""
+    tab.evaluate(
+        "document.querySelectorAll('#results > li').forEach((row) => {"
+        f" const wanted = {json.dumps(list(map(str, numbers)))}.includes(row.dataset.id);"
+        " const tick = row.querySelector('input');"
+        " if (tick.checked !== wanted) tick.click(); })"
+    )
+
+
+def every_verb(tab: browser.Browser) -> None:
+    """Press each verb once; what it makes is listed, and its page opens in the frame."""
+    made = 2
+    for verb, options in VERBS.items():
+        ticked(tab, *((1, 2) if verb == "compare" else ()))
+        for name, value in options.items():
+            put(tab, f"#{verb}-{name}", value)
+        if verb == "bound":
+            tab.evaluate("document.getElementById('bound-certificate').click()")
+        press(tab, verb)
+        made += 1
+        on_page(tab, "results", made, 120.0)
+        row = asked(tab, "/results")[-1]
+        assert (row["verb"], row["exit_status"]) == (verb, 0), row
+        assert row["has_page"] == (verb in PAGES)
+        if verb in PAGES:
+            on_page(tab, "paged", made)
+            tab.evaluate("document.getElementById('report-again').click()")
+            tab.evaluate(f"document.querySelector('[data-id=\"{made}\"] .acts button').click()")
+            on_page(tab, "paged", made)
+    assert [row["state"] for row in asked(tab, "/jobs")] == ["done"] * len(VERBS)
+
+
+def points(tab: browser.Browser) -> None:
+    """Open the plan of a point by its dot, and of another one by its button and a key."""
+    tab.evaluate("document.querySelector('[data-verb=tradeoff] .acts button:nth-child(2)').click()")
+    tab.wait_for("document.querySelectorAll('#points .dot').length === 2")
+    judged(tab, LOOKS[-1:])
+    before = asked(tab, "/state")["result"]
+    place = tab.evaluate(
+        "(() => { const dot = document.querySelector('#points .dot');"
+        " dot.scrollIntoView({ block: 'center' });"
+        " const { x, y, width, height } = dot.getBoundingClientRect();"
+        " return [x + width / 2, y + height / 2]; })()"
+    )
+    for kind in ("mousePressed", "mouseReleased"):
+        tab.call(
+            "Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, x=place[0],
+            y=place[1],
+        )  # fmt: skip
+    tab.wait_for(f"document.querySelector('.result.shown')?.dataset.id > {before}")
+    state = asked(tab, "/state")
+    assert (state["chasers"][0]["amount"], state["plan"]["fits"]) == (600.0, True)
+    tab.evaluate("[...document.querySelectorAll('#points button')].at(-1).focus()")
+    for kind in ("keyDown", "keyUp"):
+        tab.call("Input.dispatchKeyEvent", type=kind, key="Enter", text="\r",
+                 windowsVirtualKeyCode=13)  # fmt: skip
+    tab.wait_for(
+        "document.querySelector('[aria-label^=\"Undo\"]').getAttribute('aria-label')"
+        f" !== 'Undo: result {state['result']} shown'"
+    )
+    assert asked(tab, "/state")["chasers"][0]["amount"] == 3000.0
+    click(tab, "undo")
+    tab.wait_for("document.getElementById('redo').disabled === false")
+
+
+def replanned(tab: browser.Browser) -> None:
+    """Drag the time over a tenth of the mission, and replan from there."""
+    made = len(asked(tab, "/results"))
+    tab.evaluate("document.getElementById('replan-at').scrollIntoView({ block: 'center' })")
+    drag(tab, "#replan-at", (0.5, 0.5), (0.1, 0.5))
+    assert 0 < tab.evaluate("Number(document.getElementById('replan-at').value)") < 200
+    assert "UTC" in text(tab, "replan-when")
+    click(tab, "replan")
+    on_page(tab, "results", made + 1)
+    row = asked(tab, "/results")[-1]
+    assert (row["verb"], row["has_plan"]) == ("replan", True), row
+    tab.evaluate(f"document.querySelector('[data-id=\"{row['id']}\"] .acts button').click()")
+    tab.wait_for(f"document.querySelector('.result.shown').dataset.id === '{row['id']}'")
+
+
+def wished(tab: browser.Browser) -> None:
+    """Options of an import: what is refused stands at its field; the mission follows the others."""
+    tab.evaluate("document.querySelector('#import-options').closest('details').open = true")
+    judged(tab, LOOKS[-1:])
+    put(tab, "#import-duty_cycle", 0.5)
+    tab.evaluate("document.getElementById('tick-shown').click()")
+    tab.wait_for("!document.getElementById('choose').disabled")
+    click(tab, "choose")
+    tab.wait_for("document.getElementById('import-duty_cycle-why').textContent.includes('thrust')")
+    put(tab, "#import-duty_cycle", "")
+    for name, value in {"max_targets": 4, "duration_days": 30}.items():
+        put(tab, f"#import-{name}", value)
+    put(tab, "#prizes", "criticality")
+    tab.wait_for("!document.getElementById('choose').disabled")
+    click(tab, "choose")
+    on_page(tab, "stage", "mission")
+    assert len(asked(tab, "/state")["targets"]) == 4
+    assert text(tab, "chosen").startswith("4 targets chosen; left out: max-targets ")
+
+
+@pytest.mark.slow
+def test_each_verb_is_pressed_once(tab: browser.Browser, tmp_path: Path) -> None:
+    """On a tiny mission each verb makes its result, pages open, and the console stays silent.
+
+    The page is reached as a browser reaches it at first, by the private file, and stays when it is
+    loaded anew.
+    """
+    (tmp_path / "few.tle").write_bytes(catalogue(60))
+    (tmp_path / "uncertainty.json").write_text(json.dumps(UNCERTAINTY))
+    with served(tmp_path, "--folder", "project") as said:
+        tab.go("about:blank")  # what is there still asks for a server that has ended
+        tab.wait_for("location.href === 'about:blank'")
+        launched = LaunchFile(tmp_path, said["url"])
+        tab.go(launched.address)
+        tab.wait_for("location.protocol === 'http:'")
+        on_page(tab, "stage", "empty")
+        tab.call("Page.reload")
+        on_page(tab, "stage", "empty")
+        drop(tab, tmp_path / "few.tle", tmp_path / "uncertainty.json")
+        on_page(tab, "objects", 60)
+        wished(tab)
+        put(tab, "#part-dynamics", "j2")
+        for number, method in enumerate(("greedy", "beam"), 1):
+            put(tab, "#method", method)
+            put(tab, "#limit", 2)
+            click(tab, "plan")
+            on_page(tab, "results", number)
+        click(tab, "to-results")
+        every_verb(tab)
+        points(tab)
+        replanned(tab)
+        click(tab, "to-objects")
+        count = len(asked(tab, "/results"))
+        click(tab, "work-out")
+        on_page(tab, "results", count + 1)
+        assert asked(tab, "/results")[-1]["verb"] == "worth"
+        tab.wait_for("document.getElementById('colour-by').value === 'worth'")
+        click(tab, "to-results")
+        tab.evaluate("document.querySelector('[data-verb=worth] .acts button').click()")
+        on_page(tab, "paged", count + 1)
+        judged(tab)
+        exported(tab, tmp_path / "project.zip")
+        assert [said for _, said in tab.complaints if "status of 422" not in said] == []

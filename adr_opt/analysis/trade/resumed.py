@@ -13,12 +13,12 @@ from itertools import chain
 
 from ...common.errors import InputError
 from ...judge.check.verdict import check
-from ...legs.nearest_pairs import neighbours
 from ...mission.build_legs import legs
 from ...mission.problem import Problem
 from ...plan.expense import cost_of_routes
 from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
 from .axes import PointLimits
+from .plans import ask_few
 from .points import Impossible, KnownPoints, Point
 
 METHOD = "from-file"
@@ -110,9 +110,8 @@ def _plan(point: Point, problem: Problem) -> Plan:
     """The plan of its routes at their best schedules, judged like any other."""
     instance = problem.instance
     priced = []
+    ask_few(problem)
     for mission, route in zip(problem.missions, point.routes, strict=True):
-        if problem.connecting.may_be_on_demand and not mission.has_timetable:
-            mission.ask(neighbours(instance, 1))  # a few pairs do not need all of a timetable
         moves = mission.numbers(route).tolist()
         priced.append(Route(chaser=mission.chaser.name, legs=legs(mission, moves)))
     names = list(chain.from_iterable(point.routes))

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 from urllib.parse import quote
 
-from ...common.errors import InputError, MissingExtra
+from ...common.errors import MissingExtra
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
 from .picture import write_picture
+from .plan_folder import check_folder, write_plan
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -76,7 +77,7 @@ def study(
     for path in (outputs.page, outputs.plot):
         check_out(path, instance_path, worth_path)
     if outputs.plans is not None:
-        _check_folder(outputs.plans)
+        check_folder(outputs.plans)
     worths = None if worth_path is None else load_set_worths(worth_path)
 
     def told(point: DesignPoint, done: int, of: int) -> None:
@@ -133,20 +134,8 @@ def _said(point: DesignPoint) -> str:
     )
 
 
-def _check_folder(folder: str) -> None:
-    path = Path(folder)
-    if path.exists() and not path.is_dir():
-        raise InputError(f"{folder}: this is a file; name a folder for the plans")
-    parent = path.resolve().parent
-    if not path.exists() and not parent.is_dir():
-        raise InputError(f"{folder}: the folder {path.parent} does not exist; create it first")
-    if not os.access(path if path.exists() else parent, os.W_OK):
-        raise InputError(f"{folder}: the folder cannot be written to; choose another")
-
-
 def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[str, Path]]:
     """Instance, plan and report of each design; returns their paths by the design's place."""
-    from ...common.files import write_text
     from ..report import write_report
 
     where, found = Path(folder), dict[int, dict[str, Path]]()
@@ -155,14 +144,10 @@ def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[
     for at, point in enumerate(made.points):
         if point.plan is None:
             continue
-        stem = where / f"design-{at + 1:0{digits}d}"
-        files = {
-            "instance": stem.with_suffix(".instance.json"), "plan": stem.with_suffix(".plan.json"),
-        }  # fmt: skip
-        point.instance.save(files["instance"])
-        write_text(files["plan"], point.plan.to_json())
+        stem = f"design-{at + 1:0{digits}d}"
+        files = write_plan(where, stem, point.instance, point.plan)
         if reports:
-            report = stem.with_suffix(".html")
+            report = where / f"{stem}.html"
             try:
                 write_report(point.instance, point.plan, report)
                 files = {"report": report, **files}

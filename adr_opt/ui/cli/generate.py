@@ -8,7 +8,7 @@ import click
 
 from ...common.wording import counted
 from . import complete, take
-from .fitting import Fitting, fitting_options
+from .fitting import fitting_options
 from .output import emit, say
 from .parameters import check_out
 
@@ -44,6 +44,7 @@ def command(
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass
+    from ...sources.asked.fitting import Fitting
     from ...sources.generator import family as family_named
     from ...sources.generator import generate
 

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
-from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from ...common.constants import DAY_S, EARTH_RADIUS_M
+from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .fitting import check_positive
-from .import_crew import CrewOptions, crew_options, told
+from .import_crew import crew_options, told
 from .output import emit_json, say
 from .parameters import check_out
 
@@ -22,9 +19,6 @@ if TYPE_CHECKING:
     from ...problem.orbit import Orbit
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
-
-LEAST_STEP_DAYS = 0.01
-"""Least step of the grid of long transfers; smaller ones are taken for typing errors."""
 
 MOST_LISTED = 20
 """Maximum number of bad rows listed on standard error; --json lists all."""
@@ -110,8 +104,10 @@ def command(
     Orbits are mean elements in TEME; with --ephemerides or --oem, those that fit the states best.
     """
     from ...common.files import write_text
-    from ...common.records import LARGEST_DURATION_S
     from ...sources import catalogue
+    from ...sources.asked.crew_given import CrewOptions
+    from ...sources.asked.fitting import check_positive
+    from ...sources.asked.mission_given import MissionOptions
     from ...sources.catalogue.filters import parse_range
     from .bars import busy_bar
     from .live import wanted
@@ -119,11 +115,7 @@ def command(
     check_out(out, *files, *messages, crew_given["prizes_path"])
     if any(not name.strip() for name in names):
         raise InputError("--name '': give a part of a name or a pattern")
-    check_positive(max_targets=max_targets, duration_days=duration_days)
-    if duration_days * DAY_S > LARGEST_DURATION_S:
-        raise InputError(
-            f"--duration-days = {duration_days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
-        )
+    check_positive(max_targets=max_targets)
     given = CrewOptions.of(crew_given)
     crew = given.crew()
     if only_prized and crew_given["prizes_path"] is None:
@@ -135,19 +127,11 @@ def command(
         raan_deg=None if raan is None else parse_range(raan, "--raan", open_ended=False),
         names=names,
     )
-    transfer = _transfer(
-        dynamics, drift_step_days, max_drift_days, departure_spacing_days, resolution
-    )
-    if crew.thrust_n is not None and (dynamics != "j2" or max_drift_days == 0.0):
-        raise InputError("--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days")
-    if (ephemerides or messages) and dynamics != "j2":
-        option = "--oem" if messages else "--ephemerides"
-        raise InputError(f"{option}: orbits are fitted under J2; leave --dynamics j2")
-    epoch = None if epoch_text is None else parse_epoch(epoch_text)
-    mission = catalogue.MissionOutline(
-        epoch=epoch, duration_s=DAY_S * duration_days, dynamics=dynamics, transfer=transfer,
-        refuelling=not no_refuelling,
-    )  # fmt: skip
+    fitted_by = "--oem" if messages else "--ephemerides" if ephemerides else None
+    mission = MissionOptions(
+        epoch_text, duration_days, dynamics, no_refuelling, drift_step_days, max_drift_days,
+        departure_spacing_days, resolution,
+    ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)  # fmt: skip
     with busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)
         made = catalogue.to_instance(
@@ -177,66 +161,6 @@ def command(
     if not quiet:
         _tell(fitted.imported, out, fitted)
     return 0
-
-
-def _transfer(
-    dynamics: str,
-    drift_step_days: float | None,
-    max_drift_days: float | None,
-    departure_spacing_days: float | None,
-    resolution: float | None,
-) -> dict[str, float | None]:
-    """Transfer settings given in the call; the others, None, are derived from the mission.
-
-    Raises
-    ------
-    InputError
-        A number is out of range, or of no use in two-body motion.
-    """
-    for option, value, least in (
-        ("--drift-step-days", drift_step_days, LEAST_STEP_DAYS),
-        ("--max-drift-days", max_drift_days, 0.0),
-        ("--departure-spacing-days", departure_spacing_days, 0.0),
-        ("--resolution", resolution, 0.0),
-    ):
-        if value is not None and not (least <= value < math.inf):
-            raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
-    if dynamics != "j2":
-        for option, value in (
-            ("--drift-step-days", drift_step_days), ("--max-drift-days", max_drift_days)
-        ):  # fmt: skip
-            if value:
-                raise InputError(
-                    f"{option} = {value:g}: no plane drifts in two-body motion; leave it out, or "
-                    "--dynamics two-body"
-                )
-    return {
-        "drift_step_s": _seconds(drift_step_days),
-        "max_drift_s": _seconds(max_drift_days),
-        "departure_spacing_s": _seconds(departure_spacing_days),
-        "delta_v_resolution_m_s": resolution,
-    }
-
-
-def _seconds(days: float | None) -> float | None:
-    return None if days is None else DAY_S * days
-
-
-def parse_epoch(text: str) -> datetime:
-    """A time in ISO 8601, UTC unless it states another zone.
-
-    Raises
-    ------
-    InputError
-        It is none.
-    """
-    from datetime import UTC
-
-    try:
-        epoch = datetime.fromisoformat(text)
-        return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
-    except (ValueError, OverflowError):
-        raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None
 
 
 def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> None:

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 from ...common.constants import DAY_S
-from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
-from .fitting import Fitting, check_not_negative, check_positive, fitting_options
+from .fitting import fitting_options
 
 if TYPE_CHECKING:
-    from ...problem.chasers import AnyTank, Expense
     from ...problem.instance import Instance
-    from ...sources.catalogue import Crew, Demands
-
-DELTA_V_M_S = 3000.0
-"""Default ΔV of a full tank."""
 
 
 crew_options = take.together(
-    fitting_options(f"default {DELTA_V_M_S:g}"),
+    fitting_options("default 3000"),
     take.count("--launches", "N", "Launch N chasers, each to its first target."),
     take.number(
         "--launch-every", "DAYS", "Interval between launches; default 365; 0 for a shared rocket."
@@ -68,145 +62,6 @@ crew_options = take.together(
     ),
 )
 """The options of chasers and of single objects, for ``import``."""
-
-
-class CrewOptions(NamedTuple):
-    """Values of these options; None if not given."""
-
-    fitting: Fitting
-    launches: int | None
-    launch_every: float | None
-    launch_separation: float | None
-    expense: str | None
-    thrust: float | None
-    duty_cycle: float | None
-    service_days: float | None
-    deadlines: tuple[str, ...]
-    required: tuple[str, ...]
-    musts: tuple[str, ...]
-    excluded: tuple[str, ...]
-    prizes_path: str | None
-
-    @classmethod
-    def of(cls, given: dict[str, Any]) -> CrewOptions:
-        """The options from the command line."""
-        fitting = Fitting(**{name: given.pop(name) for name in Fitting._fields})
-        return cls(fitting=fitting, **given)
-
-    def crew(self) -> Crew:
-        """The chasers.
-
-        Raises
-        ------
-        InputError
-            A number is out of range, or of no use without another option.
-        """
-        from ...problem.chasers import Tank
-        from ...sources.catalogue import Crew
-        from ...sources.catalogue.crew import APART_S
-
-        check_positive(launches=self.launches, launch_separation=self.launch_separation)
-        check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
-        for option, value in (
-            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation)
-        ):  # fmt: skip
-            if value is not None and self.launches is None:
-                raise InputError(f"{option}: nothing is launched; say how often with --launches")
-        fitting = self.fitting
-        fitting.check()
-        self._check_thrust()
-        usual_s = APART_S if self.launch_separation is None else 0.0
-        separation = self.launch_separation
-        tank = fitting.tank() or Tank(delta_v_m_s=DELTA_V_M_S)
-        return Crew(
-            tank=tank,
-            launches=self.launches or 0,
-            apart_s=usual_s if self.launch_every is None else DAY_S * self.launch_every,
-            kits=fitting.kits,
-            kit_mass_kg=fitting.kit_mass or 0.0,
-            expense=self._expense(tank),
-            separation_s=None if separation is None else DAY_S * separation,
-            towed_kg=fitting.tow,
-            disposal_altitude_m=fitting.disposal_altitude_m,
-            service_s=None if self.service_days is None else DAY_S * self.service_days,
-            thrust_n=self.thrust,
-            duty_cycle=self.duty_cycle,
-        )
-
-    def _check_thrust(self) -> None:
-        from ...common.records import LARGEST_THRUST_N
-
-        if self.thrust is None:
-            if self.duty_cycle is not None:
-                raise InputError("--duty-cycle: of no thrust; give --thrust, or leave it out")
-            return
-        if not 0.0 < self.thrust <= LARGEST_THRUST_N:
-            raise InputError(
-                f"--thrust = {self.thrust:g}: must be more than 0 and at most {LARGEST_THRUST_N:g}"
-            )
-        if self.duty_cycle is not None and not 0.0 < self.duty_cycle <= 1.0:
-            raise InputError(
-                f"--duty-cycle = {self.duty_cycle:g}: must be more than 0 and at most 1"
-            )
-        if self.fitting.dry_mass is None:
-            raise InputError(
-                "--thrust: the tank is given in ΔV, without masses; give --dry-mass, "
-                "--propellant and --isp"
-            )
-
-    def _expense(self, tank: AnyTank) -> Expense | None:
-        from pydantic import ValidationError
-
-        from ...common.sentences import sentence
-        from ...problem.chasers import Expense, TankByMass
-
-        if self.expense is None:
-            return None
-        try:
-            numbers = [float(part) for part in self.expense.split(",")]
-        except ValueError:
-            numbers = []
-        if not 1 <= len(numbers) <= 3:
-            raise InputError(
-                f"--expense {self.expense!r}: give one to three numbers, FIXED,PER_KG,PER_KG2"
-            )
-        named = dict(zip(("fixed", "per_kg", "per_kg_squared"), numbers, strict=False))
-        try:
-            expense = Expense(**named)
-        except ValidationError as error:
-            raise InputError(f"--expense {self.expense!r}: {sentence(error)}") from None
-        if expense.counts_mass and not isinstance(tank, TankByMass):
-            raise InputError(
-                "--expense: the tank is given in ΔV, without masses; give --dry-mass, "
-                "--propellant and --isp, or one number"
-            )
-        return expense
-
-    def demands(self) -> Demands:
-        """Requirements on single objects.
-
-        Raises
-        ------
-        InputError
-            A deadline is no object with a number of days, or an object has two; or the table of
-            prizes cannot be read.
-        """
-        from ...sources.catalogue import Demands, read_wishes
-
-        found: dict[str, float] = {}
-        for text in self.deadlines:
-            said, sign, days = (part.strip() for part in text.rpartition("="))
-            try:
-                deadline_s = DAY_S * float(days)
-            except ValueError:
-                sign = ""
-            if not (sign and said):
-                raise InputError(f"--deadline {text!r}: give an object and days, OBJECT=DAYS")
-            if said in found:
-                raise InputError(f"--deadline {text!r}: {said} has one already")
-            found[said] = deadline_s
-        wishes = () if self.prizes_path is None else read_wishes(self.prizes_path)
-        return Demands(found, self.required, self.musts, self.excluded, wishes)
 
 
 def told(instance: Instance) -> str | None:

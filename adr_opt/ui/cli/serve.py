@@ -65,7 +65,8 @@ def command(
     from ..serve.desk import Desk
     from ..serve.folder import Folder
     from ..serve.planner_process import PlannerProcess
-    from ..serve.session import EditingSession, refuse_stranger
+    from ..serve.session import EditingSession
+    from ..serve.shown_plan import refuse_stranger
 
     instance = None if instance_path is None else load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
@@ -76,7 +77,7 @@ def command(
         place.make()
         with place.held():
             session = EditingSession(
-                instance, plan, place, lambda done: PlannerProcess(done, place.path)
+                instance, plan, place, lambda done, found: PlannerProcess(done, place.path, found)
             )
             desk = Desk(session)
             server, ended = Server(desk, listener), threading.Event()
@@ -91,9 +92,17 @@ def command(
                 say(f"serving {said}kept in {place.path}; Ctrl-C ends it", unless=quiet)
                 session.prepare()
                 if not no_open:
-                    click.launch(server.url)
+                    _open(server.launch(place.path))
                 server.wait(ended)
                 server.close()
                 if not desk.close(PATIENCE_S):
                     raise Aborted(signal.SIGINT)
     return 0
+
+
+def _open(address: str) -> None:
+    """Open a file in the browser."""
+    if click.launch(address) != 0:
+        import webbrowser
+
+        webbrowser.open(address)

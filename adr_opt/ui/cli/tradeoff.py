@@ -12,6 +12,7 @@ from . import designs, take
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
 from .picture import check_picture, write_picture
+from .plan_folder import check_folder, write_points
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
 )
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
-@take.word("--plans", "FOLDER", "Of designs: folder for instances, plans and reports.")
+@take.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
 @take.cluster
 @take.as_json
 @take.quiet
@@ -113,7 +114,7 @@ def command(
             designs.StudyOutputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
         )  # fmt: skip
     if plans is not None:
-        raise InputError("--plans: these are files of designs; vary one of those, or leave it out")
+        check_folder(plans)
     if frontier_path is not None:
         check_frontier(instance, axes)
         check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
@@ -156,7 +157,9 @@ def command(
         from ..plot.tradeoff import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
-    for path in (out, frontier_path, page_path, plot_path):
+    if plans is not None:
+        write_points(made, plans)
+    for path in (out, frontier_path, page_path, plot_path, plans):
         if path is not None:
             say(f"wrote {path}", unless=quiet)
     if as_json:

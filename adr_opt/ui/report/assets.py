@@ -34,9 +34,9 @@ def page_script() -> str:
     return f'"use strict";\n(async () => {{\n{rooms}}})();\n'
 
 
-def asset(name: str) -> str:
-    """A file of this folder, as text."""
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+def asset(name: str, package: str = "adr_opt.ui.report") -> str:
+    """A file of a package, as text."""
+    return resources.files(package).joinpath(name).read_text(encoding="utf-8")
 
 
 def chart_library() -> str:

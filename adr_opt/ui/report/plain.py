@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from importlib import resources
 
 from ...common.errors import InputError
 from ...common.files import check_writable, write_text
 from ...common.version import __version__
 from . import tables
+from .assets import asset
 from .text import escape
 
 MORE = """
@@ -44,7 +44,7 @@ def row(cells: Iterable[tuple[str, str]], kind: str = "") -> str:
 
 def page(over: str, title: str, under: str, sections: Iterable[str]) -> str:
     """HTML of a page without scripts or requests."""
-    style = resources.files(__package__).joinpath("page.css").read_text(encoding="utf-8") + MORE
+    style = asset("page.css") + MORE
     policy = (
         "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
         "form-action 'none'"

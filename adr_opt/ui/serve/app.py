@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import json
 import threading
 from collections.abc import Callable
 from importlib import resources
@@ -25,10 +24,11 @@ from starlette.routing import Route
 
 from ...common.errors import InputError
 from ..report import plain
+from ..report.assets import asset
 from .desk import Desk
 from .drafts import read_edit
 from .events import told
-from .guard import UPLOAD, Guard
+from .guard import UPLOAD, Guard, cookie_name
 from .reported import ShownReport
 from .requests import (
     ChooseRequest,
@@ -39,7 +39,11 @@ from .requests import (
     read_order,
     read_request,
 )
+from .strict_json import to_json
 from .uploads import not_written, uploaded
+
+PACKAGE = "adr_opt.ui.serve"
+"""Where the files of the page are."""
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -52,7 +56,13 @@ FRAMED = "sandbox allow-scripts allow-downloads; frame-ancestors 'self'"
 """Policy of the report, which is shown only within the page, and may ask this server nothing."""
 
 
-def application(desk: Desk, token: str, port: int, closing: threading.Event) -> Starlette:
+def application(
+    desk: Desk,
+    token: str,
+    port: int,
+    closing: threading.Event,
+    opened: Callable[[], None] = lambda: None,
+) -> Starlette:
     """The application.
 
     Parameters
@@ -63,12 +73,17 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
     port : int
     closing : Event
         Ends the streams of events.
+    opened : callable
+        Called when the page is asked for.
     """
     session, shown = desk.session, ShownReport(desk.session)
 
     async def page(request: Request) -> Response:
-        answer = HTMLResponse(_asset("page.html"), headers={"Content-Security-Policy": POLICY})
-        answer.set_cookie(f"adr-opt-{port}", token, httponly=True, samesite="strict", path="/")
+        opened()
+        answer = HTMLResponse(
+            asset("page.html", PACKAGE), headers={"Content-Security-Policy": POLICY}
+        )
+        answer.set_cookie(cookie_name(port), token, httponly=True, samesite="strict", path="/")
         return answer
 
     async def events(request: Request) -> Response:
@@ -110,6 +125,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
             Route("/events", events),
             Route("/report", report),
             Route("/results/page", page_of_result),
+            _told_of("/results/points", desk.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(desk), methods=["POST"]),
             _action("/edit", lambda text: session.edit(read_edit(text))),
@@ -121,7 +137,7 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
             _action("/choose", lambda text: desk.choose(read_request(ChooseRequest, text))),
             _action("/jobs", lambda text: desk.begin(read_request(JobRequest, text))),
             _action("/jobs/stop", lambda text: desk.stop(read_request(StopRequest, text).job)),
-            _action("/show", lambda text: desk.show(read_request(ShowRequest, text).result)),
+            _action("/show", lambda text: desk.show(read_request(ShowRequest, text))),
         ],
         middleware=[Middleware(Guard, token=token, port=port)],
     )
@@ -129,16 +145,22 @@ def application(desk: Desk, token: str, port: int, closing: threading.Event) -> 
 
 def _told(path: str, content: Callable[[], Any]) -> Route:
     """A GET request that is answered with JSON, compressed where the browser takes that."""
+    return _told_of(path, lambda number: content())
 
-    def text(compressed: bool) -> bytes:
-        plain_text = json.dumps(content(), ensure_ascii=False, allow_nan=False).encode()
+
+def _told_of(path: str, content: Callable[[str], Any]) -> Route:
+    """The same of a result, whose number the query has as ``id``."""
+
+    def text(number: str, compressed: bool) -> bytes:
+        plain_text = to_json(content(number)).encode()
         return gzip.compress(plain_text, 5) if compressed else plain_text
 
     async def answer(request: Request) -> Response:
         compressed = "gzip" in request.headers.get("accept-encoding", "")
         headers = {"Content-Encoding": "gzip"} if compressed else {}
+        number = request.query_params.get("id", "")
         try:
-            body = await run_in_threadpool(text, compressed)
+            body = await run_in_threadpool(text, number, compressed)
         except InputError as error:
             return JSONResponse({"error": str(error)}, status_code=422)
         return Response(body, media_type="application/json", headers=headers)
@@ -161,17 +183,17 @@ def _action(path: str, act: Callable[[str], Any]) -> Route:
             return JSONResponse({"error": str(error)}, status_code=422)
         except OSError as error:
             return JSONResponse({"error": not_written("that", error)}, status_code=507)
-        return JSONResponse(made or {})
+        return Response(to_json(made or {}), media_type="application/json")
 
     return Route(path, answer, methods=["POST"])
 
 
 def _assets() -> list[Route]:
     """Style sheets and scripts of the page: a fixed list, read once."""
-    style = resources.files("adr_opt.ui.report").joinpath("page.css").read_text("utf-8")
-    found = {"/page.css": (style + _asset("page.css"), "text/css")}
-    found["/page.js"] = _asset("page.js"), "text/javascript"
-    scripts = resources.files(__package__).joinpath("script")
+    style = asset("page.css") + asset("page.css", PACKAGE)
+    found = {"/page.css": (style, "text/css")}
+    found["/page.js"] = asset("page.js", PACKAGE), "text/javascript"
+    scripts = resources.files(PACKAGE).joinpath("script")
     for each in scripts.iterdir() if scripts.is_dir() else ():
         if each.name.endswith(".js"):
             found[f"/script/{each.name}"] = each.read_text("utf-8"), "text/javascript"
@@ -195,7 +217,3 @@ def _report(shown: ShownReport) -> str:
 
 def _note(title: str, said: str) -> str:
     return plain.page("Active debris removal mission", title, said, ())
-
-
-def _asset(name: str) -> str:
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,13 @@ from ...common.files import read_text
 from ...common.wording import counted
 from .choices import choices
 from .forms.fields import form_fields
-from .jobs.queue import JobQueue
+from .jobs.queue import ANSWER, JobQueue
 from .objects.dropped import DroppedObjects
 from .project.archive import archived
+from .project.points import points_of
 from .project.private import passing, refuse_link
-from .requests import ChooseRequest, JobRequest, WorthRequest
+from .project.result_record import ResultRecord
+from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest
 from .session import EditingSession
 
 
@@ -110,12 +113,15 @@ class Desk:
         InputError
             There is no such result, or it has no page.
         """
-        digits = number.isascii() and number.isdigit() and len(number) <= 6
-        record = self.session.results.record(int(number) if digits else 0)
+        record = self._record(number)
         if record.page is None:
             raise InputError(f"result {record.number} ({record.verb}) has no page")
         place = self.session.results.place(record.number)
         return read_text(refuse_link(place / record.page))
+
+    def _record(self, number: str) -> ResultRecord:
+        digits = number.isascii() and number.isdigit() and len(number) <= 6
+        return self.session.results.record(int(number) if digits else 0)
 
     def archive(self) -> Path:
         """A temporary file with the whole project, zipped; the caller removes it.
@@ -142,10 +148,12 @@ class Desk:
         """Begin a job that computes the worth of the dropped objects."""
         return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
 
-    def choose(self, asked: ChooseRequest) -> None:
-        """Make a mission of dropped objects."""
-        made = self.dropped.mission(asked.names, by_worth=asked.prizes == "worth")
-        self.session.begin_anew(made, f"{counted(len(made.targets), 'target')} chosen")
+    def choose(self, asked: ChooseRequest) -> dict[str, Any]:
+        """Make a mission of dropped objects; returns what became of them, as JSON data."""
+        made = self.dropped.mission(asked.names, asked.prizes, asked.options)
+        words = f"{counted(len(made.instance.targets), 'target')} chosen"
+        self.session.begin_anew(made.instance, words)
+        return made.to_dict()
 
     def begin(self, asked: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""
@@ -155,6 +163,26 @@ class Desk:
         """Stop a job."""
         self.queue.stop(job)
 
-    def show(self, result: int) -> None:
-        """Show the plan of a result."""
-        self.session.show(result)
+    def points(self, number: str) -> dict[str, Any]:
+        """Points of a trade-off, as JSON data.
+
+        Raises
+        ------
+        InputError
+            There is no such result, or it is none, or spoilt.
+        """
+        record = self._record(number)
+        if record.verb != "tradeoff":
+            raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
+        place = self.session.results.place(record.number)
+        try:
+            return points_of(place, json.loads(read_text(refuse_link(place / ANSWER))))
+        except (ValueError, LookupError, TypeError):
+            raise InputError(f"the answer of result {record.number} is spoilt") from None
+
+    def show(self, asked: ShowRequest) -> None:
+        """Show the plan of a result, or of a point of it."""
+        if asked.point is None:
+            self.session.show(asked.result)
+        else:
+            self.session.show_point(asked.result, asked.point)

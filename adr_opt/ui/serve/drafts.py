@@ -15,9 +15,13 @@ from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
 from ...common.wording import counted
+from ...problem.bodies import Removal
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.given import among
 from ...problem.instance import Instance
+
+Dynamics = Literal["two-body", "j2"]
+"""How bodies move after the epoch."""
 
 Part = Literal["chasers", "stations", "mission", "transfer", "objective"]
 """Parts of an instance that forms edit."""
@@ -30,6 +34,9 @@ class TargetsEdit(Record):
     prize: float | None = None
     required: bool | None = None
     excluded: bool | None = None
+    window_s: Annotated[tuple[float, float | None], Field(strict=False)] | None = None
+    removal: Removal | None = None
+    mass_kg: float | None = None
 
 
 class BudgetEdit(Record):
@@ -53,6 +60,7 @@ class Edit(Record):
     duration_s: float | None = None
     budget: BudgetEdit | None = None
     part: PartEdit | None = None
+    dynamics: Dynamics | None = None
 
 
 def read_edit(text: str) -> Edit:
@@ -118,7 +126,9 @@ class Draft:
         if edit.budget is not None:
             return self._with_budget(edit.budget)
         if edit.part is not None:
-            return self._with_part(edit.part)
+            return self._with(edit.part.path, edit.part.value)
+        if edit.dynamics is not None:
+            return self._with("dynamics", edit.dynamics)
         return replace(self, field=self.field.with_limits(duration_s=edit.duration_s))
 
     def _with_targets(self, edit: TargetsEdit) -> Draft:
@@ -138,6 +148,9 @@ class Draft:
             changes |= {"prize": edit.prize, "prize_until": None}
         if edit.required is not None or edit.excluded:
             changes["required"] = bool(edit.required)
+        for name in ("window_s", "removal", "mass_kg"):
+            if getattr(edit, name) is not None:
+                changes[name] = getattr(edit, name)
         excluded = self.excluded
         if edit.excluded or edit.required:
             excluded = excluded | wanted if edit.excluded else excluded - wanted
@@ -157,14 +170,14 @@ class Draft:
         )
         return replace(self, field=self.field.replace(chasers=chasers))
 
-    def _with_part(self, edit: PartEdit) -> Draft:
-        """Read the part within the whole file, so that errors name its fields as for a file."""
-        content = self.field.model_dump(mode="json") | {edit.path: edit.value}
+    def _with(self, path: str, value: Any) -> Draft:
+        """Read a part within the whole file, so that errors name its fields as for a file."""
+        content = self.field.model_dump(mode="json") | {path: value}
         try:
             made = Instance.from_json(json.dumps(content))
         except ValidationError as error:
             raise InputError(sentence(error)) from None
-        return replace(self, field=self.field.replace(**{edit.path: getattr(made, edit.path)}))
+        return replace(self, field=self.field.replace(**{path: getattr(made, path)}))
 
 
 def _refuse_strangers(wanted: Iterable[str], known: Iterable[str], what: str) -> None:
@@ -197,11 +210,19 @@ def told(edit: Edit) -> str:
         return f"budget of {edit.budget.chaser} {edit.budget.amount:.6g}"
     if edit.part is not None:
         return f"{edit.part.path} changed"
+    if edit.dynamics is not None:
+        return f"dynamics {edit.dynamics}"
     assert edit.targets is not None
     names = edit.targets.names
     whose = names[0] if len(names) == 1 else counted(len(names), "target")
     if edit.targets.prize is not None:
         return f"prize of {whose} {edit.targets.prize:.6g}"
+    if edit.targets.window_s is not None:
+        return f"window of {whose}"
+    if edit.targets.removal is not None:
+        return f"service of {whose}: {edit.targets.removal}"
+    if edit.targets.mass_kg is not None:
+        return f"mass of {whose} {edit.targets.mass_kg:.6g} kg"
     if edit.targets.excluded is not None:
         return f"{whose} {'excluded' if edit.targets.excluded else 'not excluded'}"
     return f"{whose} {'required' if edit.targets.required else 'not required'}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import threading
 from collections.abc import AsyncIterator, Callable
 from typing import Any
@@ -12,6 +11,7 @@ from starlette.concurrency import run_in_threadpool
 
 from ...common.errors import InputError
 from .desk import Desk
+from .strict_json import to_json
 
 PAUSE_S, BREATH_S = 0.2, 15.0
 """Intervals between checks of the desk, and between keep-alive messages [s]."""
@@ -35,16 +35,16 @@ async def told(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
     while not closing.is_set():
         silent_s += PAUSE_S
         # Looked at before the state: what the planner is done with is in the state that follows.
-        look = json.dumps(desk.look(), allow_nan=False)
+        look = to_json(desk.look())
         for name, revision, content in parts:
             now = revision()
             if now != revisions[name]:
                 revisions[name] = now
                 try:
-                    text = json.dumps(await run_in_threadpool(content), allow_nan=False)
+                    text = to_json(await run_in_threadpool(content))
                     yield f"event: {name}\ndata: {text}\n\n"
                 except InputError as error:
-                    yield f"event: trouble\ndata: {json.dumps(str(error))}\n\n"
+                    yield f"event: trouble\ndata: {to_json(str(error))}\n\n"
                 silent_s = 0.0
         if look != last:
             last = look

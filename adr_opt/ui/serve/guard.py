@@ -30,6 +30,10 @@ HEADERS = {
 """Headers of every answer. There are none of CORS: no other page may read anything."""
 
 
+WELCOME = "adr_opt.welcome"
+"""Where the state of a request has what marks its connection as known."""
+
+
 class TooLarge(Exception):
     """A request is larger than declared, or than allowed."""
 
@@ -54,7 +58,7 @@ class Guard:
         self._app = app
         self._token = token.encode()
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
-        self.cookie = f"adr-opt-{port}"
+        self._cookie = cookie_name(port)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, or refuse it."""
@@ -73,6 +77,7 @@ class Guard:
         if refused is not None:
             await _refuse(*refused, answer)
             return
+        _welcome(scope)
         counted, started = 0, False
         most = _most(scope)
 
@@ -101,7 +106,7 @@ class Guard:
         if len(hosts) != 1 or hosts[0] not in self._hosts:
             return 403, "this is served to 127.0.0.1 only; open the address that was printed"
         asked = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[-1]
-        if not self._knows(asked) and not self._knows(_cookie(headers, self.cookie)):
+        if not self._knows(asked) and not self._knows(_cookie(headers, self._cookie)):
             return 403, "the token is missing or wrong; open the address that was printed"
         site, origin = headers.get("sec-fetch-site"), headers.get("origin")
         # Another port of this machine is the same site, and gets the cookie, but is not this page.
@@ -123,6 +128,18 @@ class Guard:
 
     def _knows(self, token: str) -> bool:
         return secrets.compare_digest(token.encode(), self._token)
+
+
+def _welcome(scope: Scope) -> None:
+    """Mark the connection of a request that has shown the token as known."""
+    mark = scope.get("state", {}).get(WELCOME)
+    if mark is not None:
+        mark()
+
+
+def cookie_name(port: int) -> str:
+    """Name of the cookie with the token: browsers do not tell the ports of a machine apart."""
+    return f"adr-opt-{port}"
 
 
 def _uploads(scope: Scope) -> bool:
@@ -148,9 +165,11 @@ def _cookie(headers: Headers, name: str) -> str:
 
 
 async def _refuse(status: int, sentence: str, send: Send) -> None:
+    """Refuse a request without reading its body, and end the connection."""
     body = json.dumps({"error": sentence}).encode()
     headers = [
-        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode())
+        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode()),
+        (b"connection", b"close"),
     ]  # fmt: skip
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

@@ -137,6 +137,13 @@ class PlannedRun(Protocol):
 Done = Callable[[Instance, PlannedRun], str]
 """Handles a result; returns a message about it."""
 
+Found = Callable[[Instance, Plan | None], None]
+"""Handles the best plan so far of a run; with None the run has ended, and that was its last."""
+
+
+def ignored(instance: Instance, plan: Plan | None) -> None:
+    """Handle no plans of running planners."""
+
 
 class PlanningWork(Protocol):
     """What plans: one instance after another, in a thread or in a process of its own."""

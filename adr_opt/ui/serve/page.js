@@ -1,4 +1,5 @@
 // The page of `serve`: rooms that follow what the server tells, each in its part of the page.
+import * as choose from "./script/choose.js";
 import * as drop from "./script/drop.js";
 import * as frame from "./script/frame.js";
 import * as header from "./script/header.js";
@@ -20,7 +21,7 @@ import * as views from "./script/views.js";
 if (location.search) history.replaceState(null, "", "/");
 
 const rooms = [
-  views, header, drop, objects, limits, targets, parts, planning, replan, results, verbs, jobs,
+  views, header, drop, choose, objects, limits, targets, parts, planning, replan, results, verbs, jobs,
   frame, keys,
 ];
 for (const room of rooms) room.start();

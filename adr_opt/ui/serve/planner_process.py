@@ -16,7 +16,7 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run.run_options import DEFAULT_METHOD
 from .children import end, started
-from .looks import Done, Look, PlanningOrder
+from .looks import Done, Found, Look, PlanningOrder, ignored
 from .project.private import passing, private_folder
 from .work import check_order
 
@@ -46,10 +46,12 @@ class PlannerProcess:
         As of :class:`.work.Work`; called in a thread of this process.
     place : path
         Folder for files on their way to the process.
+    found : callable, optional
+        As of :class:`.work.Work`; called in the same thread as ``done``.
     """
 
-    def __init__(self, done: Done, place: Path) -> None:
-        self._done, self._place = done, place
+    def __init__(self, done: Done, place: Path, found: Found = ignored) -> None:
+        self._done, self._found, self._place = done, found, place
         self._changed = threading.Condition(threading.RLock())
         self._process: subprocess.Popen[bytes] | None = None
         self._orders: dict[int, tuple[Instance, Path]] = {}
@@ -144,9 +146,14 @@ class PlannerProcess:
         """Hear what a process says, until it ends."""
         assert process.stdout is not None
         for line in process.stdout:
+            if not line.endswith(b"\n"):  # it has ended within a word
+                break
             told = json.loads(line)
             if told["kind"] == "look":
                 self._heard(told["look"])
+            elif told["kind"] == "found":
+                plan = None if told["plan"] is None else Plan.from_json(told["plan"])
+                self._pass_on(self._before + told["number"], plan)
             else:
                 self._adopt(process, told)
         status = process.wait()
@@ -154,10 +161,21 @@ class PlannerProcess:
             if self._process is not process or self._closing:
                 return
             self._process = None
-            if self._look.runs:
+            runs, number = self._look.runs, self._count
+        if runs:
+            self._pass_on(number, None)
+        with self._changed:
+            if self._look.runs and self._count == number:
                 self._look = replace(self._look, phase="failed", said=_ended(status))
-            self._forget(self._count + 1)
+            self._forget(number + 1)
             self._changed.notify_all()
+
+    def _pass_on(self, number: int, plan: Plan | None) -> None:
+        """Hand over the best plan so far; one that cannot be stored is lost to a kill alone."""
+        with self._changed:
+            instance, _ = self._orders[number]
+        with suppress(InputError, OSError):
+            self._found(instance, plan)
 
     def _heard(self, told: dict[str, Any]) -> None:
         """Adopt a look, unless it is of a run before the last order."""

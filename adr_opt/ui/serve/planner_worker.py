@@ -11,7 +11,7 @@ from dataclasses import asdict
 from typing import Any, BinaryIO
 
 from ...common.errors import InputError
-from ...plan.plan import load_plan
+from ...plan.plan import Plan, load_plan
 from ...problem.instance import Instance, load
 from ...run import front
 from ...run.methods import PLANNERS
@@ -39,7 +39,7 @@ class PlannerWorker:
         self._orders, self._answers = orders, answers
         self._prepared = threading.Event()
         self._prepared.set()
-        self._work = Work(self._done, self._prepared)
+        self._work = Work(self._done, self._found, self._prepared)
         self._writing = threading.Lock()
         self._stored = threading.Event()
         self._verdict: dict[str, Any] = {}
@@ -82,8 +82,7 @@ class PlannerWorker:
     def _done(self, instance: Instance, result: PlannedRun) -> str:
         """Hand a result over and wait until it is stored; returns the message about it."""
         plan = None if result.plan is None else result.plan.to_json()
-        # Runs end in the order in which they began; one that is stopped early has no result.
-        number = next(number for number, each in self._runs if each is instance)
+        number = self._number(instance)
         self._runs = [each for each in self._runs if each[0] > number]
         self._stored.clear()
         self._tell("done", number=number, plan=plan, status=result.status, notes=list(result.notes))
@@ -91,6 +90,15 @@ class PlannerWorker:
         if not self._verdict["stored"]:
             raise InputError(self._verdict["said"])
         return str(self._verdict["said"])
+
+    def _found(self, instance: Instance, plan: Plan | None) -> None:
+        """Hand over the best plan so far."""
+        content = None if plan is None else plan.to_json()
+        self._tell("found", number=self._number(instance), plan=content)
+
+    def _number(self, instance: Instance) -> int:
+        """Number of the run of an instance: runs end in the order in which they began."""
+        return next(number for number, each in self._runs if each is instance)
 
     def _look(self) -> None:
         last = None

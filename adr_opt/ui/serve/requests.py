@@ -10,13 +10,10 @@ from ...common.errors import InputError
 from ...common.records import Record
 from ...common.sentences import sentence
 from .looks import PlanningOrder
+from .project.record import Number
 
 MOST_CHOSEN = 2000
 """Maximum number of objects that become targets at once."""
-
-
-ListNumber = Annotated[int, Field(ge=1, le=999_999)]
-"""Number of a job or result."""
 
 
 class OrderRequest(Record):
@@ -30,10 +27,11 @@ class OrderRequest(Record):
 
 
 class ChooseRequest(Record):
-    """Objects of the dropped catalogue that become the targets of a mission."""
+    """Objects of the dropped catalogue that become the targets of a mission, and its options."""
 
     names: Annotated[tuple[str, ...], Field(strict=False, min_length=1, max_length=MOST_CHOSEN)]
-    prizes: Literal["one", "worth"] = "one"
+    prizes: Literal["one", "worth", "criticality"] = "one"
+    options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
 
 
 class WorthRequest(Record):
@@ -47,19 +45,20 @@ class JobRequest(Record):
 
     verb: str
     options: Annotated[dict[str, Any], Field(default_factory=dict, max_length=50)]
-    results: Annotated[tuple[ListNumber, ...], Field(strict=False, max_length=50)] = ()
+    results: Annotated[tuple[Number, ...], Field(strict=False, max_length=50)] = ()
 
 
 class StopRequest(Record):
     """The job to stop, by its number."""
 
-    job: ListNumber
+    job: Number
 
 
 class ShowRequest(Record):
-    """The result to show, by its number."""
+    """The result to show, by its number; of a trade-off, the point whose plan is shown."""
 
-    result: ListNumber
+    result: Number
+    point: Number | None = None
 
 
 Asked = TypeVar("Asked", bound=Record)

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any
 
 from ...common.errors import InputError
-from ...common.wording import counted, status_words
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from . import session_state
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
-from .kept_history import forget_unused, restored, to_record
-from .looks import Done, Look, PlannedRun, PlanningOrder, PlanningWork
+from .kept_history import forget_unused, restored
+from .looks import Done, Found, Look, PlannedRun, PlanningOrder, PlanningWork
+from .project.points import plan_of_point
 from .project.record import DroppedFile, ProjectRecord, StepRecord
+from .project.result_record import ResultRecord
 from .project.results import Results
+from .project_keeper import ProjectKeeper
+from .runs import PlannedRuns, told
+from .shown_plan import ShownPlan, refuse_stranger
 
 
 class EditingSession:
@@ -32,7 +35,7 @@ class EditingSession:
         Of the instance.
     folder : Folder
     planner : callable
-        Makes what plans, from what handles a result.
+        Makes what plans, from what handles a result, and plans that are found before it.
 
     Attributes
     ----------
@@ -54,15 +57,14 @@ class EditingSession:
         instance: Instance | None,
         plan: Plan | None,
         folder: Folder,
-        planner: Callable[[Done], PlanningWork],
+        planner: Callable[[Done, Found], PlanningWork],
     ) -> None:
         refuse_stranger(instance, plan)
         self._lock = threading.RLock()
         self.folder = folder
-        self._shown: int | None = None
-        self._at_hand: int | None = None
+        self._shown, self._runs = ShownPlan(folder.results), PlannedRuns(folder.results)
+        self._keeper = ProjectKeeper(folder)
         self._trouble = ""
-        self._number = 0
         self.files: tuple[DroppedFile, ...] = ()
         self.worth: int | None = None
         self.revision = 0
@@ -78,12 +80,14 @@ class EditingSession:
             if instance is not None:
                 self._history.begin_anew(Draft(instance), f"{instance.name} opened")
             elif record.shown is not None:
-                self._reopen(record.shown)
+                self._shown.reopen(record.shown)
+            if self._history.has_mission:
+                self._shown.take_up(folder.results.found_again, self._history.draft.sha256)
         if instance is not None and plan is not None:
-            self._show(self._given(instance, plan))
+            self._shown.show(self._shown.given(instance, plan))
         self._keep()
         forget_unused(self._history, folder.drafts)
-        self._work = planner(self._planned)
+        self._work = planner(self._planned, self._found)
 
     @property
     def results(self) -> Results:
@@ -121,7 +125,8 @@ class EditingSession:
             The order is not valid, or there is no mission.
         """
         with self._lock:
-            known = None if self._shown is None else self.results.plan(self._shown)[1]
+            shown = self._shown.known()
+            known = None if shown is None else shown[2]
             self._work.begin(self._history.draft.instance, order, known)
 
     def stop(self) -> None:
@@ -158,8 +163,20 @@ class EditingSession:
             # What is left out is left out still where the plan is of the draft as it is.
             if not self._history.has_mission or self._history.draft.sha256 != instance.sha256:
                 self._history.begin_anew(Draft(instance), f"result {number} shown")
-            self._show(number)
+            self._shown.show(number)
             self._settle()
+
+    def show_point(self, number: int, point: int) -> None:
+        """Show the plan of a point of a trade-off, which becomes a result of its own.
+
+        Raises
+        ------
+        InputError
+            There is no such result or point, or it has no plan.
+        """
+        instance, plan = plan_of_point(self.results.place(number), point)
+        label = f"point {point} of result {number}"
+        self.show(self._shown.given(instance, plan, label, (number,)))
 
     def adopt(self, plan: Plan, name: str) -> None:
         """Show a plan that was dropped.
@@ -181,7 +198,7 @@ class EditingSession:
                 f"{name}: the plan belongs to another instance, {plan.instance.name!r}; drop that "
                 "first"
             )
-        self.show(self._given(instance, plan))
+        self.show(self._shown.given(instance, plan))
 
     def target_names(self) -> tuple[str, ...]:
         """Names of the targets of the draft, excluded ones left out; empty without a mission."""
@@ -209,7 +226,7 @@ class EditingSession:
             Its files are spoilt.
         """
         with self._lock:
-            return None if self._shown is None else (self._shown, *self.results.plan(self._shown))
+            return self._shown.known()
 
     def instance(self) -> Instance:
         """The instance as edited, without excluded targets.
@@ -230,8 +247,8 @@ class EditingSession:
             return {
                 "revision": self.revision,
                 "folder": str(self.folder.path),
-                **session_state.told(self._history, plan, self._number),
-                "result": self._shown,
+                **session_state.told(self._history, plan, self._shown.count),
+                "result": self._shown.result,
                 "trouble": self._trouble,
             }
 
@@ -243,7 +260,7 @@ class EditingSession:
             if self._history.has_mission:
                 known = self.results.newest_of(self._history.draft.sha256)
                 if known is not None:
-                    self._show(known)
+                    self._shown.show(known)
             self._settle()
 
     def _settle(self) -> None:
@@ -257,67 +274,20 @@ class EditingSession:
 
     def _keep(self) -> None:
         """Store the project, and what is at hand in it."""
-        history = self._history
-        at_hand = history.draft if history.has_mission else None
-        steps = to_record(history, self.folder.drafts)
-        self.folder.keep(
-            ProjectRecord(
-                steps=steps, at=history.at, shown=self._shown, files=self.files, worth=self.worth
-            )
-        )
-        shown = self.shown()
-        if shown is not None and shown[0] != self._at_hand:
-            self.folder.keep_plan(*shown[1:])
-            self._at_hand = shown[0]
-        if at_hand is None:
-            self.folder.keep_draft(None, planned=False)
-        else:
-            planned = shown is not None and shown[2].instance.sha256 == at_hand.sha256
-            self.folder.keep_draft(at_hand.instance, planned=planned)
+        self._keeper.keep(self._history, self._shown, self.files, self.worth)
+
+    def _found(self, instance: Instance, plan: Plan | None) -> None:
+        """Keep the best plan so far of a run, in the planner's thread."""
+        self._adopt(self._runs.found(instance, plan))
 
     def _planned(self, instance: Instance, result: PlannedRun) -> str:
         """Adopt a result, in the planner's thread; returns the message about it."""
-        plan = result.plan
-        notes = "".join(f"; {note}" for note in result.notes)
-        if plan is None:
-            why = "infeasible: no plan services all required targets"
-            return f"no plan: {why if result.status == 'infeasible' else result.status}{notes}"
-        record = self.results.keep_plan("solve", plan.method, instance, plan)
-        with self._lock:
-            self._show(record.number)
-            self._settle()
-        visits = len(set(plan.destinations) - set(instance.station_names))
-        return f"{counted(visits, 'target')} visited, {status_words(plan.status)}{notes}"
+        self._adopt(self._runs.done(instance, result.plan))
+        return told(instance, result)
 
-    def _reopen(self, number: int) -> None:
-        """Show what was shown when the project was left, unless it is spoilt."""
-        with suppress(InputError):
-            self.results.plan(number)
-            self._show(number)
-
-    def _given(self, instance: Instance, plan: Plan) -> int:
-        """Number of the result that is a plan given in the call."""
-        for record in reversed(self.results.all()):
-            alike = record.instance_sha256 == instance.sha256
-            if alike and record.has_plan and self.results.plan(record.number)[1] == plan:
-                return record.number
-        return self.results.keep_plan("solve", plan.method, instance, plan).number
-
-    def _show(self, number: int) -> None:
-        self._shown = number
-        self._number += 1
-
-
-def refuse_stranger(instance: Instance | None, plan: Plan | None) -> None:
-    """Refuse a plan of another instance.
-
-    Raises
-    ------
-    InputError
-        It is one.
-    """
-    if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
-        raise InputError(
-            f"the plan belongs to another instance, {plan.instance.name!r}; "
-            "give the one that it was made of, or no plan"
-        )
+    def _adopt(self, record: ResultRecord | None) -> None:
+        """Show a plan that was made."""
+        if record is not None:
+            with self._lock:
+                self._shown.show(record.number)
+                self._settle()

@@ -12,7 +12,7 @@ from .drafts import Draft, Part, amount_of
 from .history import History
 from .looks import in_percent
 
-PARTS = get_args(Part)
+PARTS = (*get_args(Part), "dynamics")
 """Parts of an instance that forms edit."""
 
 
@@ -45,6 +45,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
                 target.name, target.greatest_prize, target.required,
                 target.name in draft.excluded,
                 target.name in visited,
+                list(target.window_s), target.removal, target.mass_kg,
             ]
             for target in field.targets
         ],

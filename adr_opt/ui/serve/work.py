@@ -10,6 +10,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.stop import Interrupted, MaxRuntime
+from ...mission.problem import Routes
 from ...mission.result import Result
 from ...plan.plan import Plan
 from ...problem.instance import Instance
@@ -18,7 +19,8 @@ from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
 from ...run.start_plan import start_destinations
-from .looks import LONGEST_S, Done, Look, Phase, PlanningOrder
+from .incumbents import IncumbentWatch
+from .looks import LONGEST_S, Done, Found, Look, Phase, PlanningOrder, ignored
 
 MOST_POINTS = 400
 """Maximum number of stored changes of incumbent and bound, first and last ones."""
@@ -54,6 +56,12 @@ class _Run:
     built: float = 1.0
     points: list[tuple[float, float, float]] = field(default_factory=list)
     said: str = ""
+    watch: IncumbentWatch | None = None
+
+    def found(self, routes: Routes) -> None:
+        """Receive the best routes so far."""
+        if self.watch is not None:
+            self.watch.hear(routes)
 
     def building(self, share: float) -> None:
         """Receive the share of the timetable that is built; the clock has started."""
@@ -107,12 +115,16 @@ class Work:
     ----------
     done : callable
         Called with each instance and its result, in the thread of the run, before that is over.
+    found : callable, optional
+        Called with each instance and the best plan so far, about once a second.
     prepared : Event, optional
         Set when kernels are loaded; runs wait for it, as their clock stands still meanwhile.
     """
 
-    def __init__(self, done: Done, prepared: threading.Event | None = None) -> None:
-        self._done, self._prepared = done, prepared
+    def __init__(
+        self, done: Done, found: Found = ignored, prepared: threading.Event | None = None
+    ) -> None:
+        self._done, self._found, self._prepared = done, found, prepared
         self._reused = Reused()
         self._lock = threading.Lock()
         self._run: _Run | None = None
@@ -177,7 +189,11 @@ class Work:
                 run.phase = "compiling"
                 if self._prepared is not None:
                     self._prepared.wait()
-                result = self._result(run, instance, known)
+                try:
+                    result = self._result(run, instance, known)
+                except BaseException:
+                    self._found(instance, None)
+                    raise
                 run.settle(result)
                 run.said = self._done(instance, result)
             run.phase = "done"
@@ -205,7 +221,8 @@ class Work:
         wanted = front.RunOptions(
             order.time_limit_s, order.seed, start, repair=start is not None, bound=order.bound
         )
-        return front.run(
-            PLANNERS, problem, order.method, wanted, stop=run.stop, progress=run,
-            building=run.building,
-        )  # fmt: skip
+        with IncumbentWatch(problem, order, lambda plan: self._found(instance, plan)) as run.watch:
+            return front.run(
+                PLANNERS, problem, order.method, wanted, stop=run.stop, progress=run,
+                building=run.building,
+            )  # fmt: skip

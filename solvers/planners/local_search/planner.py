@@ -10,7 +10,7 @@ import numpy as np
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
@@ -116,7 +116,7 @@ def local_search(
     if start is None:
         start = guarded_sequence(mission)
     search = LocalSearch(mission, start, seed)
-    progress(search.best.objective, math.inf)
+    tell_plan(progress, search.best.objective, search.best.sequence or ())
     iterations = improved = 0
     possible = mission.instance.mission.duration_s > 0.0 and mission.total_worth > 0.0
     while (
@@ -132,7 +132,7 @@ def local_search(
             improved += search.recreate(options.width, stop)
         iterations += 1
         if search.best.objective > before:
-            progress(search.best.objective, math.inf)
+            tell_plan(progress, search.best.objective, search.best.sequence or ())
     return certify(
         mission,
         "local-search",

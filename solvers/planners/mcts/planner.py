@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.constants import HOUR_S
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.mission.certified import certify
@@ -127,7 +127,7 @@ class _Player:
             if self.settings.answer == "played" and collected > self.best_played:
                 self.best_played, self.answer = collected, sequence[:played].copy()
             if self.incumbent > before:
-                self.progress(self.incumbent, math.inf)
+                tell_plan(self.progress, self.incumbent, self.plan())
             if body == trees.NONE:
                 self.missions += 1
                 return False

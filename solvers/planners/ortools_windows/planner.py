@@ -15,7 +15,7 @@ import numpy as np
 from adr_opt.common.clock import now_s
 from adr_opt.common.constants import HOUR_S
 from adr_opt.common.options import MOST_JOBS, Options, option
-from adr_opt.common.progress import Progress
+from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.mission import Mission
@@ -122,7 +122,7 @@ def ortools(
             present = filled_up(present, (chaser,), worth, limits.time_value)
     if present.better_than(best):
         best = present
-    progress(best.objective, math.inf)
+    tell_plan(progress, best.objective, *(order.moves for order in best.orders))
 
     counters: Counter[str] = Counter(
         windows=0, closed_by_prices=0, full_networks=0, solves=0, solves_completed=0, gains=0,
@@ -159,7 +159,9 @@ def ortools(
                 if found.better_than(best):
                     if found.objective > best.objective:
                         counters["improved"] += 1
-                        progress(found.objective, math.inf)
+                        tell_plan(
+                            progress, found.objective, *(order.moves for order in found.orders)
+                        )
                     best = found
     return certify_routes(
         problem,

@@ -71,8 +71,12 @@ function turnedBy(east, north) {
 }
 
 function comeNearer(by) {
-  if (drawsWith() === "") return null;
-  return Plotly.relayout(box("orbits"), enlarged(scale.now * by));
+  if (drawsWith() !== "") return Plotly.relayout(box("orbits"), enlarged(scale.now * by));
+  const { xaxis, yaxis } = box("orbits")._fullLayout;
+  const nearer = ([low, high]) => [low, high].map((end) => (low + high + (2 * end - low - high) / by) / 2);
+  return Plotly.relayout(box("orbits"), {
+    "xaxis.range": nearer(xaxis.range), "yaxis.range": nearer(yaxis.range),
+  });
 }
 
 const keys = {

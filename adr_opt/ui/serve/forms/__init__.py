@@ -1,1 +1,1 @@
-"""Fields of the forms that edit parts of an instance."""
+"""Fields of forms: those that edit parts of an instance, and options of verbs."""

@@ -12,6 +12,9 @@ from .words import NOT_EDITED, VARIANTS, WORDS, unit_of
 
 Schema = dict[str, Any]
 
+OF_TARGETS = ("window_s", "removal", "mass_kg")
+"""Fields of targets in a form, beside prize and requirement, which stand in their table."""
+
 KINDS = {
     "number": "number",
     "integer": "number",
@@ -38,7 +41,18 @@ def form_fields() -> list[dict[str, Any]]:
         if content.get("type") == "array":
             content = _resolved(content["items"], schema)
         found += [{"part": part, **field} for field in _inside(content, schema, "", None)]
-    return found
+    dynamics = _field(schema["properties"]["dynamics"], schema, "dynamics", None, must=True)
+    target = schema["$defs"]["Target"]["properties"]
+    services = [
+        field
+        for name in OF_TARGETS
+        for field in _field(target[name], schema, name, None, must=True)
+    ]
+    return [
+        *found,
+        *({"part": "dynamics", **field} for field in dynamics),
+        *({"part": "targets", **field} for field in services),
+    ]
 
 
 def _inside(

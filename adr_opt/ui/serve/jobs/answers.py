@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 from ....common.wording import counted
 from ....plan.plan import load_plan
 from ....problem.instance import Instance
-from ..project.results import INSTANCE, PLAN, of_plan
+from ..project.plan_files import INSTANCE, PLAN, of_plan
 
 
 def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
@@ -32,7 +33,7 @@ def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
     figures: dict[str, Any] = {
         name: float(value)
         for name, value in found.items()
-        if isinstance(value, (int, float)) and not isinstance(value, bool)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     }
     status = answer.get("status")
     return figures | ({"status": status} if isinstance(status, str) else {})

@@ -5,19 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
+from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
+from ..forms.options import words_of
 from ..objects.dropped import DroppedObjects
+from ..project.plan_files import INSTANCE, PLAN
 from ..project.result_record import ResultRecord
-from ..project.results import INSTANCE, PLAN
 from ..requests import JobRequest
 from ..session import EditingSession
-from .options import words_of
 from .verbs import VERBS, JobVerb
 
 REFINED, CERTIFICATE = "refined.json", "certificate.json.gz"
-
-DESIGNS = ("launches", "separation", "kits", "dry-mass", "start", "budget")
-"""What designs vary, whose points have plans of their own."""
 
 
 class JobCommand(NamedTuple):
@@ -90,8 +88,6 @@ class JobInputs:
             outputs.append(
                 f"--out={self._named(place / ('points.jsonl' if of_designs else 'points.csv'))}"
             )
-            if of_designs:
-                outputs.append(f"--plans={self._named(place / 'plans')}")
         return read._replace(words=[asked.verb, *read.words, *options, *outputs, "--json"])
 
     def _files(self, verb: JobVerb, asked: JobRequest, place: Path | None) -> JobCommand:
@@ -191,4 +187,4 @@ def _of_designs(asked: JobRequest) -> bool:
     priced = any(
         asked.options.get(f"{name}_cost_eur") is not None for name in ("launch", "kit", "kg")
     )
-    return priced or any(name in DESIGNS for name in varied)
+    return priced or any(name in KINDS and KINDS[name].of_designs for name in varied)

@@ -8,8 +8,9 @@ from typing import Any, Literal, NamedTuple
 
 from ....run.methods import BOUNDS, PLANNERS, names
 from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
+from ..forms.options import JobOption
 from ..looks import LONGEST_S
-from .options import JobOption
+from ..project.points import PLANS
 
 Need = Literal[
     "instance", "plan", "plans", "plan or refined", "certificate", "catalogue", "uncertainty"
@@ -167,7 +168,7 @@ VERBS: dict[str, JobVerb] = {
             _euros("kit", "Cost of a kit"),
             _euros("kg", "Cost of a kilogram"),
         ),
-        (JobOutput("--page", "tradeoff.html"),), "tradeoff.html",
+        (JobOutput("--page", "tradeoff.html"), JobOutput("--plans", PLANS)), "tradeoff.html",
     ),
     "replan": JobVerb(
         "Replan", ("plan",),

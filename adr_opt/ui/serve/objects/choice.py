@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from ....common.errors import InputError
 from ....problem.instance import Instance
@@ -11,26 +13,52 @@ from ....sources import catalogue
 from ....sources.catalogue.finding import Finder
 from ....sources.catalogue.records import ElementSet
 from ....sources.ephemerides.imported import with_ephemerides
+from .import_wanted import ImportWanted
+
+
+class MissionMade(NamedTuple):
+    """A mission with an account of its making.
+
+    Attributes
+    ----------
+    instance : Instance
+    counts : dict
+        Number of chosen objects that are no targets, by reason.
+    warnings : tuple of str
+    """
+
+    instance: Instance
+    counts: dict[str, int]
+    warnings: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The account as JSON data."""
+        return {
+            "targets": len(self.instance.targets), "left_out": self.counts,
+            "warnings": list(self.warnings),
+        }  # fmt: skip
 
 
 def mission_of(
     records: Sequence[ElementSet],
+    wanted: ImportWanted,
     prizes: Path | None,
     messages: Sequence[Path],
-    place: Path,
-) -> Instance:
+    folder: Callable[[], Path],
+) -> MissionMade:
     """The mission that ``import`` makes of objects, by default with one chaser.
 
     Parameters
     ----------
     records : sequence of ElementSet
         The objects; those that SGP4 cannot bring to the epoch are left out.
+    wanted : ImportWanted
     prizes : path, optional
         Table of prizes, as ``--prizes`` takes it.
     messages : sequence of path
         OEM files, as ``--oem`` takes them.
-    place : path
-        Folder for the instance file with its ephemerides, where there are messages.
+    folder : callable
+        Makes a folder for the instance file with its ephemerides.
 
     Raises
     ------
@@ -44,11 +72,17 @@ def mission_of(
         raise InputError("none of the chosen objects has a prize in the table; choose others")
     made = catalogue.to_instance(
         catalogue.Catalogue(tuple(records)),
+        filters=wanted.filters,
+        max_targets=wanted.max_targets,
+        station=wanted.station,
         skip_bad=True,
-        demands=catalogue.Demands(wishes=of_these),
+        mission=wanted.mission,
+        crew=wanted.crew,
+        demands=replace(wanted.demands, wishes=of_these),
     )
-    if not messages:
-        return made.instance
+    if not (messages or wanted.ephemerides):
+        return MissionMade(made.instance, made.counts, made.warnings)
+    place = folder()
     fitted = with_ephemerides(made, place / "instance.json", messages)
     fitted.write(place / "instance.json")
-    return Instance.load(place / "instance.json")
+    return MissionMade(Instance.load(place / "instance.json"), made.counts, made.warnings)

@@ -6,8 +6,9 @@ import csv
 import re
 import threading
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from ....common.errors import InputError
 from ....common.files import read_text
@@ -19,7 +20,8 @@ from ..project.private import passing, private_folder, refuse_link
 from ..project.record import Content, DroppedFile
 from ..session import EditingSession
 from .catalogue_view import CatalogueView
-from .choice import mission_of
+from .choice import MissionMade, mission_of
+from .import_options import in_labels, wanted_of
 from .recognise import Recognised, recognised
 
 ALONE: tuple[Content, ...] = ("satcat", "prizes", "uncertainty")
@@ -27,6 +29,9 @@ ALONE: tuple[Content, ...] = ("satcat", "prizes", "uncertainty")
 
 MOST_FILES = 100
 """Maximum number of dropped files in a project."""
+
+PrizeKind = Literal["one", "worth", "criticality"]
+"""Where prizes are from: 1 each, worths or a dropped table, or the ranking of ``import``."""
 
 DETAILS, PRIZES = "details.csv", "prizes.csv"
 """Files of a result of ``worth``."""
@@ -155,8 +160,17 @@ class DroppedObjects:
         worth, unit = self._rated(view)
         return {**view.columns, "worth": worth, "worth_unit": unit, "chosen": chosen}
 
-    def mission(self, names: Iterable[str], *, by_worth: bool) -> Instance:
+    def mission(
+        self, names: Iterable[str], prizes: PrizeKind, options: dict[str, Any]
+    ) -> MissionMade:
         """The mission of some of the objects.
+
+        Parameters
+        ----------
+        names : iterable of str
+        prizes : {"one", "worth", "criticality"}
+        options : dict
+            Values of the options of an import, by name.
 
         Raises
         ------
@@ -166,13 +180,20 @@ class DroppedObjects:
         view = self.view()
         if view is None:
             raise InputError("no catalogue is there; drop a TLE or OMM file first")
-        prizes = self._prizes() if by_worth else None
-        if by_worth and prizes is None:
+        table = self._prizes() if prizes == "worth" else None
+        if prizes == "worth" and table is None:
             raise InputError("no worths are known; compute them, or drop a table of prizes")
-        messages, place = self.of("ephemerides"), self._session.folder.path
-        if messages:
-            place = private_folder(passing(place))
-        return mission_of(view.chosen(list(names)), prizes, messages, place)
+        messages = self.of("ephemerides")
+        try:
+            wanted = wanted_of(options, messages=bool(messages))
+            if prizes == "criticality":
+                wanted = wanted._replace(demands=replace(wanted.demands, by_criticality=True))
+            return mission_of(
+                view.chosen(list(names)), wanted, table, messages,
+                lambda: private_folder(passing(self._session.folder.path)),
+            )  # fmt: skip
+        except InputError as error:
+            raise InputError(in_labels(str(error))) from None
 
     def _prizes(self) -> Path | None:
         """The table of prizes: computed, or dropped."""

@@ -21,7 +21,7 @@ FileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$")]
 """Name of a file in ``files``, which leads nowhere else."""
 
 Number = Annotated[int, Field(ge=1, le=999_999)]
-"""Number of a result."""
+"""Number of a result or a job."""
 
 Content = Literal["catalogue", "ephemerides", "instance", "plan", "satcat", "prizes", "uncertainty"]
 """What a dropped file holds."""

@@ -15,10 +15,11 @@ from ....common.errors import InputError
 from ....common.files import read_model, write_text
 from ....plan.plan import Plan, load_plan
 from ....problem.instance import Instance
+from .plan_files import INSTANCE, PLAN, of_plan, unfinished
 from .private import private_folder
 from .result_record import KEPT_VERBS, ResultRecord
 
-RECORD, INSTANCE, PLAN = "result.json", "instance.json", "plan.json"
+RECORD = "result.json"
 
 PLANS_READY = 32
 """Number of plans that need not be read again."""
@@ -36,11 +37,14 @@ class Results:
     ----------
     revision : int
         Counts changes.
+    found_again : list of int
+        Results of runs that a killed server left unfinished.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.revision = 0
+        self.found_again: list[int] = []
         self._lock = threading.RLock()
         self._records: dict[int, ResultRecord] = {}
         self._places: dict[int, Path] = {}
@@ -50,7 +54,8 @@ class Results:
     def read(self) -> None:
         """Read the results that are there, and remove those that a killed server left unfinished.
 
-        What is no result, by the number and the verb in its name, is left where it is.
+        Of a planning run the best plan so far is kept. What is no result, by the number and the
+        verb in its name, is left where it is.
         """
         for path in list(self.folder.iterdir()) if self.folder.is_dir() else ():
             found = re.fullmatch(r"([0-9]{4,6})-([a-z]+)", path.name)
@@ -60,7 +65,11 @@ class Results:
                 continue
             self._last = max(self._last, int(found[1]))
             if not (path / RECORD).exists():
-                shutil.rmtree(path, ignore_errors=True)
+                record = unfinished(path, int(found[1]), found[2])
+                if record is None:
+                    shutil.rmtree(path, ignore_errors=True)
+                else:
+                    self.found_again.append(self.done(record).number)
                 continue
             with suppress(InputError):
                 record = read_model(path / RECORD, ResultRecord)
@@ -113,10 +122,27 @@ class Results:
         shutil.rmtree(place, ignore_errors=True)
 
     def keep_plan(
-        self, verb: str, label: str, instance: Instance, plan: Plan, **more: Any
+        self,
+        verb: str,
+        label: str,
+        instance: Instance,
+        plan: Plan,
+        begun: tuple[int, Path] | None = None,
+        **more: Any,
     ) -> ResultRecord:
-        """Keep a plan with its instance as a new result."""
-        number, place = self.begin(verb)
+        """Keep a plan with its instance as a new result.
+
+        Parameters
+        ----------
+        verb, label : str
+        instance : Instance
+        plan : Plan
+        begun : (int, path), optional
+            As :meth:`begin` gives it; by default a new one.
+        **more
+            Further fields of the record.
+        """
+        number, place = begun or self.begin(verb)
         try:
             instance.save(place / INSTANCE)
             plan.save(place / PLAN)
@@ -164,21 +190,6 @@ class Results:
         self._ready[number] = known
         while len(self._ready) > PLANS_READY:
             self._ready.popitem(last=False)
-
-
-def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
-    """Fields of a record that a plan tells."""
-    targets = {target.name for target in instance.targets}
-    return {
-        "instance_sha256": plan.instance.sha256,
-        "plan_sha256": plan.legs_sha256,
-        "objective": plan.objective,
-        "bound": plan.upper_bound,
-        "gap": plan.gap,
-        "delta_v_m_s": plan.delta_v_m_s,
-        "targets": len(targets & set(plan.destinations)),
-        "status": plan.status,
-    }
 
 
 def now() -> datetime:

@@ -1,5 +1,6 @@
 // The view of objects: plots, filters and the list of what was dropped, and the choice among them.
 import { brush } from "./brush.js";
+import { chooseThese } from "./choose.js";
 import { COLUMNS, columnsOf, filtering, known, sift } from "./columns.js";
 import { box, button, counted, made, put, text } from "./dom.js";
 import { List } from "./list.js";
@@ -164,8 +165,9 @@ function take(answer) {
   const worth = known(field.worth);
   box("colour-by").value = worth ? "worth" : "kind";
   box("colour-by").disabled = !worth;
-  box("prizes").value = worth ? "worth" : "one";
-  box("prizes").disabled = !worth;
+  if (worth) box("prizes").value = "worth";
+  else if (box("prizes").value === "worth") box("prizes").value = "one";
+  box("prizes").querySelector("[value=worth]").disabled = !worth;
   ranges.take(field, same);
   list.take(field);
   const left = answer.skipped ? `; ${counted(answer.skipped, "object")} left out` : "";
@@ -197,7 +199,7 @@ async function choose() {
     if (ticks.length ? field.ticked[at] : passing[at]) names.push(field.names[at]);
   }
   box("choose").disabled = true;
-  await send("/choose", { names, prizes: box("prizes").value });
+  await chooseThese(names);
   ask(true);
 }
 

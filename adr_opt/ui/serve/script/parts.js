@@ -128,12 +128,27 @@ function add(part) {
   return change(part, [...elements, { ...structuredClone(like), name }]);
 }
 
+// How bodies move: a word of the instance, not a part of it.
+let dynamics = null;
+
+function showDynamics({ instance }) {
+  if (!dynamics) {
+    const spec = told.forms.find(({ part }) => part === "dynamics");
+    if (!spec) return;
+    dynamics = fieldOf(spec, "part-dynamics", async (value) => (
+      (await post("/edit", { dynamics: value })).refused));
+    box("dynamics").replaceChildren(dynamics.row);
+  }
+  dynamics.set(instance.dynamics);
+}
+
 // ---- All of it -----------------------------------------------------------------------------------
 
 function show() {
   const { state } = told;
   if (!state?.instance || !told.forms.length) return;
   for (const part of Object.keys(LISTS)) showList(part);
+  showDynamics(state);
   for (const part of Object.keys(SINGLE)) {
     const details = box(part).closest("details");
     if (details.open) {

@@ -1,6 +1,7 @@
 // Everything that was made: opened in the frame, shown as the plan, selected for comparisons.
 import { box, button, counted, made, put, text } from "./dom.js";
 import { showPage, showPlanReport } from "./frame.js";
+import { showPoints } from "./points.js";
 import { follow, told } from "./store.js";
 import { send } from "./talk.js";
 import { beside } from "./views.js";
@@ -24,8 +25,19 @@ function figures(result) {
   value("ΔV", result.delta_v_m_s, " m/s");
   if (Number.isInteger(result.targets)) said.push(counted(result.targets, "target"));
   if (result.status) said.push(result.status);
-  const lines = Array.isArray(result.said) ? result.said : [result.said];
-  return [said.join(", "), ...lines].filter(Boolean).join("; ");
+  return said.join(", ");
+}
+
+// Messages of a verb: one or two stand in the list, more can be opened.
+const FEW = 2;
+
+function messages(result) {
+  const lines = (result.said ?? "").split("\n").map((line) => line.replace(/^adr-opt: /, ""))
+    .filter((line) => line && !line.startsWith("wrote "));
+  if (!lines.length) return null;
+  if (lines.length <= FEW) return made("span", { class: "said" }, lines.join("; "));
+  return made("details", { class: "said" }, made("summary", {}, counted(lines.length, "message")),
+    ...lines.map((line) => made("p", {}, line)));
 }
 
 function rowOf(result) {
@@ -41,6 +53,10 @@ function rowOf(result) {
   const acts = made("span", { class: "acts small" });
   const open = () => openPage(result);
   if (result.has_page) acts.append(button("Open", open, { "aria-label": `Open ${name}` }));
+  if (result.verb === "tradeoff") {
+    acts.append(button("Points", () => showPoints(result.id, result.label || result.verb),
+      { "aria-label": `Points of ${name}` }));
+  }
   const show = button("Show", () => send("/show", { result: result.id }),
     { "aria-label": `Show the plan of ${name}` });
   if (result.has_plan) acts.append(show);
@@ -48,6 +64,8 @@ function rowOf(result) {
   const when = made("time", { datetime: result.made_at }, moment);
   const row = made("li", { class: "result" }, tick,
     made("span", { class: "what" }, made("b", {}, name), " ", when), acts, said);
+  const told = messages(result);
+  if (told) row.append(told);
   row.dataset.verb = result.verb;
   row.dataset.id = String(result.id);
   rows.set(result.id, { row, said, show, tick });

@@ -1,7 +1,8 @@
 // The table of targets: prize, required, excluded, one by one or all that are shown.
 import { box, made, text } from "./dom.js";
+import { fieldOf } from "./field.js";
 import { again, follow, told } from "./store.js";
-import { complain, edit } from "./talk.js";
+import { complain, edit, post } from "./talk.js";
 
 const MOST_ROWS = 300; // the filter finds the others
 const rows = new Map(); // by name
@@ -66,12 +67,32 @@ function show(state) {
   for (const name of ["exclude-shown", "include-shown", "set-shown", "prize-shown"]) {
     box(name).disabled = !found.length;
   }
+  for (const [at, field] of services) {
+    const values = new Set(found.map((target) => JSON.stringify(target[at])));
+    field.set(values.size === 1 ? JSON.parse([...values][0]) : null);
+    field.control.disabled = !found.length;
+  }
   const count = (kindOf) => targets.filter(KINDS[kindOf]).length;
   box("counts").textContent = `${targets.length} in all, ${count("visited")} visited, `
     + `${count("required")} required, ${count("excluded")} excluded`;
 }
 
+// Fields that are set of all targets shown, and show what these have in common.
+const PLACES = { window_s: 5, removal: 6, mass_kg: 7 };
+let services = [];
+
+function build(forms) {
+  services = forms.filter(({ part }) => part === "targets").map((spec) => {
+    const change = async (value) => (
+      (await post("/edit", { targets: { names: shown, [spec.path]: value } })).refused);
+    return [PLACES[spec.path], fieldOf({ ...spec, default: spec.kind === "list" ? [null, null] : null },
+      `targets-${spec.path}`, change)];
+  });
+  box("services").replaceChildren(...services.map(([, field]) => field.row));
+}
+
 export function start() {
+  follow("forms", build);
   follow("state", show);
   box("filter").addEventListener("input", () => show(told.state));
   box("kind").addEventListener("change", () => show(told.state));

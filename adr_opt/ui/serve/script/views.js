@@ -25,6 +25,7 @@ function mark() {
 
 export function view(name) {
   const lost = box(`view-${viewed()}`).contains(document.activeElement);
+  if (name !== viewed()) box("desk").scrollTop = 0; // how far down one is says nothing of another
   document.body.dataset.view = name;
   document.body.classList.remove("at-report");
   mark();

@@ -1,4 +1,4 @@
-"""Options of jobs: each by name, of a checked type, as one word of a command line."""
+"""Options of verbs: each by name, of a checked type, as one word of a command line."""
 
 from __future__ import annotations
 

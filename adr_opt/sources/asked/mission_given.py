@@ -1,0 +1,129 @@
+"""The mission of an import as options give it: epoch, duration, dynamics, transfers."""
+
+from __future__ import annotations
+
+import math
+from datetime import datetime
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from ...common.constants import DAY_S
+from ...common.errors import InputError
+from .fitting import check_positive
+
+if TYPE_CHECKING:
+    from ..catalogue import MissionOutline
+
+LEAST_STEP_DAYS = 0.01
+"""Least step of the grid of long transfers; smaller ones are taken for typing errors."""
+
+
+class MissionOptions(NamedTuple):
+    """Values of the options of the mission; None if not given."""
+
+    epoch: str | None = None
+    duration_days: float = 7.0
+    dynamics: Literal["j2", "two-body"] = "j2"
+    no_refuelling: bool = False
+    drift_step_days: float | None = None
+    max_drift_days: float | None = None
+    departure_spacing_days: float | None = None
+    resolution: float | None = None
+
+    def outline(self, *, thrust: bool = False, fitted_by: str | None = None) -> MissionOutline:
+        """The mission.
+
+        Parameters
+        ----------
+        thrust : bool
+            Whether chasers have low thrust.
+        fitted_by : str, optional
+            The option by which orbits are fitted to ephemerides.
+
+        Raises
+        ------
+        InputError
+            A value is out of range, or of no use beside another one.
+        """
+        from ...common.records import LARGEST_DURATION_S
+        from ..catalogue import MissionOutline
+
+        days = self.duration_days
+        check_positive(duration_days=days)
+        if days * DAY_S > LARGEST_DURATION_S:
+            raise InputError(
+                f"--duration-days = {days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
+            )
+        transfer = transfer_of(
+            self.dynamics, self.drift_step_days, self.max_drift_days, self.departure_spacing_days,
+            self.resolution,
+        )  # fmt: skip
+        if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
+            raise InputError(
+                "--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days"
+            )
+        if fitted_by is not None and self.dynamics != "j2":
+            raise InputError(f"{fitted_by}: orbits are fitted under J2; leave --dynamics j2")
+        return MissionOutline(
+            epoch=None if self.epoch is None else parse_epoch(self.epoch), duration_s=DAY_S * days,
+            dynamics=self.dynamics, transfer=transfer, refuelling=not self.no_refuelling,
+        )  # fmt: skip
+
+
+def transfer_of(
+    dynamics: str,
+    drift_step_days: float | None,
+    max_drift_days: float | None,
+    departure_spacing_days: float | None,
+    resolution: float | None,
+) -> dict[str, float | None]:
+    """Transfer settings given in the call; the others, None, are derived from the mission.
+
+    Raises
+    ------
+    InputError
+        A number is out of range, or of no use in two-body motion.
+    """
+    for option, value, least in (
+        ("--drift-step-days", drift_step_days, LEAST_STEP_DAYS),
+        ("--max-drift-days", max_drift_days, 0.0),
+        ("--departure-spacing-days", departure_spacing_days, 0.0),
+        ("--resolution", resolution, 0.0),
+    ):
+        if value is not None and not (least <= value < math.inf):
+            raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
+    if dynamics != "j2":
+        for option, value in (
+            ("--drift-step-days", drift_step_days), ("--max-drift-days", max_drift_days)
+        ):  # fmt: skip
+            if value:
+                raise InputError(
+                    f"{option} = {value:g}: no plane drifts in two-body motion; leave it out, or "
+                    "--dynamics two-body"
+                )
+    return {
+        "drift_step_s": _seconds(drift_step_days),
+        "max_drift_s": _seconds(max_drift_days),
+        "departure_spacing_s": _seconds(departure_spacing_days),
+        "delta_v_resolution_m_s": resolution,
+    }
+
+
+def _seconds(days: float | None) -> float | None:
+    return None if days is None else DAY_S * days
+
+
+def parse_epoch(text: str) -> datetime:
+    """A time in ISO 8601, UTC unless it states another zone.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    from datetime import UTC
+
+    try:
+        epoch = datetime.fromisoformat(text)
+        return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
+    except (ValueError, OverflowError):
+        raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None

@@ -1,0 +1,45 @@
+"""Folders that ``tradeoff --plans`` writes: the instance and the plan of each point."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...common.errors import InputError
+
+if TYPE_CHECKING:
+    from ...analysis.trade import Tradeoff
+    from ...plan.plan import Plan
+    from ...problem.instance import Instance
+
+
+def check_folder(folder: str) -> None:
+    """Raise :class:`InputError` unless plans can be written into a folder."""
+    path = Path(folder)
+    if path.exists() and not path.is_dir():
+        raise InputError(f"{folder}: this is a file; name a folder for the plans")
+    parent = path.resolve().parent
+    if not path.exists() and not parent.is_dir():
+        raise InputError(f"{folder}: the folder {path.parent} does not exist; create it first")
+    if not os.access(path if path.exists() else parent, os.W_OK):
+        raise InputError(f"{folder}: the folder cannot be written to; choose another")
+
+
+def write_plan(folder: Path, stem: str, instance: Instance, plan: Plan) -> dict[str, Path]:
+    """Write the instance and the plan of a point; returns their paths by what they are."""
+    files = {"instance": folder / f"{stem}.instance.json", "plan": folder / f"{stem}.plan.json"}
+    instance.save(files["instance"])
+    plan.save(files["plan"])
+    return files
+
+
+def write_points(made: Tradeoff, folder: str) -> None:
+    """Write instance and plan of each point of a trade-off that has a plan."""
+    from ...analysis.trade.plans import plans_of
+
+    where = Path(folder)
+    where.mkdir(exist_ok=True)
+    digits = len(str(len(made.points)))
+    for at, instance, plan in plans_of(made):
+        write_plan(where, f"point-{at + 1:0{digits}d}", instance, plan)

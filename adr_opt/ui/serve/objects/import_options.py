@@ -1,0 +1,147 @@
+"""Options of an import as fields of a form, and what is asked by them."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from ....common.errors import InputError
+from ....sources import catalogue
+from ....sources.asked.crew_given import CrewOptions
+from ....sources.asked.fitting import Fitting
+from ....sources.asked.mission_given import MissionOptions
+from ....sources.catalogue.filters import parse_range
+from ..forms.options import JobOption
+from .import_wanted import ImportWanted
+
+RANGE = "two numbers as LOW:HIGH; one may be left out"
+BY_MASS = "for a tank by mass"
+
+
+def _number(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
+    return JobOption(name, _sign(name), label, "number", unit, help=help, **more)
+
+
+def _text(name: str, label: str, unit: str = "", help: str = "") -> JobOption:
+    return JobOption(name, _sign(name), label, "text", unit, help=help)
+
+
+def _flag(name: str, label: str, help: str = "") -> JobOption:
+    return JobOption(name, _sign(name), label, "flag", default=False, help=help)
+
+
+def _sign(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+OPTIONS: tuple[JobOption, ...] = (
+    _text("epoch", "Epoch", "UTC", "as 2026-01-01T00:00:00; empty for the latest of the elements"),
+    _number("duration_days", "Mission duration", "d", default=7.0),
+    JobOption(
+        "dynamics", "--dynamics", "Dynamics", "choice", default="j2",
+        choices=lambda: ("j2", "two-body"), help="with j2 planes drift",
+    ),
+    _text("altitude", "Altitudes kept", "km", RANGE),
+    _text("inclination", "Inclinations kept", "deg", RANGE),
+    _text("raan", "Nodes kept", "deg", "two numbers as LOW:HIGH; 350:10 goes through 0"),
+    _text("name", "Names kept", "", "a part of a name, or a pattern with * and ?"),
+    _text("exclude", "Objects left out", "", "numbers or names between commas"),
+    _number("max_targets", "Most targets", "", "nearest planes first", whole=True),
+    _text("station", "Station", "km, °, °, °",
+          "ALTITUDE,INCLINATION,NODE[,U] or an object; empty for the densest plane"),
+    _flag("no_refuelling", "No station", "the chaser starts in its place"),
+    _number("delta_v", "ΔV of a full tank", "m/s", "3000 by default"),
+    _number("dry_mass", "Dry mass", "kg", BY_MASS),
+    _number("propellant", "Propellant of a full tank", "kg", BY_MASS),
+    _number("isp", "Specific impulse", "s", BY_MASS),
+    _number("thrust", "Low thrust", "N", "in place of impulses; needs a tank by mass"),
+    _number("duty_cycle", "Duty cycle", "", "share of the time in which the thrust is on"),
+    _number("kits", "Kits aboard", "", "each target needs one", whole=True),
+    _number("kit_mass", "Mass of a kit", "kg"),
+    _number("tow", "Mass of a towed target", "kg", "each target is towed"),
+    _number("disposal_altitude", "Disposal altitude", "km", "to which targets are towed"),
+    _number("launches", "Launches", "", "chasers launched, each to its first target", whole=True),
+    _number("launch_every", "Interval between launches", "d", "365 by default; 0 for one rocket"),
+    _number("launch_separation", "Least interval between launches", "d", "times are optimised"),
+    _text("expense", "Expense of a chaser", "", "FIXED[,PER_KG[,PER_KG2]]; the least is best"),
+    _number("service_days", "Time at a target", "d", "empty for one revolution"),
+    _text("deadline", "Deadlines", "d", "OBJECT=DAYS, several between semicolons"),
+    _text("require", "Required objects", "", "numbers or names between semicolons"),
+    _number("max_drift_days", "Longest drift", "d", "0 for none; empty for that of the mission"),
+    _number("drift_step_days", "Time step of drifts", "d"),
+    _number("departure_spacing_days", "Time between departures", "d", "the least"),
+    _number("resolution", "Least saving of a transfer", "m/s"),
+    _flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
+)  # fmt: skip
+"""All options but for files, of which those count that were dropped."""
+
+LABELS = {option.sign: option.label for option in OPTIONS} | {"--prizes": "Prizes", "--oem": "OEM"}
+
+
+def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
+    """What values of the options ask for.
+
+    Parameters
+    ----------
+    given : dict
+        Values by the names of :data:`OPTIONS`; what is missing has its default.
+    messages : bool
+        Whether OEM files were dropped.
+
+    Raises
+    ------
+    InputError
+        There is no such option, or a value is not valid.
+    """
+    value = _checked(given)
+    several = {
+        name: tuple(part.strip() for part in (value.pop(name) or "").split(";") if part.strip())
+        for name in ("deadline", "require")
+    }
+    names, excluded = value.pop("name"), value.pop("exclude")
+    fitting = Fitting(**{name: value[name] for name in Fitting._fields})
+    crew_options = CrewOptions(
+        fitting,
+        **{name: value[name] for name in (
+            "launches", "launch_every", "launch_separation", "expense", "thrust", "duty_cycle",
+            "service_days",
+        )},
+        deadlines=several["deadline"], required=several["require"], musts=(),
+        excluded=() if excluded is None else (excluded,), prizes_path=None,
+    )  # fmt: skip
+    crew = crew_options.crew()
+    mission = MissionOptions(**{name: value[name] for name in MissionOptions._fields})
+    fitted_by = "--oem" if messages else "--ephemerides" if value["ephemerides"] else None
+    ranges = {
+        field: None if value[name] is None
+        else parse_range(value[name], _sign(name), open_ended=name != "raan")
+        for name, field in (
+            ("altitude", "altitude_km"), ("inclination", "inclination_deg"), ("raan", "raan_deg"),
+        )
+    }  # fmt: skip
+    filters = catalogue.Filters(**ranges, names=() if names is None else (names,))
+    return ImportWanted(
+        filters, value["max_targets"], value["station"],
+        mission.outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by), crew,
+        crew_options.demands(), bool(value["ephemerides"]),
+    )  # fmt: skip
+
+
+def _checked(given: dict[str, Any]) -> dict[str, Any]:
+    """Values of all options, of their types."""
+    strange = sorted(given.keys() - {option.name for option in OPTIONS})
+    if strange:
+        raise InputError(f"{strange[0][:40]!r} is no option of an import")
+    found = {}
+    for option in OPTIONS:
+        value = given.get(option.name, option.default)
+        if option.word(value) is None and option.kind != "flag":
+            value = option.default
+        found[option.name] = int(value) if option.whole and value is not None else value
+    return found
+
+
+def in_labels(sentence: str) -> str:
+    """A sentence with the labels of fields in place of options of the command line."""
+    signed = re.sub(r"^option ([a-z_]+)", lambda found: _sign(found[1]), sentence)
+    return re.sub(r"--[a-z][a-z-]*", lambda sign: LABELS.get(sign[0], sign[0]), signed)

@@ -1,0 +1,56 @@
+"""Plans in folders of results, also of runs that a killed server left unfinished."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from ....common.errors import InputError
+from ....plan.plan import Plan, load_plan
+from ....problem.instance import Instance
+from .result_record import ResultRecord
+
+INSTANCE, PLAN = "instance.json", "plan.json"
+
+EARLY = "stopped early: the best plan that was found until then"
+
+
+def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
+    """Fields of a record that a plan tells."""
+    targets = {target.name for target in instance.targets}
+    return {
+        "instance_sha256": plan.instance.sha256,
+        "plan_sha256": plan.legs_sha256,
+        "objective": plan.objective,
+        "bound": plan.upper_bound,
+        "gap": plan.gap,
+        "delta_v_m_s": plan.delta_v_m_s,
+        "targets": len(targets & set(plan.destinations)),
+        "status": plan.status,
+    }
+
+
+def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
+    """The record of a planning run from the best plan so far in its folder; None without one.
+
+    Parameters
+    ----------
+    place : path
+    number : int
+    verb : str
+        Whose folder it is.
+    """
+    if verb != "solve" or not (place / PLAN).is_file():
+        return None
+    try:
+        instance, plan = Instance.load(place / INSTANCE), load_plan(place / PLAN)
+        made_at = datetime.fromtimestamp(int((place / PLAN).stat().st_mtime), UTC)
+    except (InputError, OSError):
+        return None
+    if plan.instance.sha256 != instance.sha256:
+        return None
+    return ResultRecord(
+        number=number, verb=verb, label=plan.method, made_at=made_at, said=EARLY,
+        **of_plan(instance, plan),
+    )  # fmt: skip

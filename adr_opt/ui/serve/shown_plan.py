@@ -1,0 +1,100 @@
+"""Which result's plan is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from contextlib import suppress
+
+from ...common.errors import InputError
+from ...plan.plan import Plan
+from ...problem.instance import Instance
+from .project.results import Results
+
+
+class ShownPlan:
+    """The result whose plan is shown.
+
+    Parameters
+    ----------
+    results : Results
+
+    Attributes
+    ----------
+    result : int or None
+        Its number; None if there is none.
+    count : int
+        Counts the plans that were shown.
+    """
+
+    def __init__(self, results: Results) -> None:
+        self._results = results
+        self.result: int | None = None
+        self.count = 0
+
+    def show(self, number: int) -> None:
+        """Show the plan of a result."""
+        self.result = number
+        self.count += 1
+
+    def reopen(self, number: int) -> None:
+        """Show what was shown when the project was left, unless it is spoilt."""
+        with suppress(InputError):
+            self._results.plan(number)
+            self.show(number)
+
+    def take_up(self, numbers: Iterable[int], instance_sha256: str) -> None:
+        """Show the last of some plans of an instance, unless a better one of it is shown."""
+        for number in numbers:
+            record = self._results.record(number)
+            if record.instance_sha256 != instance_sha256:
+                continue
+            known = None if self.result is None else self._results.record(self.result)
+            alike = known is not None and known.instance_sha256 == instance_sha256
+            if not alike or known is None or (known.objective or 0.0) <= (record.objective or 0.0):
+                self.show(number)
+
+    def known(self) -> tuple[int, Instance, Plan] | None:
+        """Number of the result, instance and plan; None if none is shown.
+
+        Raises
+        ------
+        InputError
+            Its files are spoilt.
+        """
+        return None if self.result is None else (self.result, *self._results.plan(self.result))
+
+    def given(
+        self, instance: Instance, plan: Plan, label: str = "", inputs: tuple[int, ...] = ()
+    ) -> int:
+        """Number of the result that is a plan: one that is there already, or a new one.
+
+        Parameters
+        ----------
+        instance : Instance
+        plan : Plan
+        label : str
+            Of a new one; by default the method.
+        inputs : tuple of int
+            Results that a new one comes from.
+        """
+        for record in reversed(self._results.all()):
+            alike = record.instance_sha256 == instance.sha256
+            if alike and record.has_plan and self._results.plan(record.number)[1] == plan:
+                return record.number
+        kept = self._results.keep_plan("solve", label or plan.method, instance, plan, inputs=inputs)
+        return kept.number
+
+
+def refuse_stranger(instance: Instance | None, plan: Plan | None) -> None:
+    """Refuse a plan of another instance.
+
+    Raises
+    ------
+    InputError
+        It is one.
+    """
+    if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
+        raise InputError(
+            f"the plan belongs to another instance, {plan.instance.name!r}; "
+            "give the one that it was made of, or no plan"
+        )
