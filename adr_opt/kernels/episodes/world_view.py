@@ -121,7 +121,7 @@ def observe_worlds(pool, episodes, order, first, last, into, worlds):
         None where everything goes as planned.
     """
     observe_transfer(pool, episodes, order, first, last, into, True)
-    pool, episodes = borrowed(pool), borrowed(episodes)
+    pool, episodes, worlds = borrowed(pool), borrowed(episodes), borrowed(worlds)
     moves, _, mask, _ = borrowed(into)
     targets = mask.shape[1] - 1
     for place in range(first, last):
