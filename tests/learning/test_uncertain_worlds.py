@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -126,11 +128,13 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
     assert set(seen) == set(OUTCOMES)
 
 
-@pytest.mark.parametrize("observation", ["transfer-worlds", "published"])
+@pytest.mark.parametrize(
+    "observation", ["transfer-worlds", pytest.param("published", marks=pytest.mark.slow)]
+)
 def test_many_worlds_keep_in_lock_step_with_single_ones(observation: str) -> None:
     """Hundreds at once see and earn what a single environment does in the same worlds."""
     env = MissionVecEnv(
-        12, ALIKE, observation=observation, slots=4, seed=3, threads=2, refresh_every=60,
+        8, ALIKE, observation=observation, slots=4, seed=3, threads=2, refresh_every=60,
         uncertainty=MODELS,
     )  # fmt: skip
     rng, ended, lost = np.random.default_rng(0), 0, Counter[str]()
@@ -278,6 +282,17 @@ def test_the_id_plays_worlds_that_differ_from_reset_to_reset() -> None:
         assert many.uncertainty is not None
         drawn.add(many.uncertainty.to_json())
     assert len(drawn) > 5
+
+
+def test_the_examples_of_the_page_run() -> None:
+    """The examples of docs/uncertain-worlds.md run as they stand, but for their fields."""
+    page = (Path(__file__).parents[2] / "docs/uncertain-worlds.md").read_text(encoding="utf-8")
+    one, many = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict[str, Any] = {"SMALL": SMALL}
+    exec(one.replace("fields=PUBLISHED", "fields=SMALL, pool=2"), names)
+    assert names["terminated"]
+    exec(many.replace("256, RANDOMISED", "4, SMALL").replace("slots=64", "slots=2"), names)
+    names["env"].close()
 
 
 UNKNOWN = Uncertainty(targets={"nobody": {"gone": 0.5}})
