@@ -8,7 +8,8 @@ Nominal fields, played by a policy that prefers cheap moves with a way back, so 
 about as long as those of a trained policy. Choosing actions is not timed. Rates are medians over
 runs, with the best in brackets; ratios are to the one-by-one loop of the same call. With
 ``--worlds`` missions as planned and missions in uncertain worlds (the model ``TROUBLED``, and the
-models ``TROUBLES``) take turns, run by run; ratios are to the former.
+models ``TROUBLES``) take turns, run by run, on one thread; rates are by processor time, and ratios
+to the former.
 """
 
 from __future__ import annotations
@@ -54,15 +55,20 @@ class Cheap:
         return actions
 
 
-def vector_rate(env: MissionVecEnv, cheap: Cheap, steps: int) -> float:
-    """Steps of single missions a second of one run."""
+def vector_rate(
+    env: MissionVecEnv,
+    cheap: Cheap,
+    steps: int,
+    clock: Callable[[], float] = time.perf_counter,
+) -> float:
+    """Steps of single missions a second of one run, by a clock."""
     spent = 0.0
     for _ in range(steps):
         actions = cheap(env.pool.arrays, env.episodes)
-        began = time.perf_counter()
+        began = clock()
         env.step(actions)
         env.action_masks()
-        spent += time.perf_counter() - began
+        spent += clock() - began
     return steps * env.num_envs / spent
 
 
@@ -108,14 +114,14 @@ def resets(runs: int, slots: int, observations: Sequence[str]) -> None:
 def worlds(arguments: argparse.Namespace) -> None:
     """Print steps a second in uncertain worlds, beside missions as planned."""
     models = {"as planned": None, "`TROUBLED`": TROUBLED, "`TROUBLES`": TROUBLES}
-    print("| uncertainty | observation | missions | threads | steps/s | ratio |")
-    print("|---|---|---|---|---|---|")
+    print("| uncertainty | observation | missions | steps/s of processor time | ratio |")
+    print("|---|---|---|---|---|")
     for observation in arguments.observations:
         for count in arguments.counts:
             envs = {
                 name: MissionVecEnv(
                     count, observation=observation, slots=arguments.slots,
-                    threads=max(arguments.threads), uncertainty=model,
+                    uncertainty=model,
                 )
                 for name, model in models.items()
             }  # fmt: skip
@@ -123,17 +129,16 @@ def worlds(arguments: argparse.Namespace) -> None:
             for env in envs.values():
                 env.reset()
                 vector_rate(env, cheap, arguments.steps)
-            for threads in arguments.threads:
-                rates: dict[str, list[float]] = {name: [] for name in envs}
-                for _ in range(arguments.runs):
-                    for name, env in envs.items():
-                        env.threads = threads
-                        rates[name].append(vector_rate(env, cheap, arguments.steps))
-                base = statistics.median(rates["as planned"])
-                for name, found in rates.items():
-                    middle = statistics.median(found)
-                    taken = f"{middle:,.0f} ({max(found):,.0f}) | {middle / base:.2f} ×"
-                    print(f"| {name} | {observation} | {count} | {threads} | {taken} |", flush=True)
+            rates: dict[str, list[float]] = {name: [] for name in envs}
+            for _ in range(arguments.runs):
+                for name, env in envs.items():
+                    rate = vector_rate(env, cheap, arguments.steps, time.process_time)
+                    rates[name].append(rate)
+            base = statistics.median(rates["as planned"])
+            for name, found in rates.items():
+                middle = statistics.median(found)
+                taken = f"{middle:,.0f} ({max(found):,.0f}) | {middle / base:.2f} ×"
+                print(f"| {name} | {observation} | {count} | {taken} |", flush=True)
             for env in envs.values():
                 env.close()
 
