@@ -14,6 +14,7 @@ from ...kernels.episodes import worlds as kernels
 from ...kernels.episodes.episodes import SERVICE, Episodes
 from ...kernels.episodes.outlook import HOME
 from ...kernels.tables import timetable
+from ...kernels.tables.stacked_timetables import listed_in
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.leg_kinds import leg_kinds
 from ...problem.instance import Instance
@@ -146,8 +147,8 @@ class UncertainPool:
         families = self.tables.families[slot]
         for i in range(len(instance.names)):
             for j in range(len(instance.names)):
-                count = int(tables.total[slot, i, j])
-                if i == j or not count:
+                departures, arrivals = listed_in(tables, slot, i, j)
+                if i == j or not departures.size:
                     continue
                 found = finder.found(i, j)
                 known = {
@@ -157,10 +158,8 @@ class UncertainPool:
                         strict=True,
                     )
                 }  # fmt: skip
-                departures = tables.departure[slot, i, :count, j].tolist()
-                arrivals = tables.entries[slot, i, :count, j, 1].tolist()
-                families[i, :count, j] = [
-                    known[each] for each in zip(departures, arrivals, strict=True)
+                families[i, : departures.size, j] = [
+                    known[each] for each in zip(departures.tolist(), arrivals.tolist(), strict=True)
                 ]
 
 
