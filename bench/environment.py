@@ -2,10 +2,14 @@
 
     python bench/environment.py
     python bench/environment.py --resets --slots 32 --observations transfer lookahead
+    python bench/environment.py --worlds --slots 16 --counts 256
 
 Nominal fields, played by a policy that prefers cheap moves with a way back, so that episodes are
 about as long as those of a trained policy. Choosing actions is not timed. Rates are medians over
-runs, with the best in brackets; ratios are to the one-by-one loop of the same call.
+runs, with the best in brackets; ratios are to the one-by-one loop of the same call. With
+``--worlds`` missions as planned and missions in uncertain worlds (the model ``TROUBLED``, and the
+models ``TROUBLES``) take turns, run by run, on one thread; rates are by processor time, and ratios
+to the former.
 """
 
 from __future__ import annotations
@@ -22,7 +26,13 @@ from machine import heading
 import adr_opt
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.kernels.episodes.observation import MOVE_FIELDS
-from adr_opt.learning.environment import OBSERVATIONS, MissionEnv, MissionVecEnv
+from adr_opt.learning.environment import (
+    OBSERVATIONS,
+    TROUBLED,
+    TROUBLES,
+    MissionEnv,
+    MissionVecEnv,
+)
 from adr_opt.learning.episodes import Board
 
 COST = MOVE_FIELDS.index("hours + ΔV / (450 m/s) [10 h]")
@@ -45,15 +55,20 @@ class Cheap:
         return actions
 
 
-def vector_rate(env: MissionVecEnv, cheap: Cheap, steps: int) -> float:
-    """Steps of single missions a second of one run."""
+def vector_rate(
+    env: MissionVecEnv,
+    cheap: Cheap,
+    steps: int,
+    clock: Callable[[], float] = time.perf_counter,
+) -> float:
+    """Steps of single missions a second of one run, by a clock."""
     spent = 0.0
     for _ in range(steps):
         actions = cheap(env.pool.arrays, env.episodes)
-        began = time.perf_counter()
+        began = clock()
         env.step(actions)
         env.action_masks()
-        spent += time.perf_counter() - began
+        spent += clock() - began
     return steps * env.num_envs / spent
 
 
@@ -96,6 +111,38 @@ def resets(runs: int, slots: int, observations: Sequence[str]) -> None:
         print(f"| {observation} | {slots} | {first_s:.1f} s | {taken} |", flush=True)
 
 
+def worlds(arguments: argparse.Namespace) -> None:
+    """Print steps a second in uncertain worlds, beside missions as planned."""
+    models = {"as planned": None, "`TROUBLED`": TROUBLED, "`TROUBLES`": TROUBLES}
+    print("| uncertainty | observation | missions | steps/s of processor time | ratio |")
+    print("|---|---|---|---|---|")
+    for observation in arguments.observations:
+        for count in arguments.counts:
+            envs = {
+                name: MissionVecEnv(
+                    count, observation=observation, slots=arguments.slots,
+                    uncertainty=model,
+                )
+                for name, model in models.items()
+            }  # fmt: skip
+            cheap = Cheap(count, envs["as planned"].fields.most_targets)
+            for env in envs.values():
+                env.reset()
+                vector_rate(env, cheap, arguments.steps)
+            rates: dict[str, list[float]] = {name: [] for name in envs}
+            for _ in range(arguments.runs):
+                for name, env in envs.items():
+                    rate = vector_rate(env, cheap, arguments.steps, time.process_time)
+                    rates[name].append(rate)
+            base = statistics.median(rates["as planned"])
+            for name, found in rates.items():
+                middle = statistics.median(found)
+                taken = f"{middle:,.0f} ({max(found):,.0f}) | {middle / base:.2f} ×"
+                print(f"| {name} | {observation} | {count} | {taken} |", flush=True)
+            for env in envs.values():
+                env.close()
+
+
 def lookup_rate(mission: adr_opt.Mission, steps: int) -> float:
     """Masks alone, computed in Python from ``Timetable.lookup`` of every move."""
     duration, budget = mission.instance.mission.duration_s, mission.instance.chaser.tank.delta_v_m_s
@@ -135,8 +182,12 @@ def main() -> None:
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--observations", nargs="+", default=list(OBSERVATIONS))
     parser.add_argument("--resets", action="store_true", help="resets of drawn fields alone")
+    parser.add_argument("--worlds", action="store_true", help="uncertain worlds alone")
     arguments = parser.parse_args()
     print(heading())
+    if arguments.worlds:
+        worlds(arguments)
+        return
     if arguments.resets:
         resets(arguments.runs, arguments.slots, arguments.observations)
         return

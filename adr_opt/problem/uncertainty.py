@@ -15,6 +15,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from ..common.errors import InputError
 from ..common.files import read_model, to_text, write_text
 from ..common.records import LARGEST_DURATION_S, Name, Record, without
+from ..kernels.core import draws
 from .instance import Instance
 
 FORMAT: Literal["adr-opt-uncertainty/1"] = "adr-opt-uncertainty/1"
@@ -51,10 +52,7 @@ class LognormalFactor(Record):
 
     def at(self, uniform: float) -> float:
         """The factor at a number drawn uniformly from (0, 1)."""
-        if self.lognormal_sigma == 0.0:
-            return 1.0
-        drawn = math.exp(self.lognormal_sigma * _NORMAL.inv_cdf(uniform))
-        return min(max(drawn, self.least), self.most)
+        return float(draws.lognormal_at(uniform, self.lognormal_sigma, self.least, self.most))
 
     @property
     def moments(self) -> tuple[float, float]:
@@ -87,12 +85,19 @@ class Delay(Record):
 
     def at(self, uniform: float) -> float:
         """The delay at a number drawn uniformly from (0, 1) [s]."""
-        if uniform >= self.chance:
+        return float(draws.delay_at(uniform, self.chance, self.mean_s, self.at_most_s))
+
+    @property
+    def at_most_s(self) -> float:
+        """The maximum, stated or not [s]."""
+        return LARGEST_DURATION_S if self.most_s is None else self.most_s
+
+    @property
+    def average_s(self) -> float:
+        """The mean of all, those that do not occur and those at the maximum included [s]."""
+        if self.mean_s == 0.0:
             return 0.0
-        # Given that there is one, the number is uniform again, over the chance.
-        drawn = -self.mean_s * math.log1p(-uniform / self.chance)
-        most_s = LARGEST_DURATION_S if self.most_s is None else self.most_s
-        return min(drawn, most_s)
+        return -self.chance * self.mean_s * math.expm1(-self.at_most_s / self.mean_s)
 
 
 class LegUncertainty(Record):

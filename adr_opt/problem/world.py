@@ -11,24 +11,31 @@ from __future__ import annotations
 import hashlib
 from functools import lru_cache
 
+import numpy as np
+
+from ..kernels.core import draws
 from .instance import Instance
 from .uncertainty import LognormalFactor, Uncertainty
 
 MASK = (1 << 64) - 1
 
+OUTCOMES = ("serviced", "refuelled", "capture", "gone", "late", "dry")
+"""What comes of a leg, by the numbers of :mod:`adr_opt.kernels.episodes.worlds`."""
+
 
 @lru_cache(maxsize=100_000)
-def _key(*parts: str | int) -> int:
-    """64 bits of a tuple of names and counts."""
+def draw_key(*parts: str | int) -> np.uint64:
+    """64 bits of the kind of an event, names, and a count: the key of a draw."""
     text = "\x00".join(f"{type(part).__name__[0]}{part}" for part in parts)
-    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
+    return np.uint64(
+        int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "little")
+    )
 
 
-def _mixed(state: int) -> int:
-    """The finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014)."""
-    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & MASK
-    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & MASK
-    return state ^ (state >> 31)
+@lru_cache(maxsize=1000)
+def state_of_world(seed: int) -> np.uint64:
+    """State from which the draws of a world follow."""
+    return np.uint64(draws.world_state(np.uint64(seed & MASK)))
 
 
 def uniform(seed: int, *parts: str | int) -> float:
@@ -41,8 +48,7 @@ def uniform(seed: int, *parts: str | int) -> float:
     *parts : str or int
         Kind of event, names, count.
     """
-    mixed = _mixed((_key(*parts) + _mixed((seed * 0x9E3779B97F4A7C15 + 1) & MASK)) & MASK)
-    return ((mixed >> 12) + 0.5) * 2.0**-52
+    return float(draws.uniform_at(state_of_world(seed), draw_key(*parts)))
 
 
 class DrawnWorld:

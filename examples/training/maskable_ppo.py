@@ -1,9 +1,12 @@
 """Train MaskablePPO of sb3-contrib on the environment, and turn an episode into a checked plan.
 
 python examples/training/maskable_ppo.py
+python examples/training/maskable_ppo.py --worlds 5
 
 Needs the extra [rl]. Prints how long training takes, and how many targets the policy services on
-fields that it has not seen, beside legal moves at random and the planner greedy-guarded.
+fields that it has not seen, beside legal moves at random and the planner greedy-guarded. With
+``--worlds`` it trains in uncertain worlds, and plays that number of them on each unseen field, as
+do legal moves at random and a greedy policy that keeps the way back to the station.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.env_util import make_vec_env
 
 import adr_opt
-from adr_opt.learning.environment import ID, MissionEnv
+from adr_opt.kernels.episodes.observation import COST, SAFE
+from adr_opt.learning.environment import ID, UNCERTAIN_ID, MissionEnv
 from adr_opt.mission.certified import certify
 from adr_opt.mission.result import Result
 
@@ -39,6 +43,29 @@ def flown(env: MissionEnv, choose: Choose, instance: adr_opt.Instance) -> Result
     return result
 
 
+def greedy(observation: dict[str, np.ndarray], mask: np.ndarray) -> int:
+    """The cheapest legal move from which the station can be reached, if there is one."""
+    moves = observation["moves"]
+    cost = moves[:, COST] + 10.0 * (moves[:, SAFE] == 0.0)
+    return int(np.where(mask, cost, np.inf).argmin())
+
+
+def collected_in(
+    env: MissionEnv, choose: Choose, instances: list[adr_opt.Instance], worlds: int
+) -> list[float]:
+    """Prizes collected on each instance in worlds of the seeds from 0 on [mean prizes]."""
+    found = []
+    for instance in instances:
+        for world in range(worlds):
+            observation, info = env.reset(options={"instance": instance, "world": world})
+            over = False
+            while not over:
+                action = choose(observation, info["action_mask"])
+                observation, _, over, _, info = env.step(action)
+            found.append(info["collected"])
+    return found
+
+
 def main() -> None:
     """Train, and compare."""
     parser = argparse.ArgumentParser(description="train MaskablePPO on the environment")
@@ -48,11 +75,15 @@ def main() -> None:
     parser.add_argument("--fields", type=int, default=20, help="unseen fields to compare on")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", help="plan file of the first unseen field")
+    parser.add_argument(
+        "--worlds", type=int, default=0, help="train in uncertain worlds, and compare in this many"
+    )
     asked = parser.parse_args()
 
     settings = {"fields": adr_opt.learning.environment.Fields(asked.family), "pool": asked.pool}
     began = time.perf_counter()
-    env = make_vec_env(ID, n_envs=8, seed=asked.seed, env_kwargs=settings)
+    name = UNCERTAIN_ID if asked.worlds else ID
+    env = make_vec_env(name, n_envs=8, seed=asked.seed, env_kwargs=settings)
     env.reset()
     print(f"{asked.pool} fields worked out in {time.perf_counter() - began:.1f} s")
 
@@ -75,8 +106,15 @@ def main() -> None:
 
     # Fields of the pool have seeds from 1,000,000 on, so these are none of them.
     unseen = [adr_opt.generate(asked.family, seed) for seed in range(asked.fields)]
-    alone = gymnasium.make(ID, **settings).unwrapped
+    alone = gymnasium.make(name, **settings).unwrapped
     assert isinstance(alone, MissionEnv)
+    if asked.worlds:
+        for who, choose in (
+            ("MaskablePPO", learned), ("legal moves at random", at_random), ("greedy", greedy)
+        ):  # fmt: skip
+            prizes = collected_in(alone, choose, unseen, asked.worlds)
+            print(f"{who}: {np.mean(prizes):.1f} targets, mean of {len(prizes)} worlds")
+        return
     results = [flown(alone, learned, instance) for instance in unseen]
     for name, objectives in (
         ("MaskablePPO", [result.objective for result in results]),

@@ -24,6 +24,7 @@ from adr_opt.common.errors import InputError
 from adr_opt.kernels.episodes.lookahead import CHAIN_FIELDS, UNGUARDED_S
 from adr_opt.kernels.episodes.observation import LIMIT, MISSION_FIELDS, MOVE_FIELDS
 from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
+from adr_opt.kernels.episodes.world_view import WORLD_FIELDS
 from adr_opt.learning.environment import (
     ID,
     OBSERVATIONS,
@@ -345,7 +346,9 @@ def test_masks_through_processes() -> None:
 
 def test_spaces_are_as_wide_as_stated() -> None:
     """The spaces have the documented shapes and limits, for any number of targets."""
-    for name, more in (("transfer-prizes", 30), ("lookahead-prizes", 52)):
+    for name, more in (
+        ("transfer-prizes", 30), ("lookahead-prizes", 52), ("transfer-worlds", 39)
+    ):  # fmt: skip
         assert space(name, 7)["moves"].shape == (8, more)
     for targets in (1, 50, 200):
         assert space("published", targets).shape == (7 * targets + 8,)
@@ -370,6 +373,7 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
     wanted = [
         list(enumerate(MOVE_FIELDS)),
         list(enumerate(CHAIN_FIELDS, len(MOVE_FIELDS))),
+        list(enumerate(WORLD_FIELDS, len(MOVE_FIELDS) + 1)),
         list(enumerate(MISSION_FIELDS)),
         list(enumerate(PUBLISHED_ELEMENTS)),
     ]
@@ -423,6 +427,18 @@ def test_the_script_that_trains_runs(tmp_path: Path) -> None:
     assert "steps trained in" in said
     assert said.count("mean of 2 fields") == 3
     assert adr_opt.check(adr_opt.generate("tiny", 0), adr_opt.load_plan(out)) == ()
+
+
+@pytest.mark.slow
+def test_the_script_trains_in_uncertain_worlds() -> None:
+    """With ``--worlds`` the script trains in them, and three policies play the same worlds."""
+    root = Path(__file__).parents[2]
+    command = [
+        sys.executable, str(root / "examples/training/maskable_ppo.py"), "--family", "tiny",
+        "--pool", "2", "--steps", "100", "--fields", "2", "--worlds", "3",
+    ]  # fmt: skip
+    said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
+    assert said.count("mean of 6 worlds") == 3
 
 
 def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -512,11 +528,11 @@ practise()
 from adr_opt.learning.environment import *
 from small_fields import SMALL
 before = known()
-for name in OBSERVATIONS:
-    env = MissionEnv(fields=SMALL, pool=2, observation=name)
+for name, model in [*((name, None) for name in OBSERVATIONS), ("transfer-worlds", TROUBLED)]:
+    env = MissionEnv(fields=SMALL, pool=2, observation=name, uncertainty=model)
     _, info = env.reset(seed=0)
     env.step(int(info["action_mask"].argmax()))
-    many = MissionVecEnv(40, SMALL, slots=2, observation=name)
+    many = MissionVecEnv(40, SMALL, slots=2, observation=name, uncertainty=model)
     many.reset()
     many.step(many.action_masks().argmax(axis=1))
     many.close()

@@ -8,11 +8,10 @@ from typing import NamedTuple
 from ...common.constants import SLACK_S
 from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service, first_tank, full_tank
+from ...problem.world import OUTCOMES
 from .ground import ChaserLimits, Ground, Hop
 
-SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = (
-    "serviced", "refuelled", "capture", "gone", "late", "dry",
-)  # fmt: skip
+SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = OUTCOMES
 """What comes of a leg: the last four are losses."""
 
 FINISHED = "finished"

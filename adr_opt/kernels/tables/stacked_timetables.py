@@ -67,6 +67,12 @@ def put(tables: Table, slot: int, table: Table) -> None:
     tables.departure[slot, :bodies, : table.departure.shape[1], :bodies] = table.departure
 
 
+def listed_in(tables: Table, slot: int, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    """Departures and arrivals of the connections of a pair where events are irregular [s]."""
+    count = int(tables.total[slot, i, j])
+    return tables.departure[slot, i, :count, j], tables.entries[slot, i, :count, j, 1]
+
+
 @inlined
 def in_slot(tables, slot):
     """One of the stacked tables."""

@@ -1,7 +1,8 @@
 """The mission as a reinforcement-learning environment (extra ``[rl]``).
 
-Importing this package registers ``adr_opt/Mission-v0`` with Gymnasium. :class:`MissionEnv` is one
-mission; :class:`MissionVecEnv` hundreds of them in Numba, for Stable-Baselines3.
+Importing this package registers ``adr_opt/Mission-v0`` and ``adr_opt/UncertainMission-v0`` with
+Gymnasium. :class:`MissionEnv` is one mission; :class:`MissionVecEnv` hundreds of them in Numba, for
+Stable-Baselines3. With ``uncertainty`` both play in the worlds of rehearsals.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from ..episodes.board import OBSERVATIONS
 from .fields import PUBLISHED, VARIED, Fields, Limits
 from .mission_env import MissionEnv
 from .spaces import space
+from .variants import RANDOMISED, REDUCED_FUEL, REDUCED_TIME, TROUBLED, TROUBLES
 
 if TYPE_CHECKING:
     from .vector import MissionVecEnv
@@ -27,6 +29,12 @@ __all__ = [
     "ID",
     "OBSERVATIONS",
     "PUBLISHED",
+    "RANDOMISED",
+    "REDUCED_FUEL",
+    "REDUCED_TIME",
+    "TROUBLED",
+    "TROUBLES",
+    "UNCERTAIN_ID",
     "VARIED",
     "Fields",
     "Limits",
@@ -37,7 +45,16 @@ __all__ = [
 
 ID = "adr_opt/Mission-v0"
 
-gymnasium.register(id=ID, entry_point="adr_opt.learning.environment.mission_env:MissionEnv")
+UNCERTAIN_ID = "adr_opt/UncertainMission-v0"
+
+_ENTRY_POINT = "adr_opt.learning.environment.mission_env:MissionEnv"
+
+gymnasium.register(id=ID, entry_point=_ENTRY_POINT)
+gymnasium.register(
+    id=UNCERTAIN_ID,
+    entry_point=_ENTRY_POINT,
+    kwargs={"observation": "transfer-worlds", "uncertainty": TROUBLED},
+)
 
 
 def __getattr__(name: str) -> Any:

@@ -14,7 +14,8 @@ from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...mission.mission import Mission
 from ...problem.instance import Instance
-from ..episodes import FieldPool
+from ...problem.uncertainty import Uncertainty
+from ..episodes import FieldPool, UncertainPool
 from .fields import Fields, Limits
 
 
@@ -92,6 +93,14 @@ class DrawnFields:
             instances = [_limited(each, fields.draw_limits(rng)) for each in instances]
         with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="fields") as workers:
             self.pool = work_out(instances, fields.most_targets + 1, workers)
+        self._uncertain: dict[tuple[str, ...], UncertainPool] = {}
+
+    def uncertain(self, models: Sequence[Uncertainty]) -> UncertainPool:
+        """What is uncertain about the fields by some models, shared like the pool."""
+        key = tuple(model.to_json() for model in models)
+        if key not in self._uncertain:
+            self._uncertain[key] = UncertainPool(self.pool, models)
+        return self._uncertain[key]
 
     def draw(self, rng: np.random.Generator) -> tuple[int, Instance, Limits]:
         """Draw a slot of the pool, with its field and the limits of a mission on it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -16,9 +16,20 @@ from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
 from ...mission.mission import Mission
 from ...problem.instance import Instance
-from ..episodes import Board, FieldPool, Observation, new_episodes, playing_time_s, start
+from ...problem.uncertainty import Uncertainty
+from ..episodes import (
+    Board,
+    FieldPool,
+    Observation,
+    UncertainPool,
+    models_of,
+    new_episodes,
+    playing_time_s,
+    start,
+)
 from .drawn import DrawnFields, shared
 from .fields import PUBLISHED, Fields, check_kind
+from .played_world import PlayedWorld, world_number
 from .rendering import picture, sentence
 from .spaces import space
 
@@ -41,13 +52,22 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     ## Observation Space
 
-    By name, see :func:`.space`: ``transfer``, ``lookahead``, ``published``, and with
-    prizes ``transfer-prizes`` and ``lookahead-prizes``.
+    By name, see :func:`.space`: ``transfer``, ``lookahead``, ``published``, with prizes
+    ``transfer-prizes`` and ``lookahead-prizes``, and ``transfer-worlds`` for uncertain worlds.
 
     ## Rewards
 
     The prize of a serviced target in mean prizes of the field (of those targets that have one), 0
-    for refuelling, −1 for an illegal action. Equal prizes are rewards of +1, as published.
+    for refuelling and for what is lost, −1 for an illegal action. Equal prizes are rewards of +1,
+    as published.
+
+    ## Uncertain Worlds
+
+    With ``uncertainty`` each episode is played in a world of its own, that of ``rehearse`` with the
+    seed ``info["world"]``. Actions are legal by what is planned of them; then a leg costs what the
+    world says, a service takes so long, a capture is tried until it succeeds or no try is left, and
+    a target may be gone. ``info["outcome"]`` says what became of the latest action, and
+    ``info["losses"]`` what was lost and why. ``options={"world": 7}`` chooses the world.
 
     ## Starting State
 
@@ -60,7 +80,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     ## Episode End
 
-    ``terminated`` when no legal move is left, or by an illegal action. ``truncated`` never.
+    ``terminated`` when no legal move is left, or by an illegal action; in an uncertain world also
+    when the tank runs dry or a service ends late. ``truncated`` never.
 
     ## Arguments
 
@@ -86,6 +107,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     observation : str
         One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
     render_mode : {"ansi", "rgb_array"}, optional
+    uncertainty : Uncertainty or sequence of them, optional
+        Episodes are played in worlds of it; of several, each episode draws one.
 
     Attributes
     ----------
@@ -96,8 +119,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     Raises
     ------
     InputError
-        Unknown observation or render mode, or at a reset a mission that episodes cannot play: see
-        :func:`adr_opt.learning.episodes.check_playable`.
+        Unknown observation or render mode, no uncertainty, or at a reset a mission that episodes
+        cannot play: see :func:`adr_opt.learning.episodes.check_playable`.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["ansi", "rgb_array"], "render_fps": 2}  # noqa: RUF012
@@ -111,6 +134,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         pool_seed: int = 0,
         observation: str = "transfer",
         render_mode: str | None = None,
+        uncertainty: Uncertainty | Sequence[Uncertainty] | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             known = ", ".join(self.metadata["render_modes"])
@@ -122,6 +146,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
                 raise InputError(f"{name} = {value!r}: must be a whole number from 0 on")
         self.render_mode = render_mode
         self.fields = fields
+        self._models = models_of(uncertainty)
+        self._world: PlayedWorld | None = None
         self._fixed = instance
         targets = fields.most_targets if instance is None else len(instance.targets)
         if instance is not None:
@@ -139,6 +165,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         self._pool: FieldPool | None = None
         self._episodes = new_episodes(1, targets + 1)
         self._board = Board(observation, 1, targets)
+        self._chosen_world: int | None = None
         self._over = True
         self.sequence: list[int] = []
 
@@ -152,7 +179,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         seed : int, optional
             Seeds the draws of this reset and of those after it.
         options : dict, optional
-            ``instance``, or fields of :class:`.Fields`.
+            ``instance``, or fields of :class:`.Fields`; ``world`` besides, where worlds are
+            uncertain.
 
         Raises
         ------
@@ -165,6 +193,9 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             raise InputError(f"options = {options!r}: must be a dictionary")
         changes = dict(options or {})
         fixed = changes.pop("instance", self._fixed)
+        self._chosen_world = None
+        if self._models and "world" in changes:
+            self._chosen_world = world_number(changes.pop("world"))
         fields = Fields.from_options(changes, self.fields)
         _check_kind(fixed)
         if fixed is not None and changes:
@@ -184,7 +215,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             self._over = not self._board.legal[0]
             if not self._over:
                 return self._board.copy(0), self._info()
-            if fixed is not None:
+            if fixed is not None and (not self._models or self._chosen_world is not None):
                 break
         raise InputError(
             f"{name}: no move is legal at the start; it needs targets, more duration_s or "
@@ -230,8 +261,23 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     ) -> None:
         self._pool, self._played, self._mission = pool, played, None
         start(pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
+        if self._models:
+            self._begin_world(pool)
         self._board.observe(pool.arrays, self._episodes, 0, 1)
         self.sequence = []
+
+    def _begin_world(self, pool: FieldPool) -> None:
+        """Play the episode that has begun in an uncertain world."""
+        if self._drawn is not None and pool is self._drawn.pool:
+            uncertain = self._drawn.uncertain(self._models)
+        elif self._world is not None and self._world.pool.fields is pool:
+            uncertain = self._world.pool
+        else:
+            uncertain = UncertainPool(pool, self._models)
+        if self._world is None or self._world.pool is not uncertain:
+            self._world = PlayedWorld(uncertain)
+        self._world.begin(self._episodes, self.np_random, self._chosen_world)
+        self._board.worlds = self._world.worlds
 
     def step(
         self, action: int | np.integer[Any]
@@ -252,7 +298,10 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
                 f"action {action!r}: must be a whole number from 0 to {self._targets}"
             ) from None
         rewards = np.zeros(1, dtype=np.float32)
-        kernels.act(self._pool.arrays, self._episodes, 0, 1, actions, rewards)
+        if self._world is None:
+            kernels.act(self._pool.arrays, self._episodes, 0, 1, actions, rewards)
+        else:
+            self._world.act(self._episodes, actions, rewards)
         reward = float(rewards[0])
         if reward >= 0.0:
             self.sequence.append(int(kernels.body_of(int(actions[0]), self._targets)))
@@ -275,14 +324,26 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     def _info(self) -> dict[str, Any]:
         episodes = self._episodes
+        of_world = {} if self._world is None else self._world.info()
         return {
             "action_mask": self._board.mask[0].astype(np.int8),
             "serviced": int(episodes.serviced[0]),
             "refuelled": int(episodes.refuelled[0]),
             "collected": float(episodes.collected[0]),
             "time_s": float(episodes.time[0]),
-            "delta_v_left_m_s": float(episodes.left[0] - SLACK_M_S),
+            "delta_v_left_m_s": self._left_m_s(),
+            **of_world,
         }
+
+    def _left_m_s(self) -> float:
+        left_m_s = float(self._episodes.left[0] - SLACK_M_S)
+        # A tank that ran dry has less than nothing left, so that no move is legal.
+        return left_m_s if self._world is None else max(left_m_s, 0.0)
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """The model that the world of the episode is drawn from; None where all goes as planned."""
+        return None if self._world is None else self._world.uncertainty
 
     @property
     def mission(self) -> Mission:

@@ -29,6 +29,9 @@ def space(name: str, targets: int) -> spaces.Space[Any]:
     ``transfer-prizes``, ``lookahead-prizes``
         As these, with one number more in each row, after the first 29: the prize in mean prizes of
         the field. Chains count prizes then, not targets.
+    ``transfer-worlds``
+        As ``transfer-prizes``, with rows of 39 numbers: the last are
+        :data:`adr_opt.kernels.episodes.world_view.WORLD_FIELDS`.
 
     All numbers are float32 in [−5, 5].
     """

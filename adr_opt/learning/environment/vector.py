@@ -15,10 +15,22 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepRetu
 
 from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
+from ...kernels.episodes import worlds as world_kernels
 from ...mission.mission import Mission
-from ..episodes import Board, Observation, new_episodes
+from ...problem.uncertainty import Uncertainty
+from ..episodes import (
+    Board,
+    Observation,
+    UncertainPool,
+    begin_in_worlds,
+    models_of,
+    new_episodes,
+    new_worlds,
+)
 from .drawn import ready, work_out
 from .fields import PUBLISHED, Fields, check_kind
+from .last_words import last_words
+from .played_world import LAST_WORLD
 from .spaces import space
 
 MOST_REDRAWS = 1000
@@ -30,7 +42,8 @@ FEW = 32
 class MissionVecEnv(VecEnv):
     """Hundreds of missions at once, stepped by kernels on a pool of timetables.
 
-    The same rules, observations and rewards as ``adr_opt/Mission-v0``. Fields with fewer targets
+    The same rules, observations and rewards as ``adr_opt/Mission-v0``, and with ``uncertainty`` as
+    ``adr_opt/UncertainMission-v0``. Fields with fewer targets
     than the largest leave the last target actions without use; the station is always the last
     action. An episode that ends is followed by a new one at once, as Stable-Baselines3 expects;
     ``info["terminal_observation"]`` holds what was seen last.
@@ -55,6 +68,9 @@ class MissionVecEnv(VecEnv):
     reward_scale : float
         Factor of every reward.
     seed : int
+        Fields and limits do not depend on the uncertainty.
+    uncertainty : Uncertainty or sequence of them, optional
+        Missions are played in worlds of it; of several, each draws one.
 
     Attributes
     ----------
@@ -63,6 +79,8 @@ class MissionVecEnv(VecEnv):
     pool : FieldPool
     episodes : Episodes
         The states of the missions, see :class:`adr_opt.kernels.episodes.episodes.Episodes`.
+    worlds : Worlds or None
+        Their worlds, where these are uncertain.
 
     Raises
     ------
@@ -70,7 +88,7 @@ class MissionVecEnv(VecEnv):
         A number out of range, or an unknown observation.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         count: int = 256,
         fields: Fields = PUBLISHED,
@@ -81,6 +99,7 @@ class MissionVecEnv(VecEnv):
         threads: int = 1,
         reward_scale: float = 1.0,
         seed: int = 0,
+        uncertainty: Uncertainty | Sequence[Uncertainty] | None = None,
     ) -> None:
         for name, value, least in (
             ("count", count, 1),
@@ -95,6 +114,7 @@ class MissionVecEnv(VecEnv):
         if not math.isfinite(reward_scale):
             raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
         self.fields = fields
+        self._models = models_of(uncertainty)
         self._targets = fields.most_targets
         self.render_mode = None
         super().__init__(
@@ -118,13 +138,22 @@ class MissionVecEnv(VecEnv):
         """Draw the pool and all other data that depend on a seed."""
         if self._coming is not None:
             self._coming.result()
-        field_seed, episode_seed = np.random.SeedSequence(seed).spawn(2)
+        field_seed, episode_seed, world_seed = np.random.SeedSequence(seed).spawn(3)
         self._field_rng = np.random.default_rng(field_seed)
         self._rng = np.random.default_rng(episode_seed)
+        self._world_rng = np.random.default_rng(world_seed)
         instances = [self.fields.draw_field(self._field_rng) for _ in range(self._slots)]
         self.pool = work_out(instances, self._targets + 1, self._workers)
         self.episodes = new_episodes(self.num_envs, self._targets + 1)
         self.episodes.slot[:] = -1
+        self._uncertain: UncertainPool | None = None
+        self.worlds: world_kernels.Worlds | None = None
+        if self._models:
+            self._uncertain = UncertainPool(self.pool, self._models)
+            for slot in range(self._slots):
+                self._uncertain.install(slot)
+            self.worlds = new_worlds(self._uncertain, self.num_envs)
+        self._board.worlds = self._other.worlds = self.worlds
         self._users = np.zeros(self._slots, dtype=np.int64)
         self._retiring = -1
         self._next_slot = 0
@@ -204,41 +233,20 @@ class MissionVecEnv(VecEnv):
     def _take(self, first: int, last: int) -> None:
         """Act and observe, in the order of the fields."""
         board, pool = self._board, self.pool.arrays
-        kernels.act(pool, self.episodes, first, last, self._actions, self._rewards, board.order)
+        taken = first, last, self._actions, self._rewards, board.order
+        if self.worlds is None:
+            kernels.act(pool, self.episodes, *taken)
+        else:
+            world_kernels.act_in_worlds(pool, self.episodes, self.worlds, *taken)
         board.observe(pool, self.episodes, first, last)
 
     def _last_words(self, ended: npt.NDArray[np.int32], infos: list[dict[str, Any]]) -> None:
         """Add the information on ended episodes that Stable-Baselines3 expects."""
-        episodes = self.episodes
-        seen = self._board.copy(ended)
-        serviced = episodes.serviced[ended].tolist()
-        collected = episodes.collected[ended].tolist()
-        refuelled = episodes.refuelled[ended].tolist()
-        illegal = (self._rewards[ended] < 0.0).tolist()
-        delta_v = episodes.delta_v[ended].tolist()
-        budget, duration = episodes.budget[ended].tolist(), episodes.duration[ended].tolist()
-        targets = (self.pool.arrays.bodies[episodes.slot[ended]] - 1).tolist()
-        for row, index in enumerate(ended.tolist()):
-            last = (
-                {name: part[row] for name, part in seen.items()}
-                if isinstance(seen, dict)
-                else seen[row]
-            )
-            infos[index] = {
-                "terminal_observation": last,
-                "TimeLimit.truncated": False,
-                "episode": {
-                    "r": collected[row] - illegal[row],
-                    "l": serviced[row] + refuelled[row] + illegal[row],
-                    "t": 0.0,
-                },
-                "serviced": serviced[row],
-                "collected": collected[row],
-                "delta_v_m_s": delta_v[row],
-                "budget_m_s": budget[row],
-                "duration_s": duration[row],
-                "targets": targets[row],
-            }
+        episodes, seen = self.episodes, self._board.copy(ended)
+        targets = self.pool.arrays.bodies[episodes.slot[ended]] - 1
+        told = last_words(episodes, self.worlds, ended, seen, self._rewards, targets)
+        for index, said in zip(ended.tolist(), told, strict=True):
+            infos[index] = said
 
     # -- fields ----------------------------------------------------------------------------------
 
@@ -254,6 +262,10 @@ class MissionVecEnv(VecEnv):
             np.add.at(self._users, slots, 1)
             budgets, durations = self.fields.draw_many_limits(self._rng, which.size)
             kernels.begin_many(self.pool.arrays, self.episodes, which, slots, budgets, durations)
+            if self.worlds is not None:
+                seeds = self._world_rng.integers(LAST_WORLD, size=which.size)
+                models = self._world_rng.integers(len(self._models), size=which.size)
+                begin_in_worlds(self.pool, self.episodes, self.worlds, which, (seeds, models))
             self._look(which)
             which = which[board.legal[which] == 0]
             if not which.size:
@@ -289,6 +301,8 @@ class MissionVecEnv(VecEnv):
             # A field with too many events for the pool is passed over.
             if self.pool.fits(mission):
                 self.pool.install(self._retiring, mission)
+                if self._uncertain is not None:
+                    self._uncertain.install(self._retiring)
             self._next_slot = (self._retiring + 1) % self._slots
             self._retiring = -1
             self._coming = None

@@ -7,17 +7,23 @@ NumPy and Numba alone.
 from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
 from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
 from .practice import practise
+from .worlds import LOSS_WORDS, UncertainPool, begin_in_worlds, models_of, new_worlds
 
 __all__ = [
+    "LOSS_WORDS",
     "OBSERVATIONS",
     "Board",
     "FieldPool",
     "Observation",
+    "UncertainPool",
+    "begin_in_worlds",
     "check_observation",
     "check_playable",
     "in_mean_prizes",
+    "models_of",
     "move_fields",
     "new_episodes",
+    "new_worlds",
     "playing_time_s",
     "practise",
     "published_size",

@@ -6,18 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...kernels.episodes import lookahead
+from ...kernels.episodes import lookahead, world_view
 from ...kernels.episodes import observation as kernels
 from ...kernels.episodes.episodes import Episodes, StackedFields
 from ...kernels.episodes.published import observe_published
+from ...kernels.episodes.worlds import Worlds
 
 Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
 
-OBSERVATIONS = ("transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes")
+OBSERVATIONS = (
+    "transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes", "transfer-worlds"
+)  # fmt: skip
 """``transfer`` is the fastest, ``lookahead`` has more information and takes longer, ``published``
-is for comparison with the study. These hide prizes; the last two show them, and are otherwise the
-first two."""
+is for comparison with the study. These hide prizes; the next two show them, and are otherwise the
+first two. ``transfer-worlds`` is ``transfer-prizes`` with what uncertain worlds may make of a
+move."""
 
 MOVES, MISSION = "moves", "mission"
 
@@ -39,12 +43,19 @@ def move_fields(name: str) -> tuple[str, ...]:
     if not sees_prizes(name):
         return kernels.MOVE_FIELDS + (lookahead.CHAIN_FIELDS if follows_chains(name) else ())
     more = lookahead.CHAIN_PRIZE_FIELDS if follows_chains(name) else ()
+    if sees_worlds(name):
+        more = world_view.WORLD_FIELDS
     return (*kernels.MOVE_FIELDS, kernels.PRIZE_FIELD, *more)
 
 
 def sees_prizes(name: str) -> bool:
     """Whether an observation shows the prize of each target."""
-    return name.endswith("-prizes")
+    return name.endswith(("-prizes", "-worlds"))
+
+
+def sees_worlds(name: str) -> bool:
+    """Whether an observation shows what uncertain worlds may make of each move."""
+    return name.endswith("-worlds")
 
 
 def follows_chains(name: str) -> bool:
@@ -78,6 +89,8 @@ class Board:
         Order in which :meth:`observe` takes the episodes; that of their numbers at first.
     promises : Promises or None
         What chains promise, where the observation follows them; no part of it.
+    worlds : Worlds or None
+        To be set where episodes are played in uncertain worlds.
     """
 
     def __init__(self, name: str, count: int, targets: int) -> None:
@@ -86,6 +99,7 @@ class Board:
         self.legal = np.zeros(count, dtype=np.int32)
         self.order = np.arange(count, dtype=np.int32)
         self.promises: lookahead.Promises | None = None
+        self.worlds: Worlds | None = None
         if follows_chains(name):
             self.promises = lookahead.Promises(*np.zeros((3, count, targets + 1)))
         if name == "published":
@@ -120,7 +134,9 @@ class Board:
             observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
             return
         prized, into = sees_prizes(self.name), self._into
-        if self.promises is None:
+        if sees_worlds(self.name):
+            world_view.observe_worlds(pool, episodes, order, first, last, into, self.worlds)
+        elif self.promises is None:
             kernels.observe_transfer(pool, episodes, order, first, last, into, prized)
         else:
             lookahead.observe_lookahead(

@@ -1,0 +1,324 @@
+"""Uncertain worlds in the environment: those of rehearsals, seen and played as the page says."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from drawn_worlds import drawn_uncertainty
+from random_rules import drifting_field
+from seeds import over_kinds
+from small_fields import SMALL, tiny
+
+from adr_opt.analysis.rehearse.crafts import DRY, LATE
+from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
+from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.common.constants import DAY_S, SLACK_M_S
+from adr_opt.common.errors import InputError
+from adr_opt.kernels.episodes import world_view as columns
+from adr_opt.learning.environment import (
+    OBSERVATIONS,
+    TROUBLED,
+    TROUBLES,
+    UNCERTAIN_ID,
+    MissionEnv,
+    MissionVecEnv,
+)
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.world import OUTCOMES, DrawnWorld
+
+WORLDS = 8
+"""Worlds of each mission."""
+
+ALIKE = replace(SMALL, duration_s=None, limits=(), share_of_limits=0.0)
+"""All missions last as long as the field's timetable does."""
+
+MODELS = (Uncertainty(), TROUBLED, TROUBLES[-1])
+
+
+class Played:
+    """A policy of rehearsals that makes the moves of an episode, at the costs of its timetable."""
+
+    def __init__(self, env: MissionEnv, ground: Ground) -> None:
+        self._table, self._ground, self._left = env.mission.timetable, ground, list(env.sequence)
+
+    def next_leg(self, now: Situation) -> Hop | Halt:
+        """The next move."""
+        if not self._left:
+            return Halt("played")
+        i, j, ready = now.craft.body, self._left.pop(0), now.craft.free_s
+        delta_v, arrival = self._table.lookup(i, j, ready)
+        rows = self._ground.rows(i, j, towed=False)
+        same = np.flatnonzero((rows.arrival == arrival) & (rows.delta_v == delta_v))
+        return Hop(j, ready, arrival, delta_v, int(rows.family[same[0]]) if same.size else 0, 0)
+
+    def tries_again(self, now: Situation, target: int, tries: int) -> bool:
+        """As often as it is allowed."""
+        return True
+
+
+def some_field(seed: int) -> Instance:
+    """A small field: plain, with prizes, with windows, or with planes that drift."""
+    rng = np.random.default_rng([5, seed])
+    if seed % 4 == 3:
+        field = drifting_field(rng, 200.0 * DAY_S)
+        return field.with_limits(delta_v_m_s=float(rng.uniform(200, 900)))
+    field = tiny(seed, delta_v_m_s=float(rng.uniform(200, 900)))
+    targets = list(field.targets)
+    if seed % 4 == 1:
+        targets = [each.replace(prize=float(rng.integers(0, 9))) for each in targets]
+    if seed % 4 == 2:
+        opens = 0.3 * field.mission.duration_s
+        targets[0] = targets[0].replace(window_s=(opens, 2.5 * opens))
+    return field.replace(targets=tuple(targets))
+
+
+def play(env: MissionEnv, rng: np.random.Generator) -> list[dict[str, Any]]:
+    """What is told of each of the legal moves at random that end an episode."""
+    told, over = list[dict[str, Any]](), False
+    while not over:
+        action = int(rng.choice(np.flatnonzero(env.action_masks())))
+        _, reward, over, _, info = env.step(action)
+        told.append({**info, "reward": reward})
+    return told
+
+
+@over_kinds("seeds", fields=(range(40), 8))
+def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
+    """The moves of an episode come to the same in a rehearsal of the same world, bit for bit."""
+    seen: Counter[str] = Counter()
+    for seed in seeds:
+        instance = some_field(seed)
+        model = drawn_uncertainty(instance, seed)
+        env, ground = MissionEnv(instance, uncertainty=model), Ground(instance)
+        rng = np.random.default_rng(seed)
+        for world in range(WORLDS):
+            try:
+                env.reset(seed=seed, options={"world": world})
+            except InputError:  # a tank of which little can be used
+                continue
+            told = play(env, rng)
+            drawn = DrawnWorld(instance, model.of(instance), world)
+            flown = rehearsed(ground, drawn, Played(env, ground), (0,))
+            (craft,) = flown.crafts
+            assert [each["outcome"] for each in told] == [made.outcome for made in craft.made]
+            assert [each["tries"] for each in told] == [made.tries for made in craft.made]
+            assert [each["time_s"] for each in told] == [made.free_s for made in craft.made]
+            lefts = [max(made.left - SLACK_M_S, 0.0) for made in craft.made]
+            assert [each["delta_v_left_m_s"] for each in told] == lefts
+            assert env._episodes.delta_v[0] == sum(made.delta_v for made in craft.made)
+            prizes = [prize for prize in ground.prizes.values() if prize > 0.0]
+            mean = float(np.mean(prizes)) if prizes else 1.0
+            assert sum(each["reward"] for each in told) * mean == pytest.approx(flown.prize)
+            lost = {
+                ground.names[made.hop.destination]: made.outcome
+                for made in craft.made
+                if made.outcome in OUTCOMES[2:]
+            }
+            assert told[-1]["losses"] == lost
+            assert (craft.ended in (DRY, LATE)) == (told[-1]["outcome"] in (DRY, LATE))
+            seen.update(each["outcome"] for each in told)
+    assert set(seen) == set(OUTCOMES)
+
+
+@pytest.mark.parametrize(
+    "observation", ["transfer-worlds", pytest.param("published", marks=pytest.mark.slow)]
+)
+def test_many_worlds_keep_in_lock_step_with_single_ones(observation: str) -> None:
+    """Hundreds at once see and earn what a single environment does in the same worlds."""
+    env = MissionVecEnv(
+        8, ALIKE, observation=observation, slots=4, seed=3, threads=2, refresh_every=60,
+        uncertainty=MODELS,
+    )  # fmt: skip
+    rng, ended, lost = np.random.default_rng(0), 0, Counter[str]()
+
+    def alone(index: int) -> tuple[MissionEnv, Any]:
+        assert env.worlds is not None
+        field = env.pool.instances[env.episodes.slot[index]]
+        assert field is not None
+        limited = field.with_limits(delta_v_m_s=float(env.episodes.budget[index]))
+        model = MODELS[env.worlds.states.model[index]]
+        single = MissionEnv(fields=ALIKE, observation=observation, uncertainty=model)
+        world = int(env.worlds.states.seed[index])
+        return single, single.reset(options={"instance": limited, "world": world})[0]
+
+    seen = env.reset()
+    singles = [alone(index) for index in range(env.num_envs)]
+    for _ in range(25):
+        masks = env.action_masks()
+        for index, (single, sight) in enumerate(singles):
+            np.testing.assert_array_equal(masks[index], single.action_masks())
+            for left, right in zip(_parts(seen), _parts(sight), strict=True):
+                np.testing.assert_array_equal(left[index], right)
+        actions = (masks * rng.random(masks.shape)).argmax(axis=1)
+        seen, rewards, dones, infos = env.step(actions)
+        for index, (single, _) in enumerate(singles):
+            sight, reward, over, _, info = single.step(actions[index])
+            assert (reward, over) == (rewards[index], dones[index])
+            singles[index] = single, sight
+            if over:
+                ended += 1
+                assert infos[index]["losses"] == Counter(info["losses"].values())
+                assert infos[index]["world"] == info["world"]
+                assert infos[index]["collected"] == info["collected"]
+                assert infos[index]["episode"]["l"] == len(single.sequence)
+                lost.update(infos[index]["losses"])
+                singles[index] = alone(index)
+    env.close()
+    assert ended > env.num_envs
+    assert len(lost) > 2
+
+
+def _parts(observation: Any) -> list[Any]:
+    return list(observation.values()) if isinstance(observation, dict) else [observation]
+
+
+def test_a_seed_determines_worlds_whatever_the_threads() -> None:
+    """Two of one seed keep in lock-step; they play the fields of one without uncertainty."""
+    envs = [
+        MissionVecEnv(40, SMALL, slots=3, seed=9, threads=threads, uncertainty=model)
+        for threads, model in ((1, MODELS), (3, MODELS), (1, None))
+    ]
+    seen = [env.reset() for env in envs]
+    assert envs[0].pool.instances == envs[2].pool.instances
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        for left, right in zip(_parts(seen[0]), _parts(seen[1]), strict=True):
+            np.testing.assert_array_equal(left, right)
+        masks = envs[0].action_masks()
+        actions = (masks * rng.random(masks.shape)).argmax(axis=1)
+        steps = [env.step(actions) for env in envs[:2]]
+        np.testing.assert_array_equal(steps[0][1], steps[1][1])
+        seen = [step[0] for step in steps]
+    for env in envs:
+        env.close()
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_a_certain_world_is_the_mission_as_planned(observation: str) -> None:
+    """Without anything uncertain, all that is seen, earned and told is that of `Mission-v0`."""
+    envs = [
+        MissionEnv(tiny(2), observation=observation, uncertainty=model)
+        for model in (None, Uncertainty())
+    ]
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        seen = [env.reset() for env in envs]
+        over = False
+        while not over:
+            for left, right in zip(_parts(seen[0][0]), _parts(seen[1][0]), strict=True):
+                np.testing.assert_array_equal(left, right)
+            action = int(rng.choice(np.flatnonzero(envs[0].action_masks())))
+            steps = [env.step(action) for env in envs]
+            assert steps[0][1:4] == steps[1][1:4]
+            for name in ("time_s", "delta_v_left_m_s", "collected", "serviced", "refuelled"):
+                assert steps[0][4][name] == steps[1][4][name]
+            seen, over = [(step[0], step[4]) for step in steps], steps[0][2]
+
+
+def test_what_is_seen_of_worlds_is_what_they_do_on_average() -> None:
+    """Mean ΔV, its spread, chances, late services and worths are those of thousands of draws."""
+    instance = tiny(1).with_limits(delta_v_m_s=900.0)
+    targets = [each.replace(prize=1.0 + place % 3) for place, each in enumerate(instance.targets)]
+    instance = instance.replace(targets=tuple(targets))
+    model = Uncertainty(
+        legs={"delta_v_factor": {"lognormal_sigma": 0.4}},
+        service_s={
+            "factor": {"lognormal_sigma": 0.3}, "added": {"chance": 0.3, "mean_s": 9000.0}
+        },
+        capture={"success": 0.7, "tries": 3},
+        gone=0.2,
+        targets={targets[0].name: {"success": 0.4, "service_s": {}}},
+    )  # fmt: skip
+    env = MissionEnv(instance, observation="transfer-worlds", uncertainty=model)
+    seen, info = env.reset(seed=0)
+    worlds = [DrawnWorld(instance, model, seed) for seed in range(4000)]
+    mean = float(np.mean([each.prize for each in targets]))
+    left_m_s = info["delta_v_left_m_s"]
+    assert isinstance(seen, dict)
+    for body, target in enumerate(instance.targets, start=1):
+        row, name = seen["moves"][body - 1], target.name
+        planned_m_s, _ = env.mission.timetable.lookup(0, body, 0.0)
+        service_s = float(env.mission.rules.service[body])
+        costs = np.array([planned_m_s * each.leg_factor("short", name) for each in worlds])
+        stays = np.array([each.service_s(name, service_s) for each in worlds])
+        firsts = [0 if each.is_gone(name) else each.first_success(name) for each in worlds]
+        tries = np.array([3 if first is None else first for first in firsts])
+        for column, wanted, within in (
+            (columns.WORTH, target.prize / mean * np.mean([bool(one) for one in firsts]), 0.06),
+            (columns.IS_GONE, 0.2, 1e-6),
+            (columns.SUCCEEDS, model.success_of(name), 1e-6),
+            (columns.MEAN_NEEDED, costs.mean() / 1e3, 0.02 * planned_m_s / 1e3),
+            (columns.SPREAD_NEEDED, costs.std() / 1e3, 0.02 * planned_m_s / 1e3),
+            (columns.HOLDS, np.mean(costs <= left_m_s) if row[0] else 0.0, 0.03),
+            (columns.MEAN_TRY, stays.mean() / 36e3, 0.02),
+            (columns.LATE_TRY, np.quantile(stays, 0.9) / 36e3, 0.03),
+            (columns.MEAN_STAY, (tries * stays).mean() / 36e3, 0.04),
+        ):
+            assert row[column] == pytest.approx(min(wanted, 5.0), abs=within), (name, column)
+    late = seen["moves"][:-1, columns.LATE_TRY]
+    assert late.max() > 1.2 * late.min()
+
+
+def test_the_id_plays_worlds_that_differ_from_reset_to_reset() -> None:
+    """``gymnasium.make`` plays uncertain worlds: the same of a seed, others without one."""
+    env = gymnasium.make(UNCERTAIN_ID, instance=tiny())
+    worlds = [env.reset(seed=seed)[1]["world"] for seed in (1, 1, None, None)]
+    assert worlds[0] == worlds[1]
+    assert len(set(worlds)) == 3
+    assert env.unwrapped.uncertainty == TROUBLED  # type: ignore[attr-defined]
+    assert MissionEnv(tiny()).uncertainty is None
+    many = MissionEnv(tiny(), uncertainty=TROUBLES)
+    drawn = set()
+    for _ in range(20):
+        many.reset()
+        assert many.uncertainty is not None
+        drawn.add(many.uncertainty.to_json())
+    assert len(drawn) > 5
+
+
+def test_the_examples_of_the_page_run() -> None:
+    """The examples of docs/uncertain-worlds.md run as they stand, but for their fields."""
+    page = (Path(__file__).parents[2] / "docs/uncertain-worlds.md").read_text(encoding="utf-8")
+    one, many = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    names: dict[str, Any] = {"SMALL": SMALL}
+    exec(one.replace("fields=PUBLISHED", "fields=SMALL, pool=2"), names)
+    assert names["terminated"]
+    exec(many.replace("256, RANDOMISED", "4, SMALL").replace("slots=64", "slots=2"), names)
+    names["env"].close()
+
+
+UNKNOWN = Uncertainty(targets={"nobody": {"gone": 0.5}})
+
+WRONG = {
+    "uncertainty = 'much': must be an Uncertainty": lambda: MissionEnv(uncertainty="much"),
+    "uncertainty = []: must be an Uncertainty": lambda: MissionVecEnv(uncertainty=[]),
+    "uncertainty = (None,): must be": lambda: MissionEnv(uncertainty=(None,)),
+    "world = -1: must be a whole number": lambda: MissionEnv(
+        tiny(), uncertainty=TROUBLED
+    ).reset(options={"world": -1}),
+    "world = 0.5: must be a whole number": lambda: MissionEnv(
+        tiny(), uncertainty=TROUBLED
+    ).reset(options={"world": 0.5}),
+    "option 'world' is unknown": lambda: MissionEnv(fields=SMALL).reset(options={"world": 1}),
+    "'nobody' is not a target": lambda: MissionEnv(tiny(), uncertainty=UNKNOWN).reset(),
+    "no move is legal at the start": lambda: MissionEnv(
+        tiny(), uncertainty=Uncertainty(tanks={"least": 1e-6, "most": 1e-6})
+    ).reset(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("sentence", WRONG)
+def test_wrong_input_is_refused_in_one_sentence(sentence: str) -> None:
+    """What cannot be meant is refused by an InputError that names it."""
+    with pytest.raises(InputError) as caught:
+        WRONG[sentence]()
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
