@@ -1,4 +1,4 @@
-"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for the luck of captures.
+"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for their luck.
 
 Perfect information and penalties: Brown, Smith, Sun, Operations Research 58(4), 2010. See
 docs/model.md section 13.
@@ -60,7 +60,7 @@ class BoundSetting(NamedTuple):
     time_limit_s : float
         Of each proof [s].
     per_day : float
-        Price of the time of tries in penalties [prize per day].
+        Price of the time of services in penalties [prize per day].
     """
 
     instance: Instance
@@ -86,7 +86,7 @@ class WorldBounds:
     perfect : float
         Most prize that a clairvoyant collects.
     penalised : float
-        Most prize less penalties for captures; its mean bounds the mean prize of any policy.
+        Most prize less penalties; its mean bounds the mean prize of any policy.
     required : bool
         Whether all required targets may be serviced; True unless disproven.
     proven : bool
@@ -206,9 +206,9 @@ def bounds(  # noqa: PLR0913
     time_limit : float
         Of each proof; what is proven by then is valid [s].
     time_price : float
-        Price of the time of tries in penalties, where services take as long as planned
-        [prize per day]. What a plan collects in a day is a good one, and any is valid at which
-        no target is worth less than the time of its service.
+        Price of the time of services in penalties [prize per day]. What a plan collects in a day
+        is a good one, and any is valid at which no target is worth less than the time of its
+        service. Times that are drawn are priced where targets are tried once and not towed.
     jobs, cluster, path, stop, told
         As :func:`.sampling.rehearse` takes them.
 
