@@ -123,17 +123,16 @@ def test_a_price_of_time_changes_no_mean() -> None:
 
 def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_day: float) -> float:
     """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
-    total = 0.0
+    total, paid = 0.0, prices_of_tries(ground, per_day / DAY_S)
     for craft in flown.crafts:
         for made in craft.made:
             j = made.hop.destination
             if j < ground.stations or (made.outcome == "dry" and not made.tries):
                 continue
             name = ground.names[j]
-            try_s = float(ground.chasers[0].limits.service[j]) - ground.tow_s.get(j, 0.0)
             worths = worths_of_tries(
                 ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name),
-                per_day * try_s / DAY_S,
+                paid[j],
             )  # fmt: skip
             after = [max(worth, 0.0) for worth in worths[1:]]
             gone = uncertainty.gone_of(name)

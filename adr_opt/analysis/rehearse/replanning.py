@@ -39,7 +39,6 @@ from .ground import Ground, Hop, hop_of
 from .intended import Intended, hops_of
 from .prospect import prospect_of
 
-EARLIER = True
 SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
 
@@ -75,9 +74,7 @@ class AtEveryService:
             route = self._routes[craft.chaser]
         if not route:
             return Halt(FINISHED)
-        hop = route.pop(0).hop
-        if EARLIER:
-            hop = self._earlier(craft, hop)
+        hop = self._earlier(craft, route.pop(0).hop)
         self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
         return hop
 

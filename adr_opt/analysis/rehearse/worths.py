@@ -18,6 +18,9 @@ from .tries import TryWorths
 LEVEL = 0.05
 """Least fall of what a late service counts, as a share of the prize."""
 
+ALIKE = 0.05
+"""Difference of the times of tries that have one price, as a share of the median."""
+
 
 class Counted(NamedTuple):
     """What a clairvoyant counts for a target.
@@ -72,11 +75,21 @@ def is_priced(uncertainty: Uncertainty, target: Target) -> bool:
 
 
 def prices_of_tries(ground: Ground, per_s: float) -> dict[int, float]:
-    """Price of the planned time of a try at each target, by its number."""
+    """Price of the planned time of a try at each target, by its number.
+
+    Tries of about the median time all have its price: prizes are the same then, and proofs quicker.
+    """
     service = ground.chasers[0].limits.service
-    return {
-        body: per_s * (float(service[body]) - ground.tow_s.get(body, 0.0))
+    tries_s = {
+        body: float(service[body]) - ground.tow_s.get(body, 0.0)
         for body in range(ground.first_target, len(ground.names))
+    }
+    if not tries_s:
+        return {}
+    usual_s = sorted(tries_s.values())[len(tries_s) // 2]
+    return {
+        body: per_s * (usual_s if abs(try_s - usual_s) <= ALIKE * usual_s else try_s)
+        for body, try_s in tries_s.items()
     }
 
 
