@@ -81,7 +81,7 @@ class ServiceTimes:
         return np.exp(-np.maximum(over, 0.0) / mean_s)
 
 
-class Level(NamedTuple):
+class LateWorth(NamedTuple):
     """What a service that begins late counts at most.
 
     Attributes
@@ -141,7 +141,7 @@ def most_worths(
     return MostWorths(left_s, np.maximum.accumulate(worth))
 
 
-def levels_of(left_s: FloatArray, worth: FloatArray, least: float) -> tuple[Level, ...]:
+def levels_of(left_s: FloatArray, worth: FloatArray, least: float) -> tuple[LateWorth, ...]:
     """Falling levels above a worth that rises with the time that is left.
 
     Parameters
@@ -155,12 +155,12 @@ def levels_of(left_s: FloatArray, worth: FloatArray, least: float) -> tuple[Leve
 
     Returns
     -------
-    tuple of Level
+    tuple of LateWorth
         From the longest time to the shortest; none where the worth falls by less.
     """
-    found, top = list[Level](), float(worth[-1])
+    found, top = list[LateWorth](), float(worth[-1])
     for left, most in zip(left_s[::-1].tolist(), worth[::-1].tolist(), strict=True):
         if most <= top - least:
             top = most
-            found.append(Level(left, top))
+            found.append(LateWorth(left, top))
     return tuple(found)

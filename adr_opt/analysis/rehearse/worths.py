@@ -12,7 +12,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from .ground import Ground
-from .service_times import Level, levels_of, most_worths
+from .service_times import LateWorth, levels_of, most_worths
 from .tries import TryWorths
 
 LEVEL = 0.05
@@ -29,14 +29,14 @@ class Counted(NamedTuple):
     ----------
     going_on, giving_up : float
         With all tries that it takes, and with fewer.
-    late : tuple of Level
+    late : tuple of LateWorth
         What going on counts at most where little time is left, falling; with any, a service may
         go on after the mission.
     """
 
     going_on: float
     giving_up: float = 0.0
-    late: tuple[Level, ...] | None = None
+    late: tuple[LateWorth, ...] | None = None
 
 
 Worth = Callable[[Target], Counted]
