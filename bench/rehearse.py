@@ -2,6 +2,7 @@
 
     python bench/rehearse.py speed
     python bench/rehearse.py scenarios --seed 0 --rehearsals 100 --worlds 30 --time-limit 20
+    python bench/rehearse.py prices --worlds 4 --first-world 1000 --prices 1 1.5 2
 
 ``speed`` times rehearsals of the best-known plan of a field of the family nominal by ``follow`` and
 ``replan``, and bounds of perfect information, in the scenario ``dear``; wall and processor time,
@@ -11,6 +12,10 @@ and bounds every policy in the first of them, or in none with ``--worlds 0``:
 * ``dear``: legs cost a factor of lognormal spread 0.1;
 * ``captures``: a try succeeds with a chance of 0.8, two tries, and 5 % of the targets are gone;
 * ``slow``: services take a factor of spread 0.5, and one in ten 4 hours more on average.
+
+``prices`` has the penalised bounds of the last two at several prices of time, each a multiple of
+what the plan collects in a day. With ``--processor-time`` limits of planners and proofs count the
+processor time of their threads, so that other work on the machine changes no result.
 
 A mission without launches has no slips: with ``--launched`` the field is a campaign of three
 launched chasers whose launches slip, in place of the nominal one.
@@ -27,13 +32,14 @@ from typing import Any, TypeVar
 from machine import heading
 
 import adr_opt
-from adr_opt.analysis.rehearse.bounds import bounds
+from adr_opt.analysis.rehearse.bounds import Bounds, bounds
 from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.common.clock import count_processor_time
 from adr_opt.common.constants import DAY_S
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import Chaser, Tank
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.uncertainty import ServiceUncertainty, Uncertainty
+from adr_opt.problem.uncertainty import Uncertainty
 
 BEST_KNOWN = Path(__file__).parents[1] / "instances" / "best-known"
 
@@ -45,6 +51,9 @@ SCENARIOS = {
         launches={"slip_s": {"mean_s": 43200.0}},
     ),
 }
+
+PRICED = ("captures", "slow")
+"""Scenarios in which penalties price time."""
 
 POLICIES = ("follow", "skip", "replan", "beam", "learned")
 
@@ -109,35 +118,68 @@ def scenarios(arguments: argparse.Namespace) -> None:
     print("|---|---|---|---|---|---|---|")
     for name in arguments.scenarios:
         uncertainty = SCENARIOS[name]
-        found, price = None, 0.0
-        if uncertainty.service_s == ServiceUncertainty():  # penalties price the time of tries
-            price = plan.objective / (instance.mission.duration_s / DAY_S)
+        found, kinds = None, ["perfect"]
+        price = arguments.prices[0] * per_day(instance, plan) if name in PRICED else 0.0
+        if name in PRICED:
+            kinds.append("penalised")
         if arguments.worlds:
-            found = bounds(
-                instance, uncertainty, samples=arguments.worlds, method=arguments.method,
-                time_limit=arguments.time_limit, time_price=price, jobs=arguments.jobs,
-            )  # fmt: skip
+            found = bounded(arguments, instance, uncertainty, price)
             told = found.to_dict()
             proven = f"{told['proven']} of {told['samples']} proven"
-            for kind in ("perfect", "penalised"):
-                if kind == "penalised" and not found.has_captures:
-                    continue
-                print(f"| {name} | {kind} bound | {proven} | {_mean(told[kind])} | | | |")
+            for kind in kinds:
+                said = f"{kind} bound" + (
+                    f", {price:.1f} prizes a day" if kind != "perfect" else ""
+                )
+                print(f"| {name} | {said} | {proven} | {_mean(told[kind])} | | | |", flush=True)
         for policy in arguments.policies:
             quick = policy in ("follow", "skip")
             number = 10 * arguments.rehearsals if quick else arguments.rehearsals
             made = rehearse(
                 instance, plan, uncertainty, policy=policy, samples=number,
-                jobs=1 if quick else arguments.jobs,
+                seed=arguments.first_world, jobs=1 if quick else arguments.jobs,
             )  # fmt: skip
             answer, gaps = made.to_dict(), None if found is None else found.gaps(made)
             cells = [
                 name, f"`{policy}`", str(number),
                 _mean(answer["prize"]), "" if gaps is None else _gap(gaps["perfect"]),
-                "" if found is None or not found.has_captures else _gap(gaps["penalised"]),
+                "" if gaps is None or name not in PRICED else _gap(gaps["penalised"]),
                 f"{made.runtime_s / number:.3f}",
             ]  # fmt: skip
             print(f"| {' | '.join(cells)} |", flush=True)
+
+
+def prices(arguments: argparse.Namespace) -> None:
+    """Penalised bounds at several prices of time."""
+    instance, plan = field(arguments.seed, launched=arguments.launched)
+    print("| scenario | price of a day | worlds | penalised bound | proven |")
+    print("|---|---|---|---|---|")
+    for name in PRICED:
+        if name not in arguments.scenarios:
+            continue
+        for multiple in arguments.prices:
+            price = multiple * per_day(instance, plan)
+            told = bounded(arguments, instance, SCENARIOS[name], price).to_dict()
+            cells = [
+                name, f"{price:.2f}", str(told["samples"]), _mean(told["penalised"]),
+                str(told["proven"]),
+            ]  # fmt: skip
+            print(f"| {' | '.join(cells)} |", flush=True)
+
+
+def per_day(instance: Instance, plan: Plan) -> float:
+    """What a plan collects in a day."""
+    return plan.objective / (instance.mission.duration_s / DAY_S)
+
+
+def bounded(
+    arguments: argparse.Namespace, instance: Instance, uncertainty: Uncertainty, price: float
+) -> Bounds:
+    """Bounds with a price of time [prize per day]."""
+    return bounds(
+        instance, uncertainty, samples=arguments.worlds, seed=arguments.first_world,
+        method=arguments.method, time_limit=arguments.time_limit, time_price=price,
+        jobs=arguments.jobs,
+    )  # fmt: skip
 
 
 def _mean(found: dict[str, Any]) -> str:
@@ -154,13 +196,16 @@ def _gap(found: dict[str, Any]) -> str:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("what", choices=["speed", "scenarios"])
+    parser.add_argument("what", choices=["speed", "scenarios", "prices"])
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--follow", type=int, default=10_000)
     parser.add_argument("--replan", type=int, default=200)
     parser.add_argument("--proofs", type=int, default=100)
     parser.add_argument("--rehearsals", type=int, default=100)
     parser.add_argument("--worlds", type=int, default=30)
+    parser.add_argument("--first-world", type=int, default=0)
+    parser.add_argument("--prices", nargs="+", type=float, default=[1.0])
+    parser.add_argument("--processor-time", action="store_true")
     parser.add_argument("--method", default="exact")
     parser.add_argument("--time-limit", type=float, default=20.0)
     parser.add_argument("--jobs", type=int, default=1)
@@ -169,7 +214,11 @@ def main() -> None:
     parser.add_argument("--policies", nargs="+", default=list(POLICIES))
     arguments = parser.parse_args()
     print(heading())
-    (speed if arguments.what == "speed" else scenarios)(arguments)
+    if arguments.processor_time:
+        if arguments.jobs != 1:
+            parser.error("--processor-time counts that of one process: --jobs 1")
+        count_processor_time()
+    {"speed": speed, "scenarios": scenarios, "prices": prices}[arguments.what](arguments)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from collections.abc import Callable
 
 _pauses: list[Callable[[], float]] = []
 
+_seconds: Callable[[], float] = time.perf_counter
+
 
 def leave_out(seconds: Callable[[], float]) -> None:
     """Exclude some time of this process.
@@ -19,6 +21,13 @@ def leave_out(seconds: Callable[[], float]) -> None:
     _pauses.append(seconds)
 
 
+def count_processor_time() -> None:
+    """Count the processor time of all threads of this process from now on, whatever else runs."""
+    global _seconds
+    _pauses.clear()
+    _seconds = time.process_time
+
+
 def now_s() -> float:
     """Counted seconds since an arbitrary moment; only differences are meaningful."""
-    return time.perf_counter() - sum(seconds() for seconds in _pauses)
+    return _seconds() - sum(seconds() for seconds in _pauses)

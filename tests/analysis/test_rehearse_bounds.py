@@ -27,15 +27,16 @@ from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bo
 from adr_opt.analysis.rehearse.flight import FlownMission, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
-from adr_opt.analysis.rehearse.known_world import prices_of_tries
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.analysis.rehearse.service_times import ServiceTimes, levels_of, most_worths
 from adr_opt.analysis.rehearse.tries import TryWorths, rounded_up, worths_of_tries
+from adr_opt.analysis.rehearse.worths import prices_of_tries
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.uncertainty import ServiceUncertainty, Uncertainty
 from adr_opt.problem.world import DrawnWorld
 
 EPSILON = 1e-9
@@ -122,17 +123,16 @@ def test_a_price_of_time_changes_no_mean() -> None:
 
 def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_day: float) -> float:
     """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
-    total = 0.0
+    total, paid = 0.0, prices_of_tries(ground, per_day / DAY_S)
     for craft in flown.crafts:
         for made in craft.made:
             j = made.hop.destination
             if j < ground.stations or (made.outcome == "dry" and not made.tries):
                 continue
             name = ground.names[j]
-            try_s = float(ground.chasers[0].limits.service[j]) - ground.tow_s.get(j, 0.0)
             worths = worths_of_tries(
                 ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name),
-                per_day * try_s / DAY_S,
+                paid[j],
             )  # fmt: skip
             after = [max(worth, 0.0) for worth in worths[1:]]
             gone = uncertainty.gone_of(name)
@@ -147,6 +147,129 @@ def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_d
                 mean = success * ground.prizes[j] + (1.0 - success) * after[attempt]
                 total += mean if caught else mean - after[attempt]
     return total
+
+
+LATE = ServiceUncertainty.model_validate(
+    {"factor": {"lognormal_sigma": 0.6}, "added": {"chance": 0.3, "mean_s": 4000.0}}
+)
+"""Times of services of which many are much longer than planned."""
+
+
+@over_kinds(
+    "draw, seeds",
+    single=(random_mission, range(40), 3),
+    campaign=(random_campaign, range(20), 1),
+    given=(given_field, range(40), 1),
+    launched=(roomy_launched, range(20), 1),
+    kits=(campaign_with_cargo, range(20), 1),
+)
+def test_no_policy_exceeds_a_bound_with_a_price_of_uncertain_times(draw, seeds) -> None:  # type: ignore[no-untyped-def]
+    """With the time of services priced that is drawn, what they are worth stays below the bound."""
+    for seed in seeds:
+        instance = draw(seed)
+        targets = tuple(
+            target.replace(removal="visit" if target.removal == "tow" else target.removal)
+            for target in instance.targets
+        )
+        instance = instance.replace(targets=targets)
+        uncertainty = Uncertainty(
+            service_s=LATE, capture={"success": 0.8}, gone=0.1,
+            targets={instance.targets[-1].name: {"service_s": {}}},
+        ).of(instance)  # fmt: skip
+        ground = Ground(instance)
+        share = float(np.random.default_rng(seed).uniform(0.0, 0.4))
+        tries_s = prices_of_tries(ground, 1.0)
+        worth_per_s = [ground.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
+        per_day = share * DAY_S * min(worth_per_s, default=0.0)
+        setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
+        bound, world = world_bounds(ground, setting, seed), DrawnWorld(instance, uncertainty, seed)
+        for flown in _all_flown(ground, world, seed):
+            worth = _worth_of_times(ground, world, flown, per_day)
+            assert worth <= bound.penalised + EPSILON, seed
+
+
+def test_a_price_of_uncertain_times_changes_no_mean() -> None:
+    """What services are worth with a price of their drawn time has the mean of the prize.
+
+    In a mission so short that many services end late.
+    """
+    instance = adr_opt.generate("tiny", 0)
+    plan = adr_opt.solve(instance, "beam").plan
+    ended_s = sorted(leg.end_s for leg in plan.legs)
+    instance = instance.replace(
+        mission=instance.mission.replace(duration_s=ended_s[min(2, len(ended_s) - 1)] + 100.0)
+    )
+    plan = adr_opt.solve(instance, "beam").plan
+    uncertainty = Uncertainty(service_s=LATE, capture={"success": 0.7}, gone=0.1)
+    ground = Ground(instance)
+    planned = intended(ground, plan)
+    differences, late = [], 0
+    for seed in range(1500):
+        world = DrawnWorld(instance, uncertainty, seed)
+        policy = policy_of("skip")(ground, planned, uncertainty, 0)
+        flown = rehearsed(ground, world, policy, planned.kits)
+        late += any(made.outcome == "late" for craft in flown.crafts for made in craft.made)
+        differences.append(_worth_of_times(ground, world, flown, 8.0) - flown.prize)
+    assert late > 100
+    error = np.std(differences) / math.sqrt(len(differences))
+    assert abs(np.mean(differences)) < 4.0 * error
+
+
+def _worth_of_times(
+    ground: Ground, world: DrawnWorld, flown: FlownMission, per_day: float
+) -> float:
+    """What services of one try are worth with a price of the time that they take in the mission."""
+    total, per_s, uncertainty = 0.0, per_day / DAY_S, world.uncertainty
+    for craft in flown.crafts:
+        limits = ground.chasers[craft.chaser].limits
+        for made in craft.made:
+            j, outcome = made.hop.destination, made.outcome
+            if j < ground.stations or (outcome == "dry" and not made.tries):
+                continue
+            name, planned_s = ground.names[j], float(limits.service[j])
+            begin_s = max(made.hop.arrival, float(limits.opens[j]))
+            left_s = limits.duration - begin_s
+            times = ServiceTimes(planned_s, uncertainty.service_of(name))
+            mean = uncertainty.success_of(name) * ground.prizes[j] * times.chance_by(left_s)
+            total += (1.0 - uncertainty.gone_of(name)) * (mean - per_s * times.within_s(left_s))
+            if outcome != "gone":
+                total += per_s * min(world.service_s(name, planned_s), left_s)
+    return total
+
+
+def test_times_of_services_have_the_distribution_that_is_drawn() -> None:
+    """Chances and means are those of draws, but for their noise and a part of the distribution."""
+    rng = np.random.default_rng(2)
+    for model in (
+        LATE,
+        ServiceUncertainty(factor={"lognormal_sigma": 0.5, "least": 0.8, "most": 1.5}),
+        ServiceUncertainty(added={"chance": 0.4, "mean_s": 3000.0, "most_s": 5000.0}),
+    ):
+        drawn_s = np.full(20_000, 2000.0)
+        if model.factor is not None:
+            drawn_s *= [model.factor.at(each) for each in rng.random(drawn_s.size)]
+        if model.added is not None:
+            drawn_s += [model.added.at(each) for each in rng.random(drawn_s.size)]
+        times = ServiceTimes(2000.0, model)
+        for left_s in (900.0, 1700.0, 2000.0, 2900.0, 3100.0, 6900.0, 7100.0, 30_000.0):
+            assert times.chance_by(left_s) == pytest.approx(np.mean(drawn_s <= left_s), abs=0.015)
+            within = np.minimum(drawn_s, left_s)
+            assert times.within_s(left_s) == pytest.approx(within.mean(), abs=70.0)
+        assert times.mean_s == pytest.approx(drawn_s.mean(), abs=100.0)
+
+
+def test_levels_of_late_services_lie_above_their_worth() -> None:
+    """At no time left is a service worth more than its level, or its level much more than it."""
+    most = most_worths(2000.0, LATE, 1.0, 4.0 / DAY_S, 200_000.0)
+    times, least = ServiceTimes(2000.0, LATE), 0.05
+    levels = levels_of(most.left_s, most.worth, least)
+    assert len(levels) > 3
+    for left_s in np.random.default_rng(3).uniform(2000.0, 200_000.0, 300):
+        worth = times.chance_by(left_s) - 4.0 / DAY_S * times.within_s(left_s)
+        level = min(
+            (each.worth for each in levels if left_s <= each.below_s), default=most.worth[-1]
+        )
+        assert worth - 1e-12 <= level <= worth + 2.0 * least
 
 
 def _all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]

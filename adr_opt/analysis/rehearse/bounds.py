@@ -1,4 +1,4 @@
-"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for the luck of captures.
+"""Bounds on every policy: clairvoyants of drawn worlds, with penalties for their luck.
 
 Perfect information and penalties: Brown, Smith, Sun, Operations Research 58(4), 2010. See
 docs/model.md section 13.
@@ -27,18 +27,17 @@ from ...run.method_call import spec_of
 from ...run.methods import BOUNDS
 from .elsewhere import check_worlds, elsewhere, is_over
 from .ground import Ground, refuse
-from .known_world import (
-    Worth,
-    clairvoyant_worth,
-    known_problem,
-    penalised_worth,
-    prices_of_tries,
-    refuse_bounds,
-    required_worth,
-)
+from .known_world import known_problem, refuse_bounds
 from .rehearsals import Rehearsals, share, summary
 from .rows_file import EXACT, RowsFile
-from .tries import TryWorths
+from .worths import (
+    Worth,
+    clairvoyant_worth,
+    penalised_worth,
+    refused_price,
+    required_worth,
+    takes_uncertain_time,
+)
 
 METHOD = "exact"
 TIME_LIMIT_S = 20.0
@@ -61,7 +60,7 @@ class BoundSetting(NamedTuple):
     time_limit_s : float
         Of each proof [s].
     per_day : float
-        Price of the time of tries in penalties [prize per day].
+        Price of the time of services in penalties [prize per day].
     """
 
     instance: Instance
@@ -87,7 +86,7 @@ class WorldBounds:
     perfect : float
         Most prize that a clairvoyant collects.
     penalised : float
-        Most prize less penalties for captures; its mean bounds the mean prize of any policy.
+        Most prize less penalties; its mean bounds the mean prize of any policy.
     required : bool
         Whether all required targets may be serviced; True unless disproven.
     proven : bool
@@ -207,9 +206,9 @@ def bounds(  # noqa: PLR0913
     time_limit : float
         Of each proof; what is proven by then is valid [s].
     time_price : float
-        Price of the time of tries in penalties, where services take as long as planned
-        [prize per day]. What a plan collects in a day is a good one, and any is valid at which
-        no target is worth less than the time of its service.
+        Price of the time of services in penalties [prize per day]. What a plan collects in a day
+        is a good one, and any is valid at which no target is worth less than the time of its
+        service. Times that are drawn are priced where targets are tried once and not towed.
     jobs, cluster, path, stop, told
         As :func:`.sampling.rehearse` takes them.
 
@@ -265,26 +264,16 @@ def _check_price(setting: BoundSetting) -> None:
     Raises
     ------
     InputError
-        It is negative or not finite, or services may take longer than planned.
+        It is negative or not finite, too high, or services of uncertain times are tried again.
     """
     price, uncertainty = setting.per_day, setting.uncertainty
     if not 0.0 <= price < math.inf:
         raise InputError(f"time price = {price!r}: must be 0 or more, in prize per day")
-    services = [uncertainty.service_of(target.name) for target in setting.instance.targets]
     if price == 0.0:
         return
-    if any(each.factor or each.added for each in services):
-        raise InputError(
-            "time price: penalties may price the time of tries only where services take as long "
-            "as planned; leave it out"
-        )
-    paid = prices_of_tries(Ground(setting.instance), price / DAY_S)
-    worths = TryWorths(setting.instance, uncertainty, paid)
-    if any(worths.most(body) < 0.0 for body in paid):
-        raise InputError(
-            f"time price = {price:g}: a target is worth less than the time of its service; give a "
-            "lower price"
-        )
+    refused = refused_price(Ground(setting.instance), uncertainty, price / DAY_S)
+    if refused is not None:
+        raise InputError(f"time price = {price:g}: {refused}")
 
 
 def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
@@ -293,6 +282,13 @@ def has_captures(instance: Instance, uncertainty: Uncertainty) -> bool:
         uncertainty.success_of(target.name) < 1.0 or uncertainty.gone_of(target.name) > 0.0
         for target in instance.targets
     )
+
+
+def has_penalties(setting: BoundSetting) -> bool:
+    """Whether penalties take anything out of what a clairvoyant collects."""
+    instance, uncertainty = setting.instance, setting.uncertainty
+    is_uncertain = any(takes_uncertain_time(uncertainty, each.name) for each in instance.targets)
+    return has_captures(instance, uncertainty) or (setting.per_day > 0.0 and is_uncertain)
 
 
 def _worlds(
@@ -334,7 +330,7 @@ def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBound
         return min(found.upper_bound, problem.total_prize)
 
     perfect = penalised = most(clairvoyant_worth(ground, world))
-    if has_captures(setting.instance, setting.uncertainty):
+    if has_penalties(setting):
         penalised = most(penalised_worth(ground, world, setting.per_day / DAY_S))
     required = sum(target.required for target in setting.instance.targets)
     may = True

@@ -10,14 +10,16 @@ bound on this mission holds for every policy in that world:
   visited, and where connections are given, to go on takes no longer than one try;
 * a target without success takes no kit, is not towed, and counts towards no maximum;
 * no target is required, and a chaser may end anywhere.
+
+Where penalties price services of uncertain times, those may end after the mission, and count what
+is left of their worth then: prizes that fall.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import count
-from typing import NamedTuple
 
 from ...common.constants import SLACK_S
 from ...common.errors import InputError
@@ -32,49 +34,12 @@ from ...problem.settings import Objective
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from .ground import Ground
-from .tries import TryWorths, rounded_up
+from .parts import Part, in_time, timed_part
+from .tries import rounded_up
+from .worths import Worth
 
 GIVEN_UP = " (given up{})"
 """Added to the name of a target for the body at which a chaser gives up, with a number if need."""
-
-
-class Counted(NamedTuple):
-    """What a clairvoyant counts for a target.
-
-    Attributes
-    ----------
-    going_on, giving_up : float
-        With all tries that it takes, and with fewer.
-    """
-
-    going_on: float
-    giving_up: float = 0.0
-
-
-Worth = Callable[[Target], Counted]
-
-
-class Part(NamedTuple):
-    """A body that stands for a target in a known world.
-
-    Attributes
-    ----------
-    target : Target
-    of : str
-        Name of the target that it stands for.
-    took_s : float
-        Time of its service, without a tow [s].
-    planned_s : float
-        What that was planned to be [s].
-    uncounted : int
-        Services that count towards no maximum.
-    """
-
-    target: Target
-    of: str
-    took_s: float
-    planned_s: float
-    uncounted: int
 
 
 def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
@@ -114,9 +79,12 @@ def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: i
         for target in ground.instance.targets
         for part in _parts(ground, world, worth, target, suffix)
     ]
-    instance = _known_instance(ground, world, parts)
+    over_s = max((part.over_s for part in parts if part.over_s is not None), default=None)
+    if over_s is not None:
+        parts = in_time(parts, ground.instance)
+    instance = _known_instance(ground, world, parts, over_s or 0.0)
     corrections = _corrections(ground, world, parts)
-    is_same = instance.names == ground.names and not ground.tow_s
+    is_same = instance.names == ground.names and not ground.tow_s and not over_s
     if not is_same:  # there are bodies, or orbits that are left, of which nothing is known yet
         finder = ConnectionFinder(instance, corrections)
     elif corrections:
@@ -140,6 +108,9 @@ def _parts(
     name, number = target.name, ground.number[target.name]
     planned = float(ground.chasers[0].limits.service[number]) - ground.tow_s.get(number, 0.0)
     counted = worth(target)
+    if counted.late is not None:
+        yield timed_part(ground, world, counted, target, planned)
+        return
     going_on = target.replace(prize=rounded_up(counted.going_on), required=False)
     if world.is_gone(name):
         yield Part(going_on.replace(removal="visit"), name, 0.0, planned, 1)
@@ -161,14 +132,18 @@ def _parts(
         yield Part(giving_up, name, took, planned, 1)
 
 
-def _known_instance(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Instance:
+def _known_instance(
+    ground: Ground, world: DrawnWorld, parts: Sequence[Part], over_s: float
+) -> Instance:
     instance = ground.instance
     uncounted = sum(part.uncounted for part in parts)
     chasers = tuple(
-        _known_chaser(ground, world, number, uncounted) for number in range(len(instance.chasers))
+        _known_chaser(ground, world, number, uncounted, over_s)
+        for number in range(len(instance.chasers))
     )
     targets = tuple(part.target for part in parts)
-    mission = instance.mission.replace(launch_separation_s=None)
+    duration_s = instance.mission.duration_s + over_s
+    mission = instance.mission.replace(launch_separation_s=None, duration_s=duration_s)
     if not any(target.removal == "tow" for target in targets):
         mission = mission.replace(disposal_altitude_m=None)
     objective = instance.objective
@@ -177,12 +152,15 @@ def _known_instance(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) ->
     return instance.replace(targets=targets, chasers=chasers, mission=mission, objective=objective)
 
 
-def _known_chaser(ground: Ground, world: DrawnWorld, number: int, uncounted: int) -> Chaser:
+def _known_chaser(
+    ground: Ground, world: DrawnWorld, number: int, uncounted: int, over_s: float
+) -> Chaser:
     chaser = ground.instance.chasers[number]
     since, until = ground.instance.available_s[number]
     if chaser.is_launched:
         since += world.slip_s(chaser.name)
         since = since if until is None else min(since, until)
+    until = None if until is None else until + over_s
     most = None if chaser.max_targets is None else chaser.max_targets + uncounted
     return chaser.replace(
         end="anywhere", available_s=(since, until), max_targets=most,
@@ -248,49 +226,3 @@ def most_refuellings(ground: Ground) -> int:
     if least <= SLACK_S:
         return targets
     return max(1, min(targets, math.ceil(instance.mission.duration_s / least)))
-
-
-def can_be_serviced(world: DrawnWorld, target: Target) -> bool:
-    """Whether a target is there, and one of its tries succeeds."""
-    return not world.is_gone(target.name) and world.first_success(target.name) is not None
-
-
-def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
-    """The prize of each target that can be serviced in a world."""
-    return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
-
-
-def prices_of_tries(ground: Ground, per_s: float) -> dict[int, float]:
-    """Price of the time of a try at each target, by its number."""
-    service = ground.chasers[0].limits.service
-    return {
-        body: per_s * (float(service[body]) - ground.tow_s.get(body, 0.0))
-        for body in range(ground.first_target, len(ground.names))
-    }
-
-
-def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Worth:
-    """The mean prize of going to each target, and what of it is left if a chaser gives up.
-
-    Parameters
-    ----------
-    per_s : float
-        Price of the time of tries, which has to be certain [prize per s].
-    """
-    worths = TryWorths(ground.instance, world.uncertainty, prices_of_tries(ground, per_s))
-
-    def worth(target: Target) -> Counted:
-        number, first = ground.number[target.name], world.first_success(target.name)
-        tries = world.uncertainty.tries_of(target.name) if first is None else first
-        if world.is_gone(target.name):
-            return Counted(max(worths.most(number), 0.0))
-        # To give up later counts more, and is said to take no longer than one try.
-        given_up = max(worths.after_failures(number, tries - 1), 0.0)
-        return Counted(max(worths.after(number, tries), 0.0), given_up)
-
-    return worth
-
-
-def required_worth(ground: Ground, world: DrawnWorld) -> Worth:
-    """1 for each required target that can be serviced in a world."""
-    return lambda target: Counted(float(target.required and can_be_serviced(world, target)))

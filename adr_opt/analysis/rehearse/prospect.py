@@ -12,6 +12,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from .ground import Ground, Hop
 from .intended import Intended
+from .service_times import ServiceTimes
 from .tries import mean_worths, with_worths
 
 CAUTION = 2.5
@@ -21,8 +22,9 @@ CAUTION = 2.5
 class Prospect:
     """The uncertainty of a mission as a planner of what is left takes it into account.
 
-    Prizes are what going to a target is worth on average; tanks in ΔV that will be filled again
-    keep a reserve for what their legs may cost more, since a chaser that runs dry is lost.
+    Prizes are what going to a target is worth on average, and services take as long as stays at
+    targets do on average; tanks in ΔV that will be filled again keep a reserve for what their legs
+    may cost more, since a chaser that runs dry is lost.
 
     Parameters
     ----------
@@ -34,30 +36,40 @@ class Prospect:
     ----------
     reserve_m_s : float
         Of a full tank [m/s].
+    time_share : float
+        Mean time at a target, with all tries, as a multiple of the planned one.
     """
 
     def __init__(self, ground: Ground, intended: Intended, uncertainty: Uncertainty) -> None:
         self._ground, self._uncertainty = ground, uncertainty
         self._worths = mean_worths(ground.instance, uncertainty)
         self.reserve_m_s = self._reserve(intended)
+        self.time_share = _time_share(ground, uncertainty)
 
     @property
     def differs(self) -> bool:
         """Whether more is to be expected than what is planned."""
-        return self.reserve_m_s > 0.0 or bool(self._worths)
+        return self.reserve_m_s > 0.0 or bool(self._worths) or self.time_share != 1.0
 
-    def expected(self, instance: Instance, *, reserve: bool) -> Instance:
+    @property
+    def is_cautious(self) -> bool:
+        """Whether it keeps a reserve, or expects longer stays."""
+        return self.reserve_m_s > 0.0 or self.time_share > 1.0
+
+    def expected(self, instance: Instance, *, cautious: bool) -> Instance:
         """What is left of the mission, as it is to be expected.
 
         Parameters
         ----------
         instance : Instance
             A remaining instance of the mission.
-        reserve : bool
-            Whether tanks keep one.
+        cautious : bool
+            Whether tanks keep a reserve, and services take as long as on average.
         """
         instance = with_worths(instance, self._worths)
-        if reserve and self.reserve_m_s > 0.0:
+        if cautious or self.time_share < 1.0:
+            instance = _slower(instance, self.time_share)
+        if cautious and self.reserve_m_s > 0.0:
             instance = instance.replace(chasers=tuple(map(self._careful, instance.chasers)))
         return instance
 
@@ -98,6 +110,38 @@ class Prospect:
                     needed.append(CAUTION * math.sqrt(squares))
                     squares = 0.0
         return float(np.median(needed)) if needed else 0.0
+
+
+def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
+    """Mean time at a target as a multiple of what is planned; 1 where objects are towed.
+
+    One that has still to be towed has a window for just its service.
+    """
+    if ground.tow_s:
+        return 1.0
+    planned_s, mean_s = 0.0, 0.0
+    for body, target in enumerate(ground.instance.targets, start=ground.first_target):
+        service_s, name = float(ground.chasers[0].limits.service[body]), target.name
+        there = 1.0 - uncertainty.gone_of(name)
+        success, tries = uncertainty.success_of(name), uncertainty.tries_of(name)
+        failed = 1.0 - success
+        mean_tries = sum(failed**before for before in range(tries))
+        planned_s += service_s
+        mean_s += there * mean_tries * ServiceTimes(service_s, uncertainty.service_of(name)).mean_s
+    return mean_s / planned_s if planned_s > 0.0 else 1.0
+
+
+def _slower(instance: Instance, share: float) -> Instance:
+    """The instance with services that take a multiple of their time."""
+    mission = instance.mission
+    if share == 1.0:
+        return instance
+    if mission.service_revolutions is not None:
+        return instance.replace(
+            mission=mission.replace(service_revolutions=share * mission.service_revolutions)
+        )
+    assert mission.service_s is not None
+    return instance.replace(mission=mission.replace(service_s=share * mission.service_s))
 
 
 def prospect_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Prospect:

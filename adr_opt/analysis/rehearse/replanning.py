@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 
-from ...common.constants import HOUR_S, SLACK_M_S
+import numpy as np
+
+from ...common.constants import HOUR_S, SLACK_M_S, SLACK_S
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg, Tow
 from ...problem.chasers import TankByMass
@@ -33,7 +35,7 @@ from .crafts import (
     refused,
 )
 from .flight import Halt, Situation
-from .ground import Ground, Hop
+from .ground import Ground, Hop, hop_of
 from .intended import Intended, hops_of
 from .prospect import prospect_of
 
@@ -67,12 +69,12 @@ class AtEveryService:
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
-        if not route and self._prospect.reserve_m_s > 0.0 and craft.made:
-            self._plan(now, reserve=False)  # it is of no use any more
+        if not route and self._prospect.is_cautious and craft.made:
+            self._plan(now, cautious=False)  # to be so is of no use any more
             route = self._routes[craft.chaser]
         if not route:
             return Halt(FINISHED)
-        hop = route.pop(0).hop
+        hop = self._earlier(craft, route.pop(0).hop)
         self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
         return hop
 
@@ -90,7 +92,21 @@ class AtEveryService:
         differs = abs(craft.left - ahead.left) > SLIGHT_SHARE * what.budget
         return differs or abs(craft.free_s - ahead.free_s) > SLIGHT_S
 
-    def _plan(self, now: Situation, *, reserve: bool = True) -> None:
+    def _earlier(self, craft: Craft, hop: Hop) -> Hop:
+        """The first connection to the same body to arrive, of those that take no more ΔV."""
+        if self._ground.chasers[craft.chaser].is_launched and not craft.made:
+            return hop
+        rows = self._ground.rows(craft.body, hop.destination, towed=craft.towed)
+        first = int(np.searchsorted(rows.departure, craft.free_s - SLACK_S))
+        last = int(np.searchsorted(rows.departure, hop.departure))
+        could = first + np.flatnonzero(rows.delta_v[first:last] <= hop.delta_v)
+        if not could.size:
+            return hop
+        row = int(could[np.argmin(rows.arrival[could])])
+        found = hop_of(hop.destination, rows, row)
+        return found if found.arrival < hop.arrival else hop
+
+    def _plan(self, now: Situation, *, cautious: bool = True) -> None:
         """Plan what is left, for all chasers, from where they are or will be."""
         ground, at_s = self._ground, now.craft.free_s
         crafts = [craft for craft in now.crafts if craft is now.craft or not craft.ended]
@@ -112,7 +128,7 @@ class AtEveryService:
             ) -> Instance | None:
                 missed = [name for state in known for name in state.missed]
                 rest = remaining_instance(instance, known, gone, at_s, missed)
-                return None if rest is None else self._prospect.expected(rest, reserve=reserve)
+                return None if rest is None else self._prospect.expected(rest, cautious=cautious)
 
             rest = planned_rest(wanted, left, states, former, choice)
             if rest.result.plan is not None:

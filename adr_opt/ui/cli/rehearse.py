@@ -50,7 +50,7 @@ NOT_OF_REPLAYS = {
 @take.number(
     "--time-price",
     "P",
-    "Price of the time of tries in penalties, in prize per day; 0.",
+    "Price of the time of services in penalties, in prize per day; 0.",
     default=0.0,
 )
 @take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)

@@ -130,7 +130,7 @@ def _tanks(told: Mapping[str, Any]) -> str:
 
 
 def _bounds(told: Mapping[str, Any]) -> str:
-    names = {"perfect": "perfect information", "penalised": "with penalties for captures"}
+    names = {"perfect": "perfect information", "penalised": "with penalties for the luck of draws"}
     rows = []
     for key, name in names.items():
         of, gap = told["bounds"][key], told["gaps"][key]

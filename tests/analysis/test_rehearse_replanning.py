@@ -1,0 +1,70 @@
+"""What policies that plan expect of a mission, and the connections that they take."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import towed_fields
+
+import adr_opt
+from adr_opt.analysis.rehearse.crafts import beginning, refused
+from adr_opt.analysis.rehearse.flight import Situation
+from adr_opt.analysis.rehearse.ground import Ground, hop_of
+from adr_opt.analysis.rehearse.intended import Intended, PlannedHop
+from adr_opt.analysis.rehearse.prospect import Prospect
+from adr_opt.analysis.rehearse.replanning import AtDeviations
+from adr_opt.problem.uncertainty import Uncertainty
+
+CAPTURES = Uncertainty(capture={"success": 0.8, "tries": 2}, gone=0.05)
+
+
+def test_stays_are_expected_as_long_as_they_are_on_average() -> None:
+    """1.2 tries at targets of which 5 % are gone take 1.14 times as long as one try."""
+    ground = Ground(adr_opt.generate("tiny", 0))
+    prospect = Prospect(ground, Intended(None, ((),), (0,)), CAPTURES)
+    assert prospect.time_share == pytest.approx(0.95 * 1.2)
+    assert prospect.differs
+    planned = ground.instance.mission.service_revolutions
+    slower = prospect.expected(ground.instance, cautious=True).mission.service_revolutions
+    assert slower == pytest.approx(1.14 * planned)
+    assert prospect.expected(ground.instance, cautious=False) == ground.instance
+
+
+def test_services_in_seconds_are_expected_longer_as_well() -> None:
+    """With the mean of a delay where missions state seconds, not revolutions."""
+    instance = adr_opt.generate("tiny", 0)
+    mission = instance.mission.replace(service_revolutions=None, service_s=5000.0)
+    ground = Ground(instance.replace(mission=mission))
+    late = Uncertainty(service_s={"added": {"chance": 0.5, "mean_s": 2000.0}})
+    prospect = Prospect(ground, Intended(None, ((),), (0,)), late)
+    slower = prospect.expected(ground.instance, cautious=True).mission.service_s
+    assert slower == pytest.approx(6000.0)
+
+
+def test_stays_before_tows_are_expected_as_planned() -> None:
+    """An object that has still to be towed has a window for just its service."""
+    ground = Ground(towed_fields.field())
+    prospect = Prospect(ground, Intended(None, ((),), (0,)), CAPTURES)
+    assert prospect.time_share == 1.0
+
+
+def test_an_earlier_connection_of_no_more_delta_v_is_flown() -> None:
+    """Of all connections to the planned body that take no more, the one that arrives first."""
+    ground = Ground(adr_opt.generate("tiny", 0))
+    start, better = ground.chasers[0].start, 0
+    for j in range(ground.first_target, len(ground.names)):
+        rows = ground.rows(start, j, towed=False)
+        for row in np.linspace(0, rows.departure.size // 2, 6).astype(int):
+            planned = hop_of(j, rows, int(row))
+            craft = beginning(ground, 0, 0, 0.0, 1.0)
+            if refused(ground, craft, planned):
+                continue
+            intended = Intended(None, ((PlannedHop(start, False, planned),),), (0,))
+            policy = AtDeviations(ground, intended, Uncertainty())
+            flown = policy.next_leg(Situation(ground, craft, (craft,), set()))
+            no_dearer = rows.delta_v <= planned.delta_v
+            assert flown.destination == j
+            assert flown.delta_v <= planned.delta_v
+            assert flown.arrival == rows.arrival[no_dearer].min()
+            better += flown.arrival < planned.arrival
+    assert better
