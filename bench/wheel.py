@@ -85,7 +85,10 @@ def main() -> int:
     print(f"{len(kernels)} kernels, {made.stat().st_size / 1e6:.1f} MB: {made}")
     if asked.out is not None:
         build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(asked.out)]
-        subprocess.run([*build, str(ROOT)], check=True)
+        try:
+            subprocess.run([*build, str(ROOT)], check=True)
+        finally:  # in a checkout, kernels change and are compiled as they do
+            archive.FILE.unlink(missing_ok=True)
     return 0
 
 
