@@ -15,7 +15,6 @@ import argparse
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 import tarfile
@@ -180,8 +179,11 @@ def served(program: str, place: Path) -> str:
                         return f"status {answer.status}, {len(answer.read()) / 1e6:.1f} MB"
             raise Failed(said[-300:].replace("\n", " "))
         finally:
-            page.send_signal(signal.SIGINT)
-            page.communicate(timeout=60.0)
+            page.terminate()
+            try:
+                page.communicate(timeout=60.0)
+            except subprocess.TimeoutExpired:
+                page.kill()
 
 
 def typed(python: Path, place: Path) -> str:
