@@ -140,7 +140,7 @@ def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:
             f"{OURS} {__version__} has the metadata of version {stated}, so that methods may be "
             "missing; install it again"
         )
-    told = set()
+    told, missing = set(), _extras(needed)
     for each in needed:
         found = installed(each.package)
         if each.package == OURS or each.package in told:
@@ -148,7 +148,9 @@ def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:
         if found is None and not each.extra:
             yield f"{each.package} is missing; install it with pip install '{each}'"
             told.add(each.package)
-        if found is not None and not each.allows(found):
+        # An extra that lacks packages is not in use: Python itself may bring some of the others.
+        is_in_use = not each.extra or not missing[each.extra]
+        if found is not None and is_in_use and not each.allows(found):
             what = f"[{each.extra}]" if each.extra else OURS
             yield (
                 f"{each.package} {found} does not work with {what}; replace it with pip install "

@@ -101,6 +101,20 @@ def test_missing_extras_are_no_problem(cli: Cli, monkeypatch: pytest.MonkeyPatch
     assert "pyarrow" in extras["test"]  # which stands for others
 
 
+def test_what_python_brings_is_no_problem(cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An old package of an extra counts where that extra is complete, and no earlier."""
+    _version("setuptools", "65.5.0")(monkeypatch, Path())
+    with monkeypatch.context() as without:
+        _version("hypothesis", None)(without, Path())
+        outcome = cli("doctor", "--json")
+    assert outcome.status == 0, outcome.out
+    assert "hypothesis" in json.loads(outcome.out)["extras"]["test"]
+    monkeypatch.setattr(installation, "_extras", lambda needed: {each.extra: () for each in needed})
+    refusal = cli("doctor")
+    assert refusal.status == 1
+    assert "setuptools 65.5.0 does not work with [test]" in refusal.out + refusal.err
+
+
 def _version(package: str, found: str | None) -> Patch:
     def patch(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
         known = installation.installed

@@ -26,6 +26,7 @@ from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.forms.fields import form_fields
 from adr_opt.ui.serve.jobs.verbs import VERBS
 from adr_opt.ui.serve.objects.import_options import OPTIONS
+from adr_opt.ui.serve.project import result_record
 from adr_opt.ui.serve.project.record import json_schema
 from adr_opt.ui.serve.project.result_record import KEPT_VERBS
 
@@ -95,8 +96,12 @@ def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
         names = made.namelist()
         assert all(name.startswith("project/") and ".." not in name for name in names)
         told = json.loads(made.read("project/project.json"))
+        results = [json.loads(made.read(name)) for name in names if name.endswith("/result.json")]
     assert {"project/instance.json", "project/plan.json", "project/files/1-all-.tle"} <= set(names)
     jsonschema.validate(told, json_schema())
+    assert len(results) == len(rows)
+    for each in results:
+        jsonschema.validate(each, result_record.json_schema())
     at.post("/undo")
     assert at.get("/state")["redoes"] == "chasers changed"
     at.close()

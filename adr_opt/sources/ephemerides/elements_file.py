@@ -56,6 +56,27 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
     return found
 
 
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the file; of a record only the keywords that none may lack."""
+    needed = {
+        "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE", "ARG_OF_PERICENTER",
+        "MEAN_ANOMALY", "EPOCH", "BSTAR",
+    }  # fmt: skip
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "ElementsFile",
+        "type": "object",
+        "properties": {
+            "format": {"const": FORMAT, "type": "string"},
+            "bodies": {
+                "type": "object",
+                "additionalProperties": {"type": "object", "required": sorted(needed)},
+            },
+        },
+        "required": ["format", "bodies"],
+    }
+
+
 def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     made = dict(pairs)
     if len(made) < len(pairs):

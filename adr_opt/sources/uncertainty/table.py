@@ -178,3 +178,9 @@ def _row(cells: dict[str, str], where: str) -> TargetErrorRow:
         return TargetErrorRow.model_validate(content | numbers)
     except ValidationError as error:
         raise InputError(f"{where}: {sentence(error)}") from None
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the file of errors of targets."""
+    schema = TargetErrorsFile.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -2,33 +2,34 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+
 import click
 
 from . import take
 from .output import emit_json
 
-FORMATS = ["instance", "plan", "refined", "certificate", "uncertainty"]
+SCHEMAS = {
+    "instance": "problem.instance",
+    "plan": "plan.plan",
+    "refined": "plan.refined_plan",
+    "certificate": "plan.certificate",
+    "uncertainty": "problem.uncertainty",
+    "target-errors": "sources.uncertainty.table",
+    "elements": "sources.ephemerides.elements_file",
+    "functions": "problem.function_files",
+    "worth": "sources.worth.worth_file",
+    "library": "sources.library",
+    "project": "ui.serve.project.record",
+    "project-result": "ui.serve.project.result_record",
+}
+"""Modules of the formats, each with a function ``json_schema``."""
 
 
 @click.command("schema")
-@click.argument(
-    "which",
-    type=click.Choice(["instance", "plan", "refined", "certificate", "uncertainty", "project"]),
-)
+@click.argument("which", type=click.Choice(list(SCHEMAS)))
 @take.as_json
 def command(which: str, as_json: bool) -> int:
     """Print the JSON Schema of a file: instance, plan, refined plan, certificate and others."""
-    if which == "instance":
-        from ...problem.instance import json_schema
-    elif which == "plan":
-        from ...plan.plan import json_schema
-    elif which == "certificate":
-        from ...plan.certificate import json_schema
-    elif which == "uncertainty":
-        from ...problem.uncertainty import json_schema
-    elif which == "project":
-        from ..serve.project.record import json_schema
-    else:
-        from ...plan.refined_plan import json_schema
-    emit_json(json_schema())
+    emit_json(import_module(f"...{SCHEMAS[which]}", __package__).json_schema())
     return 0

@@ -83,3 +83,9 @@ class ResultRecord(Record):
         return {
             "id": self.number, **row, "has_page": self.page is not None, "has_plan": self.has_plan
         }  # fmt: skip
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema of the record of a result."""
+    schema = ResultRecord.model_json_schema()
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
