@@ -86,9 +86,10 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     ## Arguments
 
     ```python
-    gymnasium.make("adr_opt/Mission-v0", observation="transfer",
-    fields=adr_opt.learning.environment.VARIED) gymnasium.make("adr_opt/Mission-v0",
-    instance=adr_opt.load("my.json")) ```
+    fields = adr_opt.learning.environment.VARIED
+    gymnasium.make("adr_opt/Mission-v0", observation="transfer", fields=fields)
+    gymnasium.make("adr_opt/Mission-v0", instance=adr_opt.load("my.json"))
+    ```
 
     ## Version History
 
