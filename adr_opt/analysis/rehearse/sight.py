@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,7 +17,7 @@ from ...learning.next_leg.onward import OnwardLegs, onward, unknown
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
-from ...problem.uncertainty import Uncertainty
+from ...problem.uncertainty import Delay, Uncertainty
 from .crafts import Craft, full_of
 from .ground import MATCH_S, Ground, Hop, hop_of
 from .tries import TryWorths
@@ -35,9 +37,6 @@ LATE = 0.9
 
 ROUNDING = 1e-9
 """Difference of chances that counts as none."""
-
-GRID = (np.arange(64) + 0.5) / 64
-"""Quantiles over which means of distributions are taken."""
 
 
 class Sight:
@@ -196,17 +195,18 @@ class Sight:
         if targets.size > RANKS:
             places = self.around.at(craft.free_s)
             if self._is_launching(craft):
-                near = (self.worths * is_open)[places.near[targets]]
-                away = -(
-                    self.worths[targets] + (near * np.exp(-places.apart[targets] / 150.0)).sum(1)
-                )
+                near, _, counts = places.neighbours_of(targets)
+                dense = ((self.worths * is_open)[near] * counts[:, :, 1]).sum(1)
+                away = -(self.worths[targets] + dense)
             else:
                 away = places.distances(craft.body, targets)
-            away = np.where(self.required[targets], -np.inf, away)
+            away[self.required[targets]] = -np.inf
             few = RANKS + int(self.required[targets].sum())
             nearest = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
             first = [j for j in planned[:2] if j >= self._ground.stations and is_open[j]]
-            targets = np.union1d(nearest, np.array(first, dtype=np.int64))
+            targets = np.sort(nearest)
+            if first:
+                targets = np.union1d(nearest, np.array(first, dtype=np.int64))
         stations = self._stations[is_open[: self._ground.stations]]
         return np.concatenate([stations, targets])
 
@@ -260,9 +260,9 @@ class Sight:
         planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
         model, took = uncertainty.service_of(name), planned
         if model.factor is not None:
-            took *= float(np.mean([model.factor.at(float(u)) for u in GRID]))
+            took *= model.factor.moments[0]
         if model.added is not None:
-            took += float(np.mean([model.added.at(float(u)) for u in GRID]))
+            took += _mean_s(model.added)
         failing = 1.0 - uncertainty.success_of(name)
         tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
         return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
@@ -283,6 +283,13 @@ class Sight:
             took += model.added.at(below) if below > ROUNDING else 0.0
         tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
         return max(tries * took - planned, 0.0)
+
+
+def _mean_s(delay: Delay) -> float:
+    """Mean of a delay, that there may be none counted [s]."""
+    if delay.most_s is None or delay.mean_s == 0.0:
+        return delay.chance * delay.mean_s
+    return -delay.chance * delay.mean_s * math.expm1(-delay.most_s / delay.mean_s)
 
 
 def _tries_until(chance: float, success: float, most: int) -> int:
