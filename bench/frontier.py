@@ -29,7 +29,8 @@ from typing import NamedTuple
 
 import numpy as np
 from machine import heading
-from next_leg.rivals import AskedAnew, beam_next, greedy_next, on_demand
+from next_leg.drawn import MIXED
+from next_leg.rivals import AskedAnew, CheapestLegs, beam_next, guarded_next, on_demand
 from rehearse import SCENARIOS
 from scipy.stats import ttest_rel, wilcoxon
 
@@ -37,9 +38,8 @@ import adr_opt
 from adr_opt.analysis.rehearse.flight import MissionPolicy, Situation, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import Intended, intended
-from adr_opt.analysis.rehearse.learned import USUAL_LEGS, Learned
+from adr_opt.analysis.rehearse.learned import Learned, usual_reserve
 from adr_opt.analysis.rehearse.policies import policy_of
-from adr_opt.analysis.rehearse.prospect import CAUTION
 from adr_opt.analysis.rehearse.sight import RANKS as LEARNED_RANKS
 from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer, shipped
 from adr_opt.plan.plan import Plan
@@ -51,12 +51,6 @@ from solvers.beams.beams import beam_search, usual_settings, with_time_value
 from solvers.beams.greedy_order import guarded_sequence
 
 FIRST_SEED = 200
-MIXED = Uncertainty(
-    legs={"delta_v_factor": {"lognormal_sigma": 0.1}},
-    service_s={"factor": {"lognormal_sigma": 0.5}},
-    capture={"success": 0.8, "tries": 2},
-    gone=0.05,
-)
 WORLDS = {**SCENARIOS, "mixed": MIXED}
 SIGNIFICANT = 0.01
 CHEAPEST = "cheapest leg, same guard"
@@ -119,14 +113,6 @@ def planned(instance: Instance, width: int, ranks: int) -> Run:
     return Run(prize, (ended - ready) / max(1, sequence.size), ended - began)
 
 
-class CheapestLegs:
-    """In place of the network: the cheapest leg by hours and ΔV, or a station if there is none."""
-
-    def scores(self, legs: np.ndarray, mission: np.ndarray, legal: np.ndarray) -> np.ndarray:
-        """Scores of legs, −inf of those that are not legal."""
-        return np.where(legal, -legs[:, 5] - 1e3 * legs[:, 0], -np.inf)
-
-
 def learned(scorer: LegScorer | CheapestLegs) -> Maker:
     """The learned policy without a plan, or with another way to score legs."""
 
@@ -168,10 +154,9 @@ def asked_anew(width: int, ranks: int) -> Maker:
     """Guarded greedy or a beam, asked for every leg."""
 
     def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
-        chooser = beam_next(width) if width else greedy_next
+        chooser = beam_next(width) if width else guarded_next
         factor = uncertainty.legs.delta_v_factor
-        spread = 0.0 if factor is None else factor.lognormal_sigma
-        reserve = CAUTION * spread / math.sqrt(USUAL_LEGS)
+        reserve = usual_reserve(0.0 if factor is None else factor.lognormal_sigma)
         return AskedAnew(ground, on_demand(ground, ranks), chooser, reserve)
 
     return made
