@@ -41,13 +41,24 @@ KNOWN = 0.25
 """Share of worlds in which all goes as planned."""
 
 
-def drawn_instance(rng: np.random.Generator, variant: str) -> Instance:
-    """A mission of a variant; of the randomised one with other rules now and then."""
+def drawn_instance(rng: np.random.Generator, variant: str, *, dense: bool = True) -> Instance:
+    """A mission of a variant; of the randomised one with other rules now and then.
+
+    Parameters
+    ----------
+    rng : Generator
+    variant : str
+    dense : bool
+        Whether fields of more than 160 targets may be drawn, in which to judge a move takes long.
+    """
     if rng.random() < SMALL or variant != VARIANTS[-1]:
         name = str(rng.choice(VARIANTS[:-1])) if variant == VARIANTS[-1] else variant
         targets = int(rng.integers(SMALLEST, LARGEST + 1)) if rng.random() < SMALL else None
         return generate(name, int(rng.integers(FIRST_SEED, LAST_SEED)), targets=targets)
-    return _with_wishes(_of_kind(str(rng.choice(KINDS, p=CHANCES)), rng), rng)
+    kind = str(rng.choice(KINDS, p=CHANCES))
+    while kind == "dense" and not dense:
+        kind = str(rng.choice(KINDS, p=CHANCES))
+    return _with_wishes(_of_kind(kind, rng), rng)
 
 
 def _of_kind(kind: str, rng: np.random.Generator) -> Instance:

@@ -26,6 +26,9 @@ Scores = npt.NDArray[np.float32]
 SLOTS = 72
 """Legs kept of a decision: stations, and the cheapest others."""
 
+PLAN_S = 2.0
+"""Limit of plans where beams make none: for several chasers, kits and tows [s]."""
+
 
 class Seen(NamedTuple):
     """A decision as the network sees it, padded to :data:`SLOTS` legs.
@@ -68,9 +71,11 @@ def kept(instance: Instance, uncertainty: Uncertainty, *, width: int = 0) -> Kep
     most = tuple(0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers)
     begun = Intended(None, ((),) * len(ground.chasers), most)
     if width:
-        method = "beam" if len(ground.chasers) == 1 else "auto"
-        options = {"width": width} if method == "beam" else {"time_limit": 2.0}
-        plan = adr_opt.solve(instance, method, **options).plan
+        alone = len(ground.chasers) == 1 and ground.chasers[0].loads is None
+        if alone:
+            plan = adr_opt.solve(instance, "beam", width=width).plan
+        else:
+            plan = adr_opt.solve(instance, "auto", time_limit=PLAN_S).plan
         if plan is not None:
             begun = intended(ground, plan)
     return Kept(ground, uncertainty, begun)

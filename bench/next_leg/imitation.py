@@ -22,6 +22,9 @@ TRIED = 5
 PLANNED = 0.4
 """Share of missions that begin with a plan."""
 
+MOST_PLANNED = 100
+"""Number of targets up to which missions have a plan."""
+
 WORLDS = 3
 """Number of worlds in which each mission is flown."""
 
@@ -106,8 +109,9 @@ def gathered(
     found: list[Decision] = []
     missions = proven = 0
     while len(found) < wanted:
-        instance, uncertainty = drawn_instance(rng, variant), drawn_uncertainty(rng)
-        with_plan = len(instance.targets) < PLAN_WIDTH and rng.random() < PLANNED
+        instance = drawn_instance(rng, variant, dense=False)
+        uncertainty = drawn_uncertainty(rng)
+        with_plan = len(instance.targets) <= MOST_PLANNED and rng.random() < PLANNED
         mission = flights.kept(instance, uncertainty, width=PLAN_WIDTH if with_plan else 0)
         seed = int(rng.integers(2**31))
         judge = Judge(mission.ground, uncertainty, seed)

@@ -18,13 +18,9 @@ from adr_opt.problem.uncertainty import Uncertainty
 from solvers.beams.beams import beam_search, usual_settings
 
 from .asked import beam_from, state_of
-from .rivals import on_demand
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
-
-TABLED = 200
-"""Number of targets up to which connections are put into a table before they are asked for."""
 
 NARROW, NOISES = 6, (0.0, 0.4, 0.4, 0.4)
 """Width of the beams that judge every move, and the random parts of their comparisons."""
@@ -93,15 +89,11 @@ class Judge:
             service_s = max(float(planned_s) + later_s, 0.0)
             settings = instance.mission.replace(service_revolutions=None, service_s=service_s)
             instance = instance.replace(mission=settings)
-        several, dense = len(ground.chasers) > 1, len(ground.names) > TABLED
-        self._missions = [
-            on_demand(Ground(instance)) if dense and not several else Mission(instance, chaser=c)
-            for c in range(len(ground.chasers))
-        ]
+        self._missions = [Mission(instance, chaser=c) for c in range(len(ground.chasers))]
         self._stations = ground.stations
         self.is_proven = False
         self._best = [np.empty(0, dtype=np.int64) for _ in self._missions]
-        if several or dense:
+        if len(ground.chasers) > 1:
             return
         mission = self._missions[0]
         if ground.chasers[0].loads is None and len(instance.targets) <= PROVABLE:
@@ -115,7 +107,7 @@ class Judge:
 
     @property
     def best(self) -> IntArray:
-        """Bodies of the best plan known, in order; none for several chasers, or in dense fields."""
+        """Bodies of the best plan known, in order; none for several chasers."""
         return self._best[0]
 
     def worths(

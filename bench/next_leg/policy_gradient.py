@@ -21,7 +21,7 @@ from adr_opt.learning.next_leg.scorer import LegScorer
 from . import flights
 from .drawn import drawn_instance, drawn_uncertainty
 from .flights import SLOTS, InTraining, Kept, Scores, Seen
-from .judging import TABLED
+from .imitation import MOST_PLANNED
 from .network import NextLegNetwork, stacked
 
 FLIGHTS = 8
@@ -105,7 +105,7 @@ def flown(missions: int, variant: str, rng: np.random.Generator, scorer: LegScor
     steps, advantages, means = list[Step](), list[float](), []
     for _ in range(missions):
         instance, uncertainty = drawn_instance(rng, variant), drawn_uncertainty(rng)
-        with_plan = len(instance.targets) < TABLED and rng.random() < PLANNED
+        with_plan = len(instance.targets) <= MOST_PLANNED and rng.random() < PLANNED
         with_plan = with_plan and len(instance.chasers) == 1
         mission = flights.kept(instance, uncertainty, width=PLAN_WIDTH if with_plan else 0)
         prizes = [prize for prize in mission.ground.prizes.values() if prize > 0.0]
