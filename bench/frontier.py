@@ -265,9 +265,7 @@ def table(runs: dict[str, list[Run]]) -> dict[str, float]:
             each, mine = np.array(made), np.array(runs[own])[: len(made)]
             decisions.append(holds(mine, each, 1))
             everything.append(holds(mine, each, 2))
-            better, by_mean = (
-                test(mine[:, 0], each[:, 0]) for test in (chance, chance_of_mean)
-            )
+            better, by_mean = (test(mine[:, 0], each[:, 0]) for test in (chance, chance_of_mean))
             quicker, sooner = (chance(each[:, at], mine[:, at]) for at in (1, 2))
             cells = [name, *(f"{p:.2g}" for p in (better, by_mean, quicker, sooner))]
             print(f"| {' | '.join(cells)} |")

@@ -26,7 +26,7 @@ CHANCES = (0.19, 0.15, 0.15, 0.17, 0.1, 0.08, 0.08, 0.04, 0.04)
 PRIZES, WINDOWS, REQUIRED = 0.35, 0.2, 0.15
 """Shares of missions with unequal prizes, with windows and with required targets."""
 
-SMALL, SMALLEST, LARGEST = 0.15, 12, 24
+SMALL, SMALLEST, LARGEST = 0.2, 12, 24
 """Share of missions that are small enough to be proven, and numbers of their targets."""
 
 MIXED = Uncertainty(
@@ -51,9 +51,10 @@ def drawn_instance(rng: np.random.Generator, variant: str, *, dense: bool = True
     dense : bool
         Whether fields of more than 160 targets may be drawn, in which to judge a move takes long.
     """
-    if rng.random() < SMALL or variant != VARIANTS[-1]:
-        name = str(rng.choice(VARIANTS[:-1])) if variant == VARIANTS[-1] else variant
-        targets = int(rng.integers(SMALLEST, LARGEST + 1)) if rng.random() < SMALL else None
+    small, randomised = rng.random() < SMALL, variant == VARIANTS[-1]
+    if small or not randomised:
+        name = str(rng.choice(VARIANTS[:-1])) if randomised else variant
+        targets = int(rng.integers(SMALLEST, LARGEST + 1)) if small else None
         return generate(name, int(rng.integers(FIRST_SEED, LAST_SEED)), targets=targets)
     kind = str(rng.choice(KINDS, p=CHANCES))
     while kind == "dense" and not dense:

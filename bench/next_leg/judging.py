@@ -34,7 +34,7 @@ SEEMS_BEST = 1.0
 PLAN_WIDTH = 150
 """Width of the beam that makes a plan where none is proven."""
 
-PROVABLE, PROOF_S = 30, 4.0
+PROVABLE, PROOF_S = 30, 12.0
 """Number of targets up to which a proof is tried, and its limit [s]."""
 
 

@@ -129,9 +129,7 @@ def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
 
 
 @pytest.mark.parametrize("draw", ["tiny", "dense", "campaign", "towed", "rules"])
-def test_what_is_seen_is_what_numpy_works_out(
-    draw: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_seen_is_what_numpy_works_out(draw: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The compiled numbers of legs, of legs after them and of missions are those of a twin."""
     instance = {
         "tiny": lambda: tiny(1),
