@@ -96,7 +96,7 @@ def test_what_a_judge_finds_can_be_collected() -> None:
 
 def test_claims_are_corrected_by_holm() -> None:
     """Of three chances the least counts threefold, and none less than a smaller one."""
-    from frontier import holm
+    from next_leg.claims import holm
 
     assert holm([0.04, 0.001, 0.03]) == pytest.approx([0.06, 0.003, 0.06])
     assert holm([0.9, 0.8]) == [1.0, 1.0]

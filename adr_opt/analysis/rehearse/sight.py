@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import numpy.typing as npt
 
@@ -17,9 +15,10 @@ from ...learning.next_leg.onward import OnwardLegs, onward, unknown
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
-from ...problem.uncertainty import Delay, Uncertainty
+from ...problem.uncertainty import Uncertainty
 from .crafts import Craft, full_of
 from .ground import MATCH_S, Ground, Hop, hop_of
+from .service_delays import largest_delay_s, mean_delay_s
 from .tries import TryWorths
 
 FloatArray = npt.NDArray[np.float64]
@@ -34,9 +33,6 @@ MATCH_M_S = 1e-3
 
 LATE = 0.9
 """Share of times of services, and chance of captures, for which a way to refuel is kept."""
-
-ROUNDING = 1e-9
-"""Difference of chances that counts as none."""
 
 
 class Sight:
@@ -72,8 +68,10 @@ class Sight:
         positive = worths > 0.0
         self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
         self.required = np.array([j in ground.required for j in range(bodies)])
-        self.later_s = np.array([self._mean_delay_s(j, uncertainty) for j in range(bodies)])
-        self.late_s = np.array([self._delay_s(j, uncertainty, LATE) for j in range(bodies)])
+        self.later_s, self.late_s = np.zeros(bodies), np.zeros(bodies)
+        for j in range(ground.first_target, bodies):
+            self.later_s[j] = mean_delay_s(ground, j, uncertainty)
+            self.late_s[j] = largest_delay_s(ground, j, uncertainty, LATE)
         self._towed = np.array([j in ground.tow_s for j in range(bodies)])
         self._stations = np.arange(ground.stations)
         self._targets = np.arange(ground.first_target, bodies)
@@ -250,54 +248,6 @@ class Sight:
                 else float(shortest_sortie(source, ground.stations, ground.first_target))
             )
         return self._sorties[chaser]
-
-    def _mean_delay_s(self, body: int, uncertainty: Uncertainty) -> float:
-        """By how much later than planned a service ends on average, all tries counted [s]."""
-        ground = self._ground
-        if body < ground.first_target:
-            return 0.0
-        name = ground.names[body]
-        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
-        model, took = uncertainty.service_of(name), planned
-        if model.factor is not None:
-            took *= model.factor.moments[0]
-        if model.added is not None:
-            took += _mean_s(model.added)
-        failing = 1.0 - uncertainty.success_of(name)
-        tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
-        return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
-
-    def _delay_s(self, body: int, uncertainty: Uncertainty, share: float) -> float:
-        """By how much later than planned a service ends at most in a share of cases [s]."""
-        ground = self._ground
-        if body < ground.first_target:
-            return 0.0
-        name = ground.names[body]
-        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
-        model, took = uncertainty.service_of(name), planned
-        if model.factor is not None:
-            took *= model.factor.at(share)
-        if model.added is not None:
-            # Delays are there below their chance, and grow up to it.
-            below = model.added.chance - (1.0 - share)
-            took += model.added.at(below) if below > ROUNDING else 0.0
-        tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
-        return max(tries * took - planned, 0.0)
-
-
-def _mean_s(delay: Delay) -> float:
-    """Mean of a delay, that there may be none counted [s]."""
-    if delay.most_s is None or delay.mean_s == 0.0:
-        return delay.chance * delay.mean_s
-    return -delay.chance * delay.mean_s * math.expm1(-delay.most_s / delay.mean_s)
-
-
-def _tries_until(chance: float, success: float, most: int) -> int:
-    """Number of tries after which one has succeeded by a chance."""
-    for tries in range(1, most):
-        if 1.0 - (1.0 - success) ** tries >= chance:
-            return tries
-    return most
 
 
 def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source | None:
