@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 
 import adr_opt
-from adr_opt.analysis.rehearse.crafts import Craft, full_of
 from adr_opt.analysis.rehearse.flight import Situation, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import Intended, intended
@@ -107,11 +106,6 @@ class InTraining(Learned):
     def chosen_by(self, now: Situation, seen: Seen, scores: Scores) -> Scores:
         """Scores by which to choose, in place of those of the network."""
         return scores
-
-    def usable_m_s(self, craft: Craft) -> float:
-        """ΔV left without the reserve for dear legs [m/s]."""
-        full = full_of(self._ground.chasers[craft.chaser], craft.kits)
-        return craft.left - self._kept_m_s(craft, full)
 
 
 def collected(mission: Kept, policy: Learned, seed: int) -> tuple[float, float]:

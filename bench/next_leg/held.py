@@ -1,4 +1,4 @@
-"""Missions held back from training, flown without a plan: how good a policy is."""
+"""Missions held back from training, and what a policy collects there: how good a policy is."""
 
 from __future__ import annotations
 
@@ -16,9 +16,12 @@ from .flights import InTraining, Kept, collected, kept
 FIRST_SEED = 500
 """Of held fields; published tables have others."""
 
-FAMILIES = ("nominal", "reduced-fuel", "reduced-time", "randomised", "campaign")
+FAMILIES = ("nominal", "reduced-fuel", "reduced-time", "randomised", "campaign", "planned")
 """`randomised`: budgets, durations and numbers of targets as the environment draws them;
-`campaign`: nominal fields with two chasers, each with a tank."""
+`campaign`: nominal fields with two chasers, each with a tank; `planned`: nominal fields with the
+plan of a beam, in uncertain worlds only."""
+
+PLAN_WIDTH = 64
 
 WORLDS = {"known": Uncertainty(), "uncertain": MIXED}
 
@@ -32,7 +35,7 @@ def field(family: str, seed: int) -> Instance:
         limits = VARIED.draw_limits(rng)
         drawn = generate("nominal", seed, targets=int(rng.integers(20, 61)))
         return drawn.with_limits(limits.duration_s, limits.delta_v_m_s)
-    return generate(family, seed)
+    return generate("nominal" if family == "planned" else family, seed)
 
 
 Held = dict[tuple[str, str], list[Kept]]
@@ -42,10 +45,12 @@ def held_missions(count: int, first_seed: int = FIRST_SEED) -> Held:
     """Missions of each family, in known and in uncertain worlds."""
     return {
         (family, world): [
-            kept(field(family, seed), uncertainty) for seed in range(first_seed, first_seed + count)
+            kept(field(family, seed), uncertainty, width=PLAN_WIDTH * (family == "planned"))
+            for seed in range(first_seed, first_seed + count)
         ]
         for family in FAMILIES
         for world, uncertainty in WORLDS.items()
+        if (family, world) != ("planned", "known")
     }
 
 

@@ -84,9 +84,8 @@ class Judged(InTraining):
             for each in route
             if other != chaser and each.hop.destination >= self._ground.stations
         }
-        usable, bodies = self.usable_m_s(now.craft), seen.bodies[at]
         worth = np.full(SLOTS, np.nan, dtype=np.float32)
-        worth[at] = self._judge.worths(now.craft, usable, now.closed | theirs, bodies)
+        worth[at] = self._judge.worths(now.craft, now.closed | theirs, seen.bodies[at])
         # A target to which another one plans to go adds nothing.
         taken = at[np.isin(bodies, list(theirs))]
         if taken.size and np.isfinite(worth).any():
@@ -114,7 +113,8 @@ def gathered(
         with_plan = len(instance.targets) <= MOST_PLANNED and rng.random() < PLANNED
         mission = flights.kept(instance, uncertainty, width=PLAN_WIDTH if with_plan else 0)
         seed = int(rng.integers(2**31))
-        judge = Judge(mission.ground, uncertainty, seed)
+        routes = [[each.hop.destination for each in route] for route in mission.intended.routes]
+        judge = Judge(mission.ground, uncertainty, seed, routes)
         missions, proven = missions + 1, proven + judge.is_proven
         for world in range(WORLDS):
             policy = Judged(mission, scorer, judge, rng)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
@@ -73,6 +75,8 @@ class Judge:
     ground : Ground
     uncertainty : Uncertainty
     seed : int
+    routes : sequence of sequence of int
+        Bodies of the plan with which chasers begin, whose rest counts as well.
 
     Attributes
     ----------
@@ -80,7 +84,10 @@ class Judge:
         Whether the best plan known is optimal as planned.
     """
 
-    def __init__(self, ground: Ground, uncertainty: Uncertainty, seed: int) -> None:
+    def __init__(
+        self, ground: Ground, uncertainty: Uncertainty, seed: int,
+        routes: Sequence[Sequence[int]] = (),
+    ) -> None:  # fmt: skip
         instance = with_worths(ground.instance, mean_worths(ground.instance, uncertainty))
         later_s = float(sight_of(ground, uncertainty).later_s[ground.first_target :].mean())
         if later_s != 0.0:
@@ -93,6 +100,7 @@ class Judge:
         self._stations = ground.stations
         self.is_proven = False
         self._best = [np.empty(0, dtype=np.int64) for _ in self._missions]
+        self._shown = [np.array(route, dtype=np.int64) for route in routes] or self._best
         if len(ground.chasers) > 1:
             return
         mission = self._missions[0]
@@ -110,21 +118,17 @@ class Judge:
         """Bodies of the best plan known, in order; none for several chasers."""
         return self._best[0]
 
-    def worths(
-        self, craft: Craft, left_m_s: float, closed: set[int], bodies: IntArray
-    ) -> FloatArray:
+    def worths(self, craft: Craft, closed: set[int], bodies: IntArray) -> FloatArray:
         """Prizes of some moves and of what follows; NaN of those that are not legal.
 
         Parameters
         ----------
         craft : Craft
-        left_m_s : float
-            ΔV left that may be used [m/s].
         closed : set of int
             Targets that are not to be serviced.
         bodies : (moves,) int64
         """
-        mission, state = self._missions[craft.chaser], state_of(craft, left_m_s)
+        mission, state = self._missions[craft.chaser], state_of(craft, craft.left)
         rules, done = mission.rules, np.zeros(mission.rules.service.size, dtype=np.bool_)
         done[list(closed)] = True
         scale = _mean_prize(rules)
@@ -138,7 +142,10 @@ class Judge:
                 beam_from(mission, after, there, NARROW, noise=noise, seed=seed)[1]
                 for seed, noise in enumerate(NOISES)
             ]
-            rest = _collected(rules, self._rest(craft.chaser, j, there), after, there)
+            rest = max(
+                _collected(rules, self._rest(plan[craft.chaser], j, there), after, there)
+                for plan in (self._best, self._shown)
+            )
             means[at] = own + float(np.mean(np.maximum(found, rest)))
             most[at] = own + max(*found, rest)
         for at in np.flatnonzero(most >= np.nanmax(most, initial=-np.inf) - SEEMS_BEST * scale):
@@ -156,11 +163,10 @@ class Judge:
         there[j] = j >= self._stations
         return float(rules.prize[j]) if j >= self._stations else 0.0, there
 
-    def _rest(self, chaser: int, j: int, done: npt.NDArray[np.bool_]) -> IntArray:
-        """What is left of the best plan after a move."""
-        best = self._best[chaser]
-        made = np.flatnonzero(done[best] | ((best == j) & (j >= self._stations)))
-        rest = best[made[-1] + 1 :] if made.size else best
+    def _rest(self, plan: IntArray, j: int, done: npt.NDArray[np.bool_]) -> IntArray:
+        """What is left of a plan after a move: what follows the last target that is done."""
+        made = np.flatnonzero(done[plan] | ((plan == j) & (j >= self._stations)))
+        rest = plan[made[-1] + 1 :] if made.size else plan
         return rest[1:] if rest.size and rest[0] == j else rest
 
 

@@ -30,7 +30,7 @@ FLIGHTS = 8
 SHARPNESS = 2.0
 """Factor on scores: the chances of choices are the softmax of their product."""
 
-PLANNED, PLAN_WIDTH = 0.3, 16
+PLANNED, PLAN_WIDTH = 0.4, 16
 """Share of missions that begin with a plan, and the width of the beam that makes it."""
 
 CLIPPED, EPOCHS, BATCH, RATE = 0.2, 3, 512, 3e-4

@@ -88,7 +88,7 @@ def test_what_a_judge_finds_can_be_collected() -> None:
     assert judge.is_proven
     optimum = adr_opt.solve(instance, "exact").objective
     craft = beginning(ground, 0, 0, 0.0, 1.0)
-    worths = judge.worths(craft, craft.left, set(), np.arange(1, 9))
+    worths = judge.worths(craft, set(), np.arange(1, 9))
     assert np.nanmax(worths) == pytest.approx(optimum, abs=0.51)
     assert np.nanmax(worths) <= optimum + 1e-9
     assert worths[judge.best[0] - 1] == pytest.approx(optimum, abs=0.51)
