@@ -87,7 +87,7 @@ class Judged(InTraining):
         worth = np.full(SLOTS, np.nan, dtype=np.float32)
         worth[at] = self._judge.worths(now.craft, now.closed | theirs, seen.bodies[at])
         # A target to which another one plans to go adds nothing.
-        taken = at[np.isin(bodies, list(theirs))]
+        taken = at[np.isin(seen.bodies[at], list(theirs))]
         if taken.size and np.isfinite(worth).any():
             worth[taken] = np.nanmax(worth) - 1.0
         return worth
