@@ -4,7 +4,8 @@
 
 The weights that come with the package are compared with those given, of
 ``bench/train_next_leg.py --variant``. Fields have other seeds than those by which weights were
-chosen there; without a plan, one world a field.
+chosen there; one world a field. Without a plan, but for `planned`: with that of a beam, in the
+scenarios of ``bench/rehearse.py`` as well.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ import argparse
 from machine import heading
 from next_leg.held import held_missions, means
 from next_leg.rivals import CheapestLegs
+from rehearse import SCENARIOS
 
-from adr_opt.learning.next_leg.scorer import load_scorer, shipped
+from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer, shipped
 
-FIRST_SEED = 550
+FIRST_SEED = 508
+NAMES = ("cheapest leg, same guard", "as shipped")
 
 
 def main() -> None:
@@ -25,14 +28,19 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("weights", nargs="*", help="files of weights")
     parser.add_argument("--fields", type=int, default=24)
+    parser.add_argument("--first-seed", type=int, default=FIRST_SEED)
     arguments = parser.parse_args()
-    held = held_missions(arguments.fields, FIRST_SEED)
+    held = held_missions(arguments.fields, arguments.first_seed)
+    for scenario, uncertainty in SCENARIOS.items():
+        held["planned", scenario] = [
+            mission._replace(uncertainty=uncertainty) for mission in held["planned", "uncertain"]
+        ]
     print(heading())
     print(f"\n| weights | {' | '.join(f'{family}, {world}' for family, world in held)} |")
     print(f"|{'---|' * (len(held) + 1)}")
     scorers = [shipped(), *map(load_scorer, arguments.weights), CheapestLegs()]
     for scorer in scorers:
-        name = scorer.facts.get("variant", "cheapest leg, same guard")
+        name = scorer.facts.get("variant", NAMES[type(scorer) is LegScorer])
         found = means(held, scorer)  # type: ignore[arg-type]
         print(f"| {name} | {' | '.join(f'{mean:.2f}' for mean in found.values())} |", flush=True)
 
