@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -11,18 +11,16 @@ import numpy.typing as npt
 from adr_opt.analysis.rehearse.crafts import FINISHED, full_of, refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation
 from adr_opt.analysis.rehearse.ground import Ground, Hop
-from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.core.memory import borrowed
+from adr_opt.analysis.rehearse.learned import kept_m_s
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.kernels.rules.resources import Resources
 from adr_opt.legs.nearest_pairs import neighbours
 from adr_opt.mission.mission import Mission
 from adr_opt.run.table_budget import RANKS
-from solvers.beams.beams import beam_kernel, usual_settings
-from solvers.beams.greedy_order import GUARDED_BETA
-from solvers.beams.levels import Weights
-from solvers.walks.completion_times import no_latest
+from solvers.beams.greedy_order import GUARDED_BETA, MoveCost, greedy_next
 
+from .asked import beam_from, state_of
+
+FloatArray = npt.NDArray[np.float64]
 Chooser = Callable[[Mission, rule_kernels.State, npt.NDArray[np.bool_]], int]
 """The next body from a state with targets that are done; −1 for none."""
 
@@ -34,54 +32,19 @@ def on_demand(ground: Ground, ranks: int = RANKS) -> Mission:
     return mission
 
 
-@kernel
-def _greedy_next(rules, state, done, beta):
-    """The cheapest legal target after which the chaser can refuel, else a station, else any."""
-    rules = borrowed(rules)
-    best, best_cost, safe, safe_cost, station, station_cost = -1, 1e300, -1, 1e300, -1, 1e300
-    for place in range(rule_kernels.looked_at(rules)):
-        j = rule_kernels.destination(rules, state.body, state.resources.time, place)
-        if not rule_kernels.may_go(rules, state, done, j):
-            continue
-        legal, delta_v, after = rule_kernels.step(rules, state, j)
-        if not legal:
-            continue
-        cost = delta_v + beta * (after.resources.time - rules.service[j] - state.resources.time)
-        if j < rules.stations:
-            if cost < station_cost:
-                station, station_cost = j, cost
-            continue
-        if cost < best_cost:
-            best, best_cost = j, cost
-        if cost < safe_cost and rule_kernels.has_way_back(rules, after):
-            safe, safe_cost = j, cost
-    if safe >= 0:
-        return safe
-    return best if station < 0 else station
-
-
-def greedy_next(mission: Mission, state: rule_kernels.State, done: npt.NDArray[np.bool_]) -> int:
+def guarded_next(mission: Mission, state: rule_kernels.State, done: npt.NDArray[np.bool_]) -> int:
     """The choice of the planner ``greedy-guarded``."""
-    return int(_greedy_next(mission.rules, state, done, GUARDED_BETA * mission.instance.hurry))
+    costs = MoveCost(1.0, GUARDED_BETA * mission.instance.hurry)
+    return int(
+        greedy_next(mission.rules, mission.is_required, state, done, costs, True, False, False)
+    )
 
 
 def beam_next(width: int) -> Chooser:
     """The first leg of the plan of a beam of a width."""
 
     def chosen(mission: Mission, state: rule_kernels.State, done: npt.NDArray[np.bool_]) -> int:
-        usual, has = usual_settings(mission, width), state.resources
-        weights = Weights(
-            width, usual.time_weight / 3600.0, usual.delta_v_weight / 1000.0, usual.crowding, 0.0,
-            usual.guarded, 0,
-        )  # fmt: skip
-        first = (
-            int(state.body), int(has.since), np.array([has.kits]), np.array([has.time]),
-            np.array([has.left]), np.zeros(1), np.zeros(1),
-        )  # fmt: skip
-        halt = np.zeros(1, dtype=np.bool_)
-        found = beam_kernel(
-            mission.rules, done.copy(), first, no_latest(), False, weights, halt
-        )[0]  # fmt: skip
+        found = beam_from(mission, state, done, width)[0]
         return int(found[0]) if found.size else -1
 
     return chosen
@@ -109,13 +72,9 @@ class AskedAnew:
         full = full_of(ground.chasers[craft.chaser], craft.kits)
         done = np.zeros(len(ground.names), dtype=np.bool_)
         done[list(now.closed)] = True
-        kept = self._reserve * full * math.sqrt(max(craft.left, 0.0) / full)
+        kept = kept_m_s(self._reserve * full, craft.left, full)
         for left in {craft.left - kept: None, craft.left: None}:
-            has = Resources(
-                craft.free_s, left, np.int64(craft.since), np.int64(craft.serviced),
-                np.int64(craft.kits),
-            )  # fmt: skip
-            state = rule_kernels.State(np.int64(craft.body), has)
+            state = state_of(craft, left)
             j = self._chooser(self._mission, state, done)
             hop = None if j < 0 else ground.best(craft.body, j, craft.free_s, towed=craft.towed)
             if hop is not None and not refused(ground, craft, hop):
@@ -125,3 +84,16 @@ class AskedAnew:
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
         """As often as it is allowed."""
         return True
+
+
+class CheapestLegs:
+    """In place of the network: the cheapest leg by hours and ΔV, or a station if there is none."""
+
+    facts: ClassVar[dict[str, object]] = {}
+
+    def scores(
+        self, legs: FloatArray, mission: FloatArray, legal: npt.NDArray[np.bool_]
+    ) -> npt.NDArray[np.float32]:
+        """Scores of legs, −inf of those that are not legal."""
+        cost = np.where(legal, -legs[:, 5] - 1e3 * legs[:, 0], -np.inf)
+        return cost.astype(np.float32)

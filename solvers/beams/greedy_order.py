@@ -88,7 +88,7 @@ def _greedy(rules, is_required, beginning, costs, guarded, kits):
     write(sequence, beginning[:moves])
     missing = _missing(is_required, visited)
     while True:
-        choice = _next(rules, is_required, state, visited, costs, guarded, False, False)
+        choice = greedy_next(rules, is_required, state, visited, costs, guarded, False, False)
         if missing > 0:
             choice = _in_time(rules, is_required, state, visited, costs, choice)
         if choice < 0:
@@ -101,7 +101,7 @@ def _greedy(rules, is_required, beginning, costs, guarded, kits):
 
 
 @kernel
-def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
+def greedy_next(rules, is_required, state, visited, costs, guarded, required, urgent):
     """The cheapest legal target, or else a station; −1 if no move is legal.
 
     Parameters
@@ -139,7 +139,7 @@ def _next(rules, is_required, state, visited, costs, guarded, required, urgent):
 @kernel
 def _next_required(rules, is_required, state, visited, costs, way):
     """The cheapest legal required target, by one of the ways to choose it."""
-    return _next(rules, is_required, state, visited, costs, way < 2, True, way % 2 == 1)
+    return greedy_next(rules, is_required, state, visited, costs, way < 2, True, way % 2 == 1)
 
 
 @kernel

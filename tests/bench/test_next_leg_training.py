@@ -10,9 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from adr_opt.learning.next_leg.scorer import load_scorer
+import adr_opt
+from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
+from adr_opt.learning.next_leg.scorer import load_scorer, shipped
+from adr_opt.problem.uncertainty import Uncertainty
 
 BENCH = Path(__file__).parents[2] / "bench"
+
+
+@pytest.fixture(autouse=True)
+def _bench(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCH))
 
 
 def run(script: str, *words: object) -> str:
@@ -24,18 +32,88 @@ def run(script: str, *words: object) -> str:
     return done.stdout
 
 
+def test_the_network_in_training_scores_as_the_one_that_flies() -> None:
+    """PyTorch and NumPy give the same scores of the same legs, whatever is padded."""
+    torch = pytest.importorskip("torch")
+    from next_leg.network import NextLegNetwork
+
+    rng = np.random.default_rng(5)
+    network = NextLegNetwork.of(shipped().layers)
+    legs = rng.normal(size=(3, 9, LEG_FEATURES)).astype(np.float32)
+    mission = rng.normal(size=(3, MISSION_FEATURES)).astype(np.float32)
+    counts = np.array([9, 4, 1])
+    there = np.arange(9)[None, :] < counts[:, None]
+    with torch.no_grad():
+        scores = network(*map(torch.from_numpy, (legs, mission, there))).numpy()
+    for row, count in enumerate(counts):
+        wanted = shipped().scores(legs[row], mission[row], there[row])
+        assert scores[row, :count] == pytest.approx(wanted[:count], rel=1e-4, abs=1e-4)
+        assert (scores[row, count:] < -1e8).all()
+    for mine, other in zip(network.layers(), shipped().layers, strict=True):
+        assert np.array_equal(mine, other)
+
+
+def test_chances_of_drawn_choices_are_those_of_their_scores() -> None:
+    """A drawn flight tells its choices, with the logarithms of their chances by the softmax."""
+    pytest.importorskip("torch")
+    from next_leg.flights import collected, kept
+    from next_leg.policy_gradient import SHARPNESS, Drawing
+
+    mission = kept(adr_opt.generate("tiny", 3, targets=8), Uncertainty())
+    policy = Drawing(mission, shipped(), np.random.default_rng(0))
+    collected(mission, policy, 0)
+    assert len(policy.steps) > 3
+    for step in policy.steps:
+        seen = step.seen
+        legal = np.ones(seen.count, dtype=np.bool_)
+        scores = SHARPNESS * shipped().scores(seen.legs[: seen.count], seen.mission, legal)
+        allowed = step.allowed[: seen.count]
+        assert allowed[step.chosen]
+        chances = np.exp(scores - scores[allowed].max()) * allowed
+        wanted = np.log(chances[step.chosen] / chances.sum())
+        assert step.log_chance == pytest.approx(float(wanted), abs=1e-3)
+
+
+def test_what_a_judge_finds_can_be_collected() -> None:
+    """The best move is worth a proven optimum at the start, and no move is worth more."""
+    pytest.importorskip("torch")
+    from next_leg.judging import Judge
+
+    from adr_opt.analysis.rehearse.crafts import beginning
+    from adr_opt.analysis.rehearse.ground import Ground
+
+    instance = adr_opt.generate("reduced-fuel", 3, targets=8)
+    ground = Ground(instance)
+    judge = Judge(ground, Uncertainty(), 0)
+    assert judge.is_proven
+    optimum = adr_opt.solve(instance, "exact").objective
+    craft = beginning(ground, 0, 0, 0.0, 1.0)
+    worths = judge.worths(craft, set(), np.arange(1, 9))
+    assert np.nanmax(worths) == pytest.approx(optimum, abs=0.51)
+    assert np.nanmax(worths) <= optimum + 1e-9
+    assert worths[judge.best[0] - 1] == pytest.approx(optimum, abs=0.51)
+
+
+def test_claims_are_corrected_by_holm() -> None:
+    """Of three chances the least counts threefold, and none less than a smaller one."""
+    from next_leg.claims import holm
+
+    assert holm([0.04, 0.001, 0.03]) == pytest.approx([0.06, 0.003, 0.06])
+    assert holm([0.9, 0.8]) == [1.0, 1.0]
+
+
 @pytest.mark.slow
-def test_a_training_is_repeated_by_its_seed(tmp_path: Path) -> None:
-    """Two short trainings of one seed give the same weights, which planners of legs can read."""
-    found = []
-    for name in ("one.npz", "other.npz"):
-        words = ("--rounds", 30, 30, "--epochs", 2, "--held", 1, "--out", tmp_path / name)
-        assert run("train_next_leg.py", "--seed", 3, *words).count("\n") == 4
-        found.append(load_scorer(tmp_path / name))
-    assert found[0].facts == found[1].facts
-    assert found[0].facts["seed"] == 3
-    for one, other in zip(found[0].layers, found[1].layers, strict=True):
-        assert np.array_equal(one, other)
+def test_a_training_writes_weights_of_its_variant(tmp_path: Path) -> None:
+    """A short training judges its steps, and writes the best weights with how they were made."""
+    words = ("--rounds", 30, 30, "--epochs", 2, "--held", 1, "--improvements", 1, "--missions", 2)
+    for variant in ("reduced-time", "domain-randomised"):
+        out = tmp_path / f"{variant}.npz"
+        told = run("train_next_leg.py", "--variant", variant, *words, "--out", out)
+        assert told.count("\n") == 5
+        assert ", best" in told
+        facts = load_scorer(out).facts
+        assert facts["variant"] == variant
+        assert facts["decisions"] >= 30
 
 
 @pytest.mark.slow
@@ -45,5 +123,5 @@ def test_the_frontier_is_told(what: str) -> None:
     told = run("frontier.py", what, "--targets", 20, "--fields", 3, "--widths", 1)
     for method in ("learned", "guarded greedy", "beam of 1"):
         assert f"| {method} | 3 |" in told
-    assert "frontier of quality against time per decision" in told
-    assert "frontier of quality against total time" in told
+    assert "| learned | time per decision |" in told
+    assert "| learned | total time |" in told

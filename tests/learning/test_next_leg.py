@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import launched
+import next_leg_seen
 import numpy as np
+import numpy.typing as npt
 import pytest
 import towed_fields
 from drawn_worlds import drawn_uncertainty
 from random_rules import random_campaign, random_mission
 
 import adr_opt
-from adr_opt.analysis.rehearse.crafts import beginning, refused
+from adr_opt.analysis.rehearse.crafts import DRY, FINISHED, LATE, beginning, refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground, Hop
 from adr_opt.analysis.rehearse.intended import Intended
@@ -20,13 +24,21 @@ from adr_opt.analysis.rehearse.learned import Learned
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sight import RANKS, Sight
 from adr_opt.common.errors import InputError
+from adr_opt.learning.next_leg import features as seen_module
+from adr_opt.learning.next_leg import onward as onward_module
 from adr_opt.learning.next_leg.features import LEG_FEATURES, MISSION_FEATURES
+from adr_opt.learning.next_leg.onward import OnwardLegs
 from adr_opt.learning.next_leg.scorer import LegScorer, ScorerLayers, load_scorer, shapes, shipped
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
 
 CERTAIN = Uncertainty()
+FloatArray = npt.NDArray[np.float64]
+
+# Modules by name: the package has a function of the name `rehearse`.
+learned_module = import_module("adr_opt.analysis.rehearse.learned")
+sight_module = import_module("adr_opt.analysis.rehearse.sight")
 
 
 def drawn_scorer(seed: int) -> LegScorer:
@@ -116,6 +128,41 @@ def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
     assert seen > 15
 
 
+@pytest.mark.parametrize("draw", ["tiny", "dense", "campaign", "towed", "rules"])
+def test_what_is_seen_is_what_numpy_works_out(draw: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compiled numbers of legs, of legs after them and of missions are those of a twin."""
+    instance = {
+        "tiny": lambda: tiny(1),
+        "dense": lambda: adr_opt.generate("nominal", 4, targets=90),
+        "campaign": lambda: launched.campaign("two-body"),
+        "towed": towed_fields.field,
+        "rules": lambda: random_mission(3),
+    }[draw]()
+    compared = []
+
+    def features(*given: Any) -> tuple[FloatArray, FloatArray]:
+        found, wanted = seen_module.features(*given), next_leg_seen.seen(*given)
+        for mine, other in zip(found, wanted, strict=True):
+            assert mine == pytest.approx(other, rel=1e-9, abs=1e-9)
+        compared.append(given[1].bodies.size)
+        return found
+
+    def onward(*given: Any) -> OnwardLegs:
+        found, wanted = onward_module.onward(*given), next_leg_seen.onward_legs(*given)
+        for mine, other in zip(found, wanted, strict=True):
+            assert mine == pytest.approx(other, rel=1e-9, abs=1e-9)
+        return found
+
+    monkeypatch.setattr(learned_module, "features", features)
+    monkeypatch.setattr(sight_module, "onward", onward)
+    uncertainty = drawn_uncertainty(instance, 1)
+    ground = Ground(instance)
+    planned = without_plan(ground)
+    policy = Learned(ground, planned, uncertainty)
+    rehearsed(ground, DrawnWorld(instance, uncertainty, 0), policy, planned.kits)
+    assert sum(compared) > 3
+
+
 def test_few_of_many_targets_are_looked_at() -> None:
     """Of a large field only the nearest, and what is required or planned next, are candidates."""
     instance = adr_opt.generate("nominal", 3, targets=150)
@@ -151,16 +198,28 @@ def tiny(seed: int) -> Instance:
 
 @pytest.mark.parametrize("draw", [random_mission, random_campaign, tiny])
 def test_every_leg_may_begin(draw) -> None:  # type: ignore[no-untyped-def]
-    """Whatever the weights, rules and worlds, no leg is chosen that a chaser may not fly."""
-    Watched.flown = 0
-    for seed in range(8):
+    """Whatever the weights, rules and worlds, no leg is chosen that a chaser may not fly.
+
+    And no chaser of the policy ends by a leg that is refused, nor halts while a target is in reach.
+    """
+    Watched.flown, stopped = 0, 0
+    for seed in range(24):
         instance = draw(seed)
         uncertainty = drawn_uncertainty(instance, seed)
         ground = Ground(instance)
         planned = without_plan(ground)
         policy = Watched(ground, planned, uncertainty, 0, drawn_scorer(seed))
-        rehearsed(ground, DrawnWorld(instance, uncertainty, seed), policy, planned.kits)
-    assert Watched.flown > 3
+        done = rehearsed(ground, DrawnWorld(instance, uncertainty, seed), policy, planned.kits)
+        closed = {made.hop.destination for craft in done.crafts for made in craft.made}
+        for craft in done.crafts:
+            assert craft.ended in (FINISHED, LATE, DRY)
+            if craft.ended == FINISHED and craft.made:
+                stopped += 1
+                for j in sorted(set(ground.prizes) - closed):
+                    hop = ground.best(craft.body, j, craft.free_s, towed=craft.towed)
+                    assert hop is None or refused(ground, craft, hop)
+    assert Watched.flown > 10
+    assert stopped > 0
 
 
 @pytest.mark.parametrize("kind", ["launched", "towed", "drifting"])

@@ -19,6 +19,8 @@ from .prospect import CAUTION
 from .replanning import AtDeviations
 from .sight import Sight
 
+FloatArray = npt.NDArray[np.float64]
+
 USUAL_LEGS = 8
 """Number of legs of a tank for which a reserve is kept where there is no plan."""
 
@@ -122,12 +124,16 @@ class Learned(AtDeviations):
         return unguarded
 
     def _scored(self, now: Situation, choices: Choices) -> npt.NDArray[np.float32]:
-        """Scores of legs, of tanks that keep a reserve for dear ones."""
+        """Scores of legs."""
+        legs, numbers = self._seen(now, choices)
+        return self._scorer.scores(legs, numbers, choices.legal)
+
+    def _seen(self, now: Situation, choices: Choices) -> tuple[FloatArray, FloatArray]:
+        """What the network sees, of tanks that keep a reserve for dear legs."""
         ground, craft, sight = self._ground, now.craft, self._sight
         what, ahead = ground.chasers[craft.chaser], self._ahead[craft.chaser]
         full = full_of(what, craft.kits)
-        reserve = self._reserve_m_s(full)
-        kept = math.sqrt(min(max(craft.left / full, 0.0), 1.0)) * reserve if full > 0.0 else 0.0
+        reserve, kept = self._reserve_m_s(full), self._kept_m_s(craft, full)
         standing = Standing(
             craft.body, craft.free_s, what.limits.duration, craft.left - kept, full - reserve,
             craft.since, ground.stations, len(now.crafts),
@@ -139,14 +145,17 @@ class Learned(AtDeviations):
         left = choices.left - np.where(choices.bodies < ground.stations, reserve, kept)
         choices = choices._replace(left=left)
         places, onward = sight.around.at(craft.free_s), sight.onward(craft, choices, worths)
-        seen, numbers = features(standing, choices, onward, places, worths, sight.required)
-        return self._scorer.scores(seen, numbers, choices.legal)
+        return features(standing, choices, onward, places, worths, sight.required)
 
     def _reserve_m_s(self, full: float) -> float:
         """Reserve of a full tank: that of the plan, or of usual legs without one [m/s]."""
         if self._prospect.reserve_m_s > 0.0 or not self._ground.stations:
             return min(self._prospect.reserve_m_s, 0.5 * full)
-        return min(CAUTION * self._sigma / math.sqrt(USUAL_LEGS), 0.5) * full
+        return usual_reserve(self._sigma) * full
+
+    def _kept_m_s(self, craft: Craft, full: float) -> float:
+        """Reserve of the tank as it is now [m/s]."""
+        return kept_m_s(self._reserve_m_s(full), craft.left, full)
 
     def _is_guarded(self, craft: Craft, hop: Hop) -> bool:
         """Whether a leg leaves a way to refuel, also if it is dear and the service long."""
@@ -160,6 +169,18 @@ class Learned(AtDeviations):
         ]
         spread = CAUTION * self._prospect.sigma(hop) * math.hypot(hop.delta_v, max(ways))
         return min(ways) == 0.0 or max(ways) + spread <= after.left
+
+
+def usual_reserve(sigma: float) -> float:
+    """Share of a full tank that usual legs need besides, whose factor has a spread."""
+    return min(CAUTION * sigma / math.sqrt(USUAL_LEGS), 0.5)
+
+
+def kept_m_s(reserve_m_s: float, left_m_s: float, full_m_s: float) -> float:
+    """What is left to keep of the reserve of a full tank: less, the fewer legs are left [m/s]."""
+    if full_m_s <= 0.0:
+        return 0.0
+    return math.sqrt(min(max(left_m_s / full_m_s, 0.0), 1.0)) * reserve_m_s
 
 
 def _forecasts(

@@ -18,6 +18,7 @@ from ...plan.leg_kinds import LAUNCH, SHORT
 from ...problem.uncertainty import Uncertainty
 from .crafts import Craft, full_of
 from .ground import MATCH_S, Ground, Hop, hop_of
+from .service_delays import largest_delay_s, mean_delay_s
 from .tries import TryWorths
 
 FloatArray = npt.NDArray[np.float64]
@@ -32,12 +33,6 @@ MATCH_M_S = 1e-3
 
 LATE = 0.9
 """Share of times of services, and chance of captures, for which a way to refuel is kept."""
-
-ROUNDING = 1e-9
-"""Difference of chances that counts as none."""
-
-GRID = (np.arange(64) + 0.5) / 64
-"""Quantiles over which means of distributions are taken."""
 
 
 class Sight:
@@ -73,8 +68,10 @@ class Sight:
         positive = worths > 0.0
         self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
         self.required = np.array([j in ground.required for j in range(bodies)])
-        self.later_s = np.array([self._mean_delay_s(j, uncertainty) for j in range(bodies)])
-        self.late_s = np.array([self._delay_s(j, uncertainty, LATE) for j in range(bodies)])
+        self.later_s, self.late_s = np.zeros(bodies), np.zeros(bodies)
+        for j in range(ground.first_target, bodies):
+            self.later_s[j] = mean_delay_s(ground, j, uncertainty)
+            self.late_s[j] = largest_delay_s(ground, j, uncertainty, LATE)
         self._towed = np.array([j in ground.tow_s for j in range(bodies)])
         self._stations = np.arange(ground.stations)
         self._targets = np.arange(ground.first_target, bodies)
@@ -196,17 +193,18 @@ class Sight:
         if targets.size > RANKS:
             places = self.around.at(craft.free_s)
             if self._is_launching(craft):
-                near = (self.worths * is_open)[places.near[targets]]
-                away = -(
-                    self.worths[targets] + (near * np.exp(-places.apart[targets] / 150.0)).sum(1)
-                )
+                near, _, counts = places.neighbours_of(targets)
+                dense = ((self.worths * is_open)[near] * counts[:, :, 1]).sum(1)
+                away = -(self.worths[targets] + dense)
             else:
                 away = places.distances(craft.body, targets)
-            away = np.where(self.required[targets], -np.inf, away)
+            away[self.required[targets]] = -np.inf
             few = RANKS + int(self.required[targets].sum())
             nearest = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
             first = [j for j in planned[:2] if j >= self._ground.stations and is_open[j]]
-            targets = np.union1d(nearest, np.array(first, dtype=np.int64))
+            targets = np.sort(nearest)
+            if first:
+                targets = np.union1d(nearest, np.array(first, dtype=np.int64))
         stations = self._stations[is_open[: self._ground.stations]]
         return np.concatenate([stations, targets])
 
@@ -250,47 +248,6 @@ class Sight:
                 else float(shortest_sortie(source, ground.stations, ground.first_target))
             )
         return self._sorties[chaser]
-
-    def _mean_delay_s(self, body: int, uncertainty: Uncertainty) -> float:
-        """By how much later than planned a service ends on average, all tries counted [s]."""
-        ground = self._ground
-        if body < ground.first_target:
-            return 0.0
-        name = ground.names[body]
-        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
-        model, took = uncertainty.service_of(name), planned
-        if model.factor is not None:
-            took *= float(np.mean([model.factor.at(float(u)) for u in GRID]))
-        if model.added is not None:
-            took += float(np.mean([model.added.at(float(u)) for u in GRID]))
-        failing = 1.0 - uncertainty.success_of(name)
-        tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
-        return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
-
-    def _delay_s(self, body: int, uncertainty: Uncertainty, share: float) -> float:
-        """By how much later than planned a service ends at most in a share of cases [s]."""
-        ground = self._ground
-        if body < ground.first_target:
-            return 0.0
-        name = ground.names[body]
-        planned = float(ground.chasers[0].limits.service[body]) - ground.tow_s.get(body, 0.0)
-        model, took = uncertainty.service_of(name), planned
-        if model.factor is not None:
-            took *= model.factor.at(share)
-        if model.added is not None:
-            # Delays are there below their chance, and grow up to it.
-            below = model.added.chance - (1.0 - share)
-            took += model.added.at(below) if below > ROUNDING else 0.0
-        tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
-        return max(tries * took - planned, 0.0)
-
-
-def _tries_until(chance: float, success: float, most: int) -> int:
-    """Number of tries after which one has succeeded by a chance."""
-    for tries in range(1, most):
-        if 1.0 - (1.0 - success) ** tries >= chance:
-            return tries
-    return most
 
 
 def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source | None:

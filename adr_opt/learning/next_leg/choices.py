@@ -11,9 +11,6 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-M_S_PER_HOUR = 450.0
-"""ΔV that counts as an hour in the cost of a leg, as in the observations of the environment."""
-
 
 class Standing(NamedTuple):
     """A chaser that decides, and its mission.

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
+from ...kernels.core.compile import kernel
 from ...kernels.orbits.ephemeris import planes_drift
 from ...legs.nearest_pairs import PERIODS, places_of
 from ...problem.instance import Instance
@@ -18,30 +17,84 @@ IntArray = npt.NDArray[np.int64]
 NEIGHBOURS = 16
 """Number of nearest targets of each body that its density counts."""
 
+DENSITIES_M_S = (60.0, 150.0, 400.0)
+"""Lengths over which targets near a body count less and less [m/s]."""
 
-@dataclass(frozen=True)
+
+@kernel
+def _write_distances(points, body, others, away):
+    """Distances of a body from some others [m/s]."""
+    for place in range(others.size):
+        total = 0.0
+        for axis in range(points.shape[1]):
+            difference = points[others[place], axis] - points[body, axis]
+            total += difference * difference
+        away[place] = np.sqrt(total)
+
+
 class OrbitPlaces:
     """Orbits as points whose distances approximate ΔV, in one period of a mission.
+
+    Neighbours of a body are looked up when first asked for.
+
+    Parameters
+    ----------
+    points : (bodies, 7) float64
+        [m/s].
+    first_target : int
+        Bodies with smaller numbers are near to none.
 
     Attributes
     ----------
     points : (bodies, 7) float64
         [m/s].
-    near : (bodies, neighbours) int64
-        Nearest targets of each body, itself left out.
-    apart : (bodies, neighbours) float64
-        Their distances [m/s].
     """
 
-    points: FloatArray
-    near: IntArray
-    apart: FloatArray
+    def __init__(self, points: FloatArray, first_target: int) -> None:
+        self.points, self._first = np.ascontiguousarray(points), first_target
+        bodies = len(points)
+        count = max(0, min(NEIGHBOURS, bodies - first_target - 1))
+        self._tree = KDTree(self.points[first_target:]) if count else None
+        self._known = np.full(bodies, count == 0)
+        self._near = np.zeros((bodies, count), dtype=np.int64)
+        self._apart = np.zeros((bodies, count))
+        self._counts = np.zeros((bodies, count, len(DENSITIES_M_S)))
 
     def distances(self, body: int, others: IntArray) -> FloatArray:
         """Distances of a body from some others [m/s]."""
-        away = self.points[others] - self.points[body]
-        found: FloatArray = np.sqrt(np.einsum("ij,ij->i", away, away))
+        found = np.empty(others.size)
+        _write_distances(self.points, int(body), others, found)
         return found
+
+    def neighbours_of(self, bodies: IntArray) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Nearest targets of some bodies, themselves left out, the nearest first.
+
+        Returns
+        -------
+        near : (bodies, neighbours) int64
+        apart : (bodies, neighbours) float64
+            Their distances [m/s].
+        counts : (bodies, neighbours, 3) float64
+            How much they count at these distances, by :data:`DENSITIES_M_S`.
+        """
+        known = self._known[bodies]
+        if not known.all():
+            self._look_up(bodies[~known])
+        return self._near[bodies], self._apart[bodies], self._counts[bodies]
+
+    def _look_up(self, bodies: IntArray) -> None:
+        assert self._tree is not None
+        count = self._near.shape[1]
+        apart, near = self._tree.query(self.points[bodies], k=np.arange(1, count + 2))
+        near = near + self._first
+        # Without itself, wherever it stands among bodies at equal places.
+        itself = near == bodies[:, None]
+        order = np.argsort(itself, axis=1, kind="stable")[:, :count]
+        self._near[bodies] = np.take_along_axis(near, order, axis=1)
+        self._apart[bodies] = np.take_along_axis(apart, order, axis=1)
+        scaled = self._apart[bodies][:, :, None] / np.array(DENSITIES_M_S)
+        self._counts[bodies] = np.exp(-scaled)
+        self._known[bodies] = True
 
 
 class NearOrbits:
@@ -69,22 +122,8 @@ class NearOrbits:
         return made
 
     def _of(self, time_s: float) -> OrbitPlaces:
-        instance, first = self._instance, self._instance.first_target
-        bodies = len(instance.names)
-        points = np.zeros((bodies, 7))
+        instance = self._instance
+        points = np.zeros((len(instance.names), 7))
         if instance.given is None:
             points = np.nan_to_num(places_of(instance, time_s))
-        count = min(NEIGHBOURS, bodies - first - 1)
-        if count < 1:
-            nothing = np.empty((bodies, 0))
-            return OrbitPlaces(points, nothing.astype(np.int64), nothing)
-        apart, near = KDTree(points[first:]).query(points, k=np.arange(1, count + 2))
-        near = near + first
-        # Without itself, wherever it stands among bodies at equal places.
-        itself = near == np.arange(bodies)[:, None]
-        order = np.argsort(itself, axis=1, kind="stable")[:, :count]
-        return OrbitPlaces(
-            points,
-            np.take_along_axis(near, order, axis=1),
-            np.take_along_axis(apart, order, axis=1),
-        )
+        return OrbitPlaces(points, instance.first_target)

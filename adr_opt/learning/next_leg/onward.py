@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -9,7 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import HOUR_S
-from .choices import M_S_PER_HOUR, Choices
+from ...kernels.core.compile import kernel
+from ...kernels.episodes.outlook import M_S_PER_HOUR
+from .choices import Choices
 from .near_orbits import OrbitPlaces
 
 FloatArray = npt.NDArray[np.float64]
@@ -49,8 +52,7 @@ class OnwardLegs(NamedTuple):
 
 def unknown(legs: int) -> OnwardLegs:
     """Nothing known of what follows."""
-    nothing = np.zeros(legs)
-    return OnwardLegs(np.zeros(legs, dtype=np.bool_), nothing, nothing, nothing)
+    return OnwardLegs(np.zeros(legs, dtype=np.bool_), *np.zeros((3, legs)))
 
 
 def onward(
@@ -72,28 +74,62 @@ def onward(
         Gives connections of some pairs at some times.
     """
     found = unknown(choices.bodies.size)
-    cost = choices.free / HOUR_S + choices.delta_v / M_S_PER_HOUR
-    cost = np.where(choices.legal & (choices.bodies >= stations), cost, np.inf)
-    cost = np.where(choices.ranks == 0, np.minimum(cost, 0.0), cost)
-    cost = np.where(choices.legal, cost, np.inf)
-    at = np.argsort(cost, kind="stable")[:LOOKED_AHEAD]
-    at = at[np.isfinite(cost[at])]
-    near = places.near[choices.bodies[at]]
-    if at.size == 0 or near.shape[1] < 2:
+    near = places.neighbours_of(choices.bodies)[0]
+    if near.shape[1] < 2:
         return found
-    first = np.argsort(worths[near] <= 0.0, axis=1, kind="stable")[:, :ONWARD]
-    there = np.take_along_axis(near, first, axis=1)
-    origins = np.repeat(choices.bodies[at], there.shape[1])
-    ready = np.repeat(choices.free[at], there.shape[1])
-    delta_v, arrival = connecting(origins, ready, there.ravel())
-    delta_v, arrival = delta_v.reshape(there.shape), arrival.reshape(there.shape)
-    fits = (worths[there] > 0.0) & (delta_v <= choices.left[at, None]) & (arrival <= end_s)
-    taken = (arrival - choices.free[at, None]) / HOUR_S + delta_v / M_S_PER_HOUR
-    taken = np.where(fits, np.minimum(taken, HOPELESS_H), HOPELESS_H)
-    order = np.argsort(taken, axis=1)
-    rows = np.arange(at.size)
-    found.known[at] = True
-    cost, later, least = np.zeros_like(found.cost), np.zeros_like(found.cost), found.delta_v.copy()
-    cost[at], later[at] = taken[rows, order[:, 0]], taken[rows, order[:, 1]]
-    least[at] = np.where(fits, delta_v, 0.0)[rows, order[:, 0]]
-    return OnwardLegs(found.known, cost, later, least)
+    legs, there = _looked_at(choices, near, worths, stations)
+    if legs.size:
+        per_leg = there.shape[1]
+        delta_v, arrival = connecting(
+            np.repeat(choices.bodies[legs], per_leg), np.repeat(choices.free[legs], per_leg),
+            there.ravel(),
+        )  # fmt: skip
+        _write_onward(choices, legs, there, delta_v, arrival, worths, end_s, found)
+    return found
+
+
+@kernel
+def _looked_at(choices, near, worths, stations):
+    """The legs of which those after them are looked at, and the bodies to which those lead."""
+    count = choices.bodies.size
+    cost, number = np.full(count, math.inf), 0
+    for leg in range(count):
+        if choices.legal[leg]:
+            if choices.bodies[leg] >= stations:
+                cost[leg] = choices.free[leg] / HOUR_S + choices.delta_v[leg] / M_S_PER_HOUR
+            if choices.ranks[leg] == 0:  # the planned one in any case
+                cost[leg] = min(cost[leg], 0.0)
+            number += cost[leg] < math.inf
+    legs = np.argsort(cost, kind="mergesort")[: min(number, LOOKED_AHEAD)]
+    wanted = min(ONWARD, near.shape[1])
+    there = np.empty((legs.size, wanted), np.int64)
+    for row in range(legs.size):
+        filled = 0
+        for is_open in (True, False):  # open targets first, the nearest of each first
+            for j in near[legs[row]]:
+                if filled < wanted and (worths[j] > 0.0) == is_open:
+                    there[row, filled] = j
+                    filled += 1
+    return legs, there
+
+
+@kernel
+def _write_onward(choices, legs, there, delta_v, arrival, worths, end, found):
+    """Write the two cheapest legs after each of some legs."""
+    for row in range(legs.size):
+        leg = legs[row]
+        best, second, paid = HOPELESS_H, HOPELESS_H, 0.0
+        for column in range(there.shape[1]):
+            at = row * there.shape[1] + column
+            if not worths[there[row, column]] > 0.0:
+                continue
+            if delta_v[at] > choices.left[leg] or arrival[at] > end:
+                continue
+            cost = (arrival[at] - choices.free[leg]) / HOUR_S + delta_v[at] / M_S_PER_HOUR
+            cost = min(cost, HOPELESS_H)
+            if cost < best:
+                best, second, paid = cost, best, delta_v[at]
+            elif cost < second:
+                second = cost
+        found.known[leg] = True
+        found.cost[leg], found.next_cost[leg], found.delta_v[leg] = best, second, paid
