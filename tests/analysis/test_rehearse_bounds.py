@@ -458,6 +458,27 @@ def test_proofs_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -> 
     assert asked == [None, 1]
 
 
+def test_bounds_without_a_search_begin_with_a_plan(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The bound of multipliers is given a plan, and both prove the same of a small field."""
+    begun = []
+
+    def noted(problem, method, **more):  # type: ignore[no-untyped-def]
+        begun.append(more.get("start"))
+        return adr_opt.bound(problem, method, **more)
+
+    monkeypatch.setattr(bounding, "bound", noted)
+    instance = adr_opt.generate("tiny", 1, targets=5)
+    uncertainty = Uncertainty(service_s=LATE)
+    found = [
+        bounds(instance, uncertainty, samples=1, method=method, time_limit=60.0, time_price=2.0)
+        for method in ("exact", "lagrangian")
+    ]
+    assert begun[:2] == [None, None]
+    assert all(begun[2:])
+    assert found[0].worlds[0].proven
+    assert found[0].worlds == found[1].worlds
+
+
 def test_bounds_are_resumed(tmp_path: Path) -> None:
     """Bounds in a file are not proven again."""
     instance = adr_opt.generate("tiny", 0)

@@ -19,10 +19,11 @@ from ...common.clock import now_s
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
+from ...mission.problem import Problem
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
-from ...run.front import bound
+from ...run.front import bound, solve
 from ...run.method_call import spec_of
 from ...run.methods import BOUNDS
 from .elsewhere import check_worlds, elsewhere, is_over
@@ -41,6 +42,9 @@ from .worths import (
 
 METHOD = "exact"
 TIME_LIMIT_S = 20.0
+
+LEAST_S = 0.1
+"""Least limit of a proof after the search for a plan to begin with [s]."""
 
 CONFIDENT = 1.959964
 """Half width of a 95 % confidence interval in standard errors."""
@@ -315,6 +319,15 @@ def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldB
     return [world_bounds(_mine[1], setting, seed) for seed in seeds]
 
 
+def _start(problem: Problem, setting: BoundSetting) -> list[str] | None:
+    """A plan of a beam for a bound of one chaser that can use one and searches for none itself."""
+    starts = spec_of(setting.method, BOUNDS).starts
+    if setting.method == METHOD or not starts or problem.alone is None:
+        return None
+    plan = solve(problem, "beam", time_limit=setting.time_limit_s / 4).plan
+    return None if plan is None else [leg.destination for leg in plan.legs]
+
+
 def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
     """The bounds of one world."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
@@ -325,7 +338,10 @@ def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBound
     def most(worth: Worth) -> float:
         nonlocal proven
         problem = known_problem(ground, world, worth)
-        found = bound(problem, setting.method, time_limit=setting.time_limit_s, **more)
+        began = now_s()
+        start = _start(problem, setting)
+        limit_s = max(setting.time_limit_s - (now_s() - began), LEAST_S)
+        found = bound(problem, setting.method, time_limit=limit_s, start=start, **more)
         proven = proven and found.status == "optimal"
         return min(found.upper_bound, problem.total_prize)
 
