@@ -18,11 +18,16 @@ def leave_out(seconds: Callable[[], float]) -> None:
     seconds : callable
         The time spent so far that does not count [s].
     """
-    _pauses.append(seconds)
+    if _seconds is time.perf_counter:
+        _pauses.append(seconds)
 
 
 def count_processor_time() -> None:
-    """Count the processor time of all threads of this process from now on, whatever else runs."""
+    """Count the processor time of all threads of this process from now on, whatever else runs.
+
+    Meant for benchmarks of one thread on a busy machine. Nothing is left out any more, compiling
+    of kernels neither, two threads use up a limit in half its time, and it cannot be undone.
+    """
     global _seconds
     _pauses.clear()
     _seconds = time.process_time

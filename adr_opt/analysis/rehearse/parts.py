@@ -73,7 +73,7 @@ def _strictly_falling(
     levels: Sequence[tuple[float, float]], last: float
 ) -> tuple[tuple[float, float], ...]:
     """The levels without those from which a prize does not fall to the next one."""
-    after = [*(prize for _, prize in levels[1:]), last]
+    after = [*(prize for _, prize in levels), last][1:]
     return tuple(level for level, then in zip(levels, after, strict=True) if level[1] > then)
 
 

@@ -37,7 +37,7 @@ class Prospect:
     reserve_m_s : float
         Of a full tank [m/s].
     time_share : float
-        Mean time at a target, with all tries, as a multiple of the planned one.
+        Mean time at a target, with all tries, as a multiple of the planned one; at least 1.
     """
 
     def __init__(self, ground: Ground, intended: Intended, uncertainty: Uncertainty) -> None:
@@ -67,7 +67,7 @@ class Prospect:
             Whether tanks keep a reserve, and services take as long as on average.
         """
         instance = with_worths(instance, self._worths)
-        if cautious or self.time_share < 1.0:
+        if cautious:
             instance = _slower(instance, self.time_share)
         if cautious and self.reserve_m_s > 0.0:
             instance = instance.replace(chasers=tuple(map(self._careful, instance.chasers)))
@@ -115,7 +115,8 @@ class Prospect:
 def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
     """Mean time at a target as a multiple of what is planned; 1 where objects are towed.
 
-    One that has still to be towed has a window for just its service.
+    One that has still to be towed has a window for just its service. Stays that are shorter on
+    average count as planned, since a leg may only begin if its planned service ends in time.
     """
     if ground.tow_s:
         return 1.0
@@ -128,7 +129,7 @@ def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
         mean_tries = sum(failed**before for before in range(tries))
         planned_s += service_s
         mean_s += there * mean_tries * ServiceTimes(service_s, uncertainty.service_of(name)).mean_s
-    return mean_s / planned_s if planned_s > 0.0 else 1.0
+    return max(mean_s / planned_s, 1.0) if planned_s > 0.0 else 1.0
 
 
 def _slower(instance: Instance, share: float) -> Instance:

@@ -69,7 +69,7 @@ class AtEveryService:
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
-        if not route and self._prospect.is_cautious and craft.made:
+        if not route and self._prospect.is_cautious:
             self._plan(now, cautious=False)  # to be so is of no use any more
             route = self._routes[craft.chaser]
         if not route:
@@ -93,7 +93,10 @@ class AtEveryService:
         return differs or abs(craft.free_s - ahead.free_s) > SLIGHT_S
 
     def _earlier(self, craft: Craft, hop: Hop) -> Hop:
-        """The first connection to the same body to arrive, of those that take no more ΔV."""
+        """The first connection to the same body to arrive, of those that take no more ΔV.
+
+        Neither as planned, nor by a kind of leg that may cost more than planned by a larger factor.
+        """
         if self._ground.chasers[craft.chaser].is_launched and not craft.made:
             return hop
         rows = self._ground.rows(craft.body, hop.destination, towed=craft.towed)
@@ -104,7 +107,8 @@ class AtEveryService:
             return hop
         row = int(could[np.argmin(rows.arrival[could])])
         found = hop_of(hop.destination, rows, row)
-        return found if found.arrival < hop.arrival else hop
+        is_as_certain = self._prospect.sigma(found) <= self._prospect.sigma(hop)
+        return found if found.arrival < hop.arrival and is_as_certain else hop
 
     def _plan(self, now: Situation, *, cautious: bool = True) -> None:
         """Plan what is left, for all chasers, from where they are or will be."""

@@ -153,14 +153,8 @@ def refused_price(ground: Ground, uncertainty: Uncertainty, per_s: float) -> str
     paid = prices_of_tries(ground, per_s)
     worths = TryWorths(instance, uncertainty, paid)
     for body, target in enumerate(instance.targets, start=ground.first_target):
-        most = worths.most(body)
-        if takes_uncertain_time(uncertainty, target.name):
-            planned_s = float(ground.chasers[0].limits.service[body])
-            model = uncertainty.service_of(target.name)
-            mean = uncertainty.success_of(target.name) * target.prize
-            most = float(
-                most_worths(planned_s, model, mean, per_s, instance.mission.duration_s).worth[-1]
-            )
-        if most < 0.0:
+        # Of a drawn time, and of no prize, less than nothing counts as nothing.
+        counts = target.prize > 0.0 and not takes_uncertain_time(uncertainty, target.name)
+        if counts and worths.most(body) < 0.0:
             return "a target is worth less than the time of its service; give a lower price"
     return None
