@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import permutations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -477,6 +478,39 @@ def test_bounds_without_a_search_begin_with_a_plan(monkeypatch: pytest.MonkeyPat
     assert all(begun[2:])
     assert found[0].worlds[0].proven
     assert found[0].worlds == found[1].worlds
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"service_s": {"added": {"chance": 0.04, "mean_s": 14400.0}}},
+        {"service_s": {"added": {"mean_s": 0.0}}},
+        {"service_s": {"factor": {"lognormal_sigma": 0.3}}, "capture": {"success": 0.08}},
+        {"service_s": {"factor": {"lognormal_sigma": 0.3}}, "gone": 0.92},
+    ],
+)
+def test_worths_that_hardly_fall_are_priced(content: dict[str, Any]) -> None:
+    """Where what a late service counts falls by less than a level, bounds hold all the same."""
+    instance, uncertainty = adr_opt.generate("tiny", 0, targets=4), Uncertainty(**content)
+    found = bounds(instance, uncertainty, samples=2, time_price=0.1)
+    followed = rehearse(
+        instance, adr_opt.solve(instance, method="greedy").plan, uncertainty, samples=2
+    )
+    for world, row in zip(found.worlds, followed.outcomes, strict=True):
+        assert world.proven
+        assert world.perfect >= row.prize - EPSILON
+        assert world.penalised >= 0.0
+
+
+def test_targets_of_no_prize_forbid_no_price() -> None:
+    """A target that nobody wants is left out by a clairvoyant, whatever time costs."""
+    instance = adr_opt.generate("tiny", 0, targets=4)
+    first, *others = instance.targets
+    instance = instance.replace(targets=(first.replace(prize=0.0), *others))
+    tries = Uncertainty(capture={"success": 0.8, "tries": 2})
+    assert bounds(instance, tries, samples=1, time_price=0.1).worlds[0].proven
+    with pytest.raises(InputError, match="a lower price"):
+        bounds(instance, tries, samples=1, time_price=1000.0)
 
 
 def test_bounds_are_resumed(tmp_path: Path) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 import towed_fields
+from random_rules import drifting_mission
 
 import adr_opt
 from adr_opt.analysis.rehearse.crafts import beginning, refused
@@ -13,6 +16,8 @@ from adr_opt.analysis.rehearse.ground import Ground, hop_of
 from adr_opt.analysis.rehearse.intended import Intended, PlannedHop
 from adr_opt.analysis.rehearse.prospect import Prospect
 from adr_opt.analysis.rehearse.replanning import AtDeviations
+from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.plan.leg_kinds import leg_kinds
 from adr_opt.problem.uncertainty import Uncertainty
 
 CAPTURES = Uncertainty(capture={"success": 0.8, "tries": 2}, gone=0.05)
@@ -68,3 +73,50 @@ def test_an_earlier_connection_of_no_more_delta_v_is_flown() -> None:
             assert flown.arrival == rows.arrival[no_dearer].min()
             better += flown.arrival < planned.arrival
     assert better
+
+
+def test_shorter_stays_are_expected_as_planned() -> None:
+    """Targets that may be gone save time, but legs begin only if planned services fit."""
+    ground = Ground(adr_opt.generate("tiny", 0))
+    prospect = Prospect(ground, Intended(None, ((),), (0,)), Uncertainty(gone=0.4))
+    assert prospect.time_share == 1.0
+    mission = prospect.expected(ground.instance, cautious=True).mission
+    assert mission == ground.instance.mission
+
+
+def test_a_chaser_leaves_also_where_longer_stays_do_not_fit() -> None:
+    """Where only one service fits, and none as long as on average, it is tried, not forgone."""
+    instance = adr_opt.generate("tiny", 0)
+    service_s = 20000.0
+    mission = instance.mission.replace(
+        service_revolutions=None, service_s=service_s, duration_s=service_s + 20000.0
+    )
+    instance = instance.replace(mission=mission)
+    uncertainty = Uncertainty(capture={"success": 0.6, "tries": 3})
+    plan = adr_opt.solve(instance, method="greedy").plan
+    flown = rehearse(instance, plan, uncertainty, policy="replan", samples=8)
+    assert max(row.prize for row in flown.outcomes) > 0.0
+
+
+def test_an_earlier_connection_is_no_less_certain() -> None:
+    """A leg of a kind whose factor has a larger spread does not take the place of a planned one."""
+    uncertain = Uncertainty(legs={"kinds": {"drift": {"lognormal_sigma": 0.4}}})
+    drift = [kind.name for kind in leg_kinds()].index("drift")
+    kept = 0
+    for seed in range(6):
+        ground = Ground(drifting_mission(seed))
+        for origin, j in permutations(range(ground.first_target, len(ground.names)), 2):
+            rows = ground.rows(origin, j, towed=False)
+            craft = beginning(ground, 0, 0, 0.0, 1.0)
+            craft.body = origin
+            for row in range(0, rows.departure.size, max(rows.departure.size // 40, 1)):
+                planned = hop_of(j, rows, row)
+                intended = Intended(None, ((PlannedHop(origin, False, planned),),), (0,))
+                found, certain = (
+                    AtDeviations(ground, intended, each)._earlier(craft, planned)
+                    for each in (uncertain, Uncertainty())
+                )
+                if planned.family != drift:
+                    assert found.family != drift
+                kept += found != certain
+    assert kept
