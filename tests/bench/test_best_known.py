@@ -105,10 +105,16 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
         ready, left, spent = np.array([limits.ready]), np.array([budget]), np.zeros(1)
         for i, j in itertools.pairwise((instance.starts[number], *route)):
             assert j != i
-            pair = connecting.of_pair(i, j, connecting.planning_resolution_m_s)
+            pair, caps = connecting.by_class(i, j), None
+            if pair.mass_kg is not None:
+                # Connections of lighter chasers, too, which vent what makes them heavier.
+                tank = chaser.tank
+                empty_kg = tank.dry_mass_kg + kits * chaser.kit_mass_kg
+                caps = SLACK_M_S + tank.exhaust_m_s * np.log(pair.mass_kg / empty_kg)
             flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
             visit = Visit(
                 j, kits, limits.service[j], limits.opens[j], limits.closes[j], j < first, budget,
+                caps=caps,
             )  # fmt: skip
             ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
             kits -= 0 if loads is None else int(loads.takes[j])
