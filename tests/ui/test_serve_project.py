@@ -328,6 +328,10 @@ def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path)
         ({"prizes": "/etc/passwd"}, "'prizes' is no option of an import"),
         ({"out": "/tmp/x"}, "'out' is no option of an import"),
         ({"station": "a\nb"}, "Station"),
+        ({"name": " "}, "Names kept"),
+        ({"max_targets": 0}, "Most targets = 0: must be a positive number"),
+        ({"exclude": "x" * 20_001}, "at most 20000 characters"),
+        ({"exclude": "nobody," * 100}, "no object"),
     ],
 )
 def test_options_of_an_import_are_refused_by_their_labels(
