@@ -58,10 +58,16 @@ def test_plans_of_points_are_written(cli: Cli) -> None:
     """``--plans`` writes instance and plan of each point that has one, as other verbs read them."""
     hand_made().save("i.json")
     call = ("tradeoff", "i.json", "--vary", "delta-v=1,600", "--method", "greedy", "--quiet")
+    Path("p").mkdir()
+    for old in ("point-3.plan.json", "point-03.instance.json"):
+        (Path("p") / old).write_text("{}")
     assert cli(*call, "--plans", "p").status == 0
     names = [f"point-{at}.{what}.json" for at in (1, 2) for what in ("instance", "plan")]
     assert sorted(path.name for path in Path("p").iterdir()) == names
     assert cli("check", f"p/{names[2]}", f"p/{names[3]}").status == 0
+    call = ("tradeoff", f"p/{names[0]}", *call[2:])
+    refused(cli(*call, "--plans", "p"), "p: the plans would replace p/point-1.instance.json")
+    assert sorted(path.name for path in Path("p").iterdir()) == names
 
 
 def test_every_point_is_what_planning_it_alone_gives(surface) -> None:

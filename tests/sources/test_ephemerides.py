@@ -114,6 +114,9 @@ def test_element_sets_are_read_as_they_were_written() -> None:
     """A file of element sets holds every number to its last digit."""
     records = {record.label: record for record in field(50, seed=3)}
     assert read_elements(to_text(records).encode(), "x.json") == records
+    more = json.loads(to_text(records)) | {"newer": 1}
+    with pytest.raises(InputError, match=r"x\.json: field newer: unknown"):
+        read_elements(json.dumps(more).encode(), "x.json")
 
 
 @pytest.mark.parametrize(("method", "degree"), [("LAGRANGE", 7), ("HERMITE", 7), ("LINEAR", 1)])

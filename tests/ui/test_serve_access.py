@@ -103,6 +103,24 @@ def test_strangers_keep_nobody_out(server: Server) -> None:
         first.close()
 
 
+def test_an_open_connection_is_answered_while_strangers_come(server: Server) -> None:
+    """However many connections are cut off at once, the known one is never refused."""
+    first = Known(server)
+    answers = [first.asks()]
+    for _ in range(5):
+        strangers = []
+        for _ in range(100):
+            one = socket.socket()
+            one.setblocking(False)
+            one.connect_ex(("127.0.0.1", server.port))
+            strangers.append(one)
+        answers += [first.asks(), first.asks()]
+        for one in strangers:
+            one.close()
+    first.close()
+    assert answers == [200] * len(answers)
+
+
 def test_a_connection_without_the_token_does_not_last(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:

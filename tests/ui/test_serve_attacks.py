@@ -6,6 +6,7 @@ import gzip
 import io
 import json
 import os
+import shutil
 import time
 import zipfile
 from collections.abc import Iterator
@@ -19,11 +20,12 @@ from serve_catalogue import catalogue
 from serve_desks import files_under
 
 import adr_opt
+from adr_opt.common.errors import InputError
 from adr_opt.ui.serve.jobs import queue
 from adr_opt.ui.serve.jobs.job import Job
 from adr_opt.ui.serve.jobs.verbs import VERBS
 from adr_opt.ui.serve.project.result_record import ResultRecord
-from adr_opt.ui.serve.project.results import now
+from adr_opt.ui.serve.project.results import Results, now
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -289,6 +291,27 @@ def test_numbers_without_end_are_refused(at: At, digits: str) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs links")
+@pytest.mark.parametrize("file", ["instance.json", "plan.json"])
+def test_kept_plans_are_of_the_project_alone(tmp_path: Path, file: str) -> None:
+    """A plan or an instance of a result that is a link is not read."""
+    plan = adr_opt.solve(hand_made(), "greedy-guarded").plan
+    assert plan is not None
+    Results(tmp_path / "results").keep_plan("solve", "by hand", hand_made(), plan)
+    inside = tmp_path / "results/0001-solve" / file
+    outside = inside.rename(tmp_path / file)
+    again = Results(tmp_path / "results")
+    again.read()
+    inside.symlink_to(outside)
+    with pytest.raises(InputError, match="a link"):
+        again.plan(1)
+    (inside.parent / "result.json").unlink()
+    again = Results(tmp_path / "results")
+    again.read()
+    assert again.all() == []
+    assert outside.exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs links")
 def test_points_are_of_the_project_alone(at: At, tmp_path: Path) -> None:
     """Plans of points that are links, or lie behind one, are not read; a spoilt answer is said."""
     at.drop("i", hand_made().to_json().encode())
@@ -314,6 +337,11 @@ def test_points_are_of_the_project_alone(at: At, tmp_path: Path) -> None:
     for name in ("point-1.instance.json", "point-1.plan.json"):
         (place / "plans" / name).symlink_to(secret / name)
     assert "a link" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
+    for name in ("point-1.instance.json", "point-1.plan.json"):
+        (place / "plans" / name).unlink()
+        shutil.copy(secret / name, place / "plans")
+    hand_made(periods=15.0).save(place / "plans/point-1.instance.json")
+    assert "another instance" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
     for spoilt in ("{", "[]", "{}", '{"varied": {"delta-v": []}, "points": [{}]}'):
         (place / "answer.json").write_text(spoilt)
         answer = at.client.get("/results/points", params={"id": str(number)})

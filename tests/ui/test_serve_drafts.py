@@ -172,6 +172,10 @@ def test_windows_and_services_are_set_of_several_targets() -> None:
     changed = {each.name: (each.window_s, each.mass_kg) for each in draft.field.targets}
     assert changed["north"] == changed["south"] == ((100.0, None), 800.0)
     assert changed["far"] == ((0.0, None), None)
+    edit = read_edit(json.dumps(of("north", mass_kg=None)))
+    assert told(edit) == "no mass of north"
+    masses = {each.name: each.mass_kg for each in draft.edited(edit).field.targets}
+    assert (masses["north"], masses["south"]) == (None, 800.0)
     for wrong, named in (
         ({"window_s": [5.0, 1.0]}, "window_s"), ({"mass_kg": -1.0}, "mass_kg"),
         ({"removal": "tow"}, "tow"), ({"removal": "eat"}, "removal"),

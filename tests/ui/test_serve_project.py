@@ -309,6 +309,16 @@ def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path)
     assert at.get("/state")["instance"]["dynamics"] == "j2"
 
 
+def test_a_mission_with_ephemerides_leaves_nothing_beside_the_project(at: At) -> None:
+    """The folder in which orbits are fitted goes once they are, also where they cannot be."""
+    at.drop("all.tle", catalogue(60))
+    names, folder = at.get("/objects")["names"], at.session.folder.path
+    options = {"ephemerides": True, "max_targets": 2, "duration_days": 2.0}
+    at.post("/choose", {"names": names, "options": options})
+    assert at.session.instance().ephemerides is not None
+    assert list(folder.glob(".*passing*")) == []
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -319,7 +329,6 @@ def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path)
         ({"epoch": "today"}, "Epoch 'today': give a time"),
         ({"dynamics": "two-body", "max_drift_days": 3}, "Longest drift = 3: no plane drifts"),
         ({"dynamics": "three-body"}, "Dynamics = 'three-body': must be one of j2, two-body"),
-        ({"max_targets": 0}, "max targets = 0: must be at least 1"),
         ({"max_targets": 2.5}, "Most targets = 2.5: must be a whole number"),
         ({"station": "nobody"}, "Station"),
         ({"kit_mass": 5}, "Mass of a kit: there are no kits"),
@@ -328,6 +337,10 @@ def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path)
         ({"prizes": "/etc/passwd"}, "'prizes' is no option of an import"),
         ({"out": "/tmp/x"}, "'out' is no option of an import"),
         ({"station": "a\nb"}, "Station"),
+        ({"name": " "}, "Names kept"),
+        ({"max_targets": 0}, "Most targets = 0: must be a positive number"),
+        ({"exclude": "x" * 20_001}, "at most 20000 characters"),
+        ({"exclude": "nobody," * 100}, "no object"),
     ],
 )
 def test_options_of_an_import_are_refused_by_their_labels(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import time
 from collections.abc import Callable
@@ -17,10 +18,12 @@ from adr_opt.common.progress import Relayed, show_plan, tell_plan
 from adr_opt.mission.certified import certify_routes
 from adr_opt.mission.problem import problem_of
 from adr_opt.plan.plan import Plan
+from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve import incumbents
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.project import results
 from adr_opt.ui.serve.session import EditingSession
 
 HALF, WHOLE = ("south",), ("south", "station", "beyond")
@@ -59,13 +62,21 @@ def test_plans_are_shown_to_those_that_want_to_see_them() -> None:
 
 
 @pytest.mark.parametrize(
-    "method", ["auto", "exact", "local-search", "beam", "mcts", "ortools", "cpsat"]
+    ("method", "chasers"),
+    [
+        (method, 1)
+        for method in ("auto", "exact", "local-search", "beam", "mcts", "ortools", "cpsat")
+    ]
+    + [(method, 2) for method in ("auto", "exact", "ortools")],
 )
-def test_planners_show_legal_plans(method: str) -> None:
+def test_planners_show_legal_plans(method: str, chasers: int) -> None:
     """What a planner shows are routes that can be flown, the last as good as its result."""
     if method in ("ortools", "cpsat"):
         pytest.importorskip("ortools")
     instance, shown = hand_made(), list[Any]()
+    one = instance.chasers[0]
+    crew = tuple(one.replace(name=f"chaser {at + 1}") for at in range(chasers))
+    instance = instance.replace(chasers=crew)
 
     class Witness:
         def __call__(self, incumbent: float, bound: float) -> None:
@@ -79,7 +90,11 @@ def test_planners_show_legal_plans(method: str) -> None:
     assert shown
     prizes = [problem.collected(j for route in routes for j in route) for routes in shown]
     assert max(prizes) == result.objective
-    assert [len(routes) for routes in shown] == [1] * len(shown)
+    assert [len(routes) for routes in shown] == [chasers] * len(shown)
+    for routes in shown:
+        plan = certify_routes(problem, method, routes, seed=0, runtime_s=0.0).plan
+        assert plan is not None
+        assert adr_opt.check(instance, plan) == ()
 
 
 @pytest.fixture
@@ -124,6 +139,54 @@ def test_a_run_without_a_result_leaves_its_best_plan(session: EditingSession) ->
     assert len(session.results.all()) == 1
 
 
+def test_a_run_that_ends_leaves_the_next_one_alone(session: EditingSession) -> None:
+    """The end of a run that has no plan yet is not that of one that has, which comes after it."""
+    instance = session.instance()
+    session._found(instance, plan_of(HALF))
+    session._found(hand_made(periods=15.0), None)
+    assert session.results.all() == []
+    session._found(instance, None)
+    assert [record.number for record in session.results.all()] == [1]
+
+
+def test_a_full_disk_at_the_end_leaves_the_best_plan(
+    session: EditingSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A result that cannot be written is kept with the next run, and does not mix with its own."""
+    instance, folder = session.instance(), session.folder.path
+    session._found(instance, plan_of(WHOLE))
+    with monkeypatch.context() as full:
+        full.setattr(results, "write_text", no_space)
+        with pytest.raises(OSError, match="No space"):
+            session._planned(instance, adr_opt.solve(instance, "exact"))
+    assert session.results.all() == []
+    assert adr_opt.load_plan(folder / "results/0001-solve/plan.json").objective == 3.0
+    session._found(instance, plan_of(HALF))
+    assert [record.objective for record in session.results.all()] == [3.0]
+    session._found(instance, None)
+    assert [record.objective for record in session.results.all()] == [3.0, 1.0]
+
+
+def test_a_full_disk_at_the_beginning_is_not_the_end(
+    session: EditingSession, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the first plan of a run cannot be stored the next one is, with its instance."""
+    instance, folder = session.instance(), session.folder.path
+    with monkeypatch.context() as full:
+        full.setattr(Instance, "save", no_space)
+        with pytest.raises(OSError, match="No space"):
+            session._found(instance, plan_of(HALF))
+    assert list((folder / "results").iterdir()) == []
+    session._found(instance, plan_of(WHOLE))
+    again = session_of(None, None, Folder(folder))
+    assert [record.objective for record in again.results.all()] == [2.0]
+
+
+def no_space(*_: Any) -> None:
+    """Write nothing, as where the disk is full."""
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
 def test_an_unfinished_plan_is_taken_up(session: EditingSession, tmp_path: Path) -> None:
     """A project left within a run shows its best plan, unless a better one of the draft is shown.
 
@@ -153,7 +216,8 @@ def test_a_watch_makes_plans_of_the_best_routes(monkeypatch: pytest.MonkeyPatch)
         problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append
     )
     with watch:
-        for routes, count in (((numbers(HALF),), 1), (((99,),), 1), ((numbers(WHOLE),), 2),
+        for routes, count in (((numbers(HALF),), 1), (((99,),), 1),
+                              ((numbers(HALF), ()), 1), ((numbers(WHOLE),), 2),
                               ((numbers(HALF),), 2)):  # fmt: skip
             watch.hear(routes)
             until(lambda count=count: len(found) == count)

@@ -32,7 +32,7 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
     Raises
     ------
     InputError
-        Not such a file, two element sets of one body, or a bad element set.
+        Not such a file, an unknown field, two element sets of one body, or a bad element set.
     """
     try:
         data = json.loads(content.decode("utf-8"), object_pairs_hook=_no_twins)
@@ -40,6 +40,9 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
         raise InputError(f"{source}: not a file of element sets ({error})") from None
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'{source}: its format is not "{FORMAT}"; import the catalogue anew')
+    strange = sorted(data.keys() - {"format", "bodies"})
+    if strange:
+        raise InputError(f"{source}: field {strange[0][:40]}: unknown; remove it")
     bodies = data.get("bodies")
     if not isinstance(bodies, dict):
         raise InputError(f"{source}: field bodies: must be an object with element sets")
@@ -74,6 +77,7 @@ def json_schema() -> dict[str, Any]:
             },
         },
         "required": ["format", "bodies"],
+        "additionalProperties": False,
     }
 
 

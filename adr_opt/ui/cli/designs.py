@@ -12,7 +12,7 @@ from ...common.errors import MissingExtra
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
 from .picture import write_picture
-from .plan_folder import check_folder, write_plan
+from .plan_folder import check_folder, cleared, write_plan
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -77,7 +77,7 @@ def study(
     for path in (outputs.page, outputs.plot):
         check_out(path, instance_path, worth_path)
     if outputs.plans is not None:
-        check_folder(outputs.plans)
+        check_folder(outputs.plans, instance_path)
     worths = None if worth_path is None else load_set_worths(worth_path)
 
     def told(point: DesignPoint, done: int, of: int) -> None:
@@ -138,8 +138,7 @@ def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[
     """Instance, plan and report of each design; returns their paths by the design's place."""
     from ..report import write_report
 
-    where, found = Path(folder), dict[int, dict[str, Path]]()
-    where.mkdir(exist_ok=True)
+    where, found = cleared(folder), dict[int, dict[str, Path]]()
     digits, reports = len(str(made.wanted)), True
     for at, point in enumerate(made.points):
         if point.plan is None:

@@ -106,16 +106,14 @@ def command(
     from ...common.files import write_text
     from ...sources import catalogue
     from ...sources.asked.crew_given import CrewOptions
-    from ...sources.asked.fitting import check_positive
     from ...sources.asked.mission_given import MissionOptions
+    from ...sources.asked.objects_given import check_objects
     from ...sources.catalogue.filters import parse_range
     from .bars import busy_bar
     from .live import wanted
 
     check_out(out, *files, *messages, crew_given["prizes_path"])
-    if any(not name.strip() for name in names):
-        raise InputError("--name '': give a part of a name or a pattern")
-    check_positive(max_targets=max_targets)
+    check_objects(names, max_targets)
     given = CrewOptions.of(crew_given)
     crew = given.crew()
     if only_prized and crew_given["prizes_path"] is None:

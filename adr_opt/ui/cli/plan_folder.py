@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,9 +15,15 @@ if TYPE_CHECKING:
     from ...problem.instance import Instance
 
 
-def check_folder(folder: str) -> None:
-    """Raise :class:`InputError` unless plans can be written into a folder."""
-    path = Path(folder)
+_WRITTEN = re.compile(r"(?:point|design)-\d+\.(?:instance\.json|plan\.json|html)")
+"""Names of files of points."""
+
+
+def check_folder(folder: str, instance: str) -> None:
+    """Raise :class:`InputError` unless plans of an instance file can be written into a folder."""
+    path, source = Path(folder), Path(instance)
+    if _WRITTEN.fullmatch(source.name) and source.resolve().parent == path.resolve():
+        raise InputError(f"{folder}: the plans would replace {instance}; name another folder")
     if path.exists() and not path.is_dir():
         raise InputError(f"{folder}: this is a file; name a folder for the plans")
     parent = path.resolve().parent
@@ -24,6 +31,16 @@ def check_folder(folder: str) -> None:
         raise InputError(f"{folder}: the folder {path.parent} does not exist; create it first")
     if not os.access(path if path.exists() else parent, os.W_OK):
         raise InputError(f"{folder}: the folder cannot be written to; choose another")
+
+
+def cleared(folder: str) -> Path:
+    """A folder without what an earlier call has written there, made if it is absent."""
+    path = Path(folder)
+    path.mkdir(exist_ok=True)
+    for old in path.iterdir():
+        if _WRITTEN.fullmatch(old.name):
+            old.unlink()
+    return path
 
 
 def write_plan(folder: Path, stem: str, instance: Instance, plan: Plan) -> dict[str, Path]:
@@ -38,8 +55,7 @@ def write_points(made: Tradeoff, folder: str) -> None:
     """Write instance and plan of each point of a trade-off that has a plan."""
     from ...analysis.trade.plans import plans_of
 
-    where = Path(folder)
-    where.mkdir(exist_ok=True)
+    where = cleared(folder)
     digits = len(str(len(made.points)))
     for at, instance, plan in plans_of(made):
         write_plan(where, f"point-{at + 1:0{digits}d}", instance, plan)

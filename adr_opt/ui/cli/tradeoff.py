@@ -114,7 +114,7 @@ def command(
             designs.StudyOutputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
         )  # fmt: skip
     if plans is not None:
-        check_folder(plans)
+        check_folder(plans, instance_path)
     if frontier_path is not None:
         check_frontier(instance, axes)
         check_out(frontier_path, instance_path, results=(out, page_path, plot_path))

@@ -39,6 +39,8 @@ class Strangers:
 
     def _close(self, one: H11Protocol) -> None:
         self.forget(one)
+        # Not counted from here on: known connections would be refused until its end is noticed.
+        one.connections.discard(one)
         one.transport.abort()
 
 

@@ -28,7 +28,7 @@ Part = Literal["chasers", "stations", "mission", "transfer", "objective"]
 
 
 class TargetsEdit(Record):
-    """Changes to some targets; null leaves a field unchanged."""
+    """Changes to some targets; null leaves a field unchanged, but a mass it takes away."""
 
     names: Annotated[tuple[str, ...], Field(strict=False, min_length=1)]
     prize: float | None = None
@@ -148,9 +148,11 @@ class Draft:
             changes |= {"prize": edit.prize, "prize_until": None}
         if edit.required is not None or edit.excluded:
             changes["required"] = bool(edit.required)
-        for name in ("window_s", "removal", "mass_kg"):
+        for name in ("window_s", "removal"):
             if getattr(edit, name) is not None:
                 changes[name] = getattr(edit, name)
+        if "mass_kg" in edit.model_fields_set:
+            changes["mass_kg"] = edit.mass_kg
         excluded = self.excluded
         if edit.excluded or edit.required:
             excluded = excluded | wanted if edit.excluded else excluded - wanted
@@ -223,6 +225,8 @@ def told(edit: Edit) -> str:
         return f"service of {whose}: {edit.targets.removal}"
     if edit.targets.mass_kg is not None:
         return f"mass of {whose} {edit.targets.mass_kg:.6g} kg"
+    if "mass_kg" in edit.targets.model_fields_set:
+        return f"no mass of {whose}"
     if edit.targets.excluded is not None:
         return f"{whose} {'excluded' if edit.targets.excluded else 'not excluded'}"
     return f"{whose} {'required' if edit.targets.required else 'not required'}"

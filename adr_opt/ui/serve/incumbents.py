@@ -5,10 +5,10 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Self
 
-from ...common.errors import InputError
 from ...mission.certified import certify_routes
 from ...mission.problem import Problem, Routes
 from ...plan.plan import Plan
@@ -70,17 +70,20 @@ class IncumbentWatch:
             plan = self._plan(routes)
             if plan is not None and (self._best is None or _better(plan, self._best)):
                 self._best = plan
-                self._found(plan)
+                with suppress(Exception):  # not handed over: the next one is tried all the same
+                    self._found(plan)
             pause_s = max(PAUSE_S, (time.monotonic() - began) / SHARE)
 
     def _plan(self, routes: Routes) -> Plan | None:
         """The plan of routes; None where they are none, as those of half a plan are."""
+        if len(routes) != len(self._problem.missions):
+            return None
         try:
             return certify_routes(
                 self._problem, self._order.method, routes, seed=self._order.seed,
                 runtime_s=time.monotonic() - self._began,
             ).plan  # fmt: skip
-        except InputError:
+        except Exception:  # of these routes; the next ones may do, and the run has its own result
             return None
 
 

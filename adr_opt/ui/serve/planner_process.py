@@ -9,7 +9,7 @@ import threading
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...common.errors import InputError
 from ...plan.plan import Plan
@@ -35,6 +35,14 @@ class PlannedElsewhere:
     notes: tuple[str, ...]
 
 
+class _Order(NamedTuple):
+    """An order that a process has not ended yet, with the folder of its files."""
+
+    instance: Instance
+    folder: Path
+    process: subprocess.Popen[bytes]
+
+
 class PlannerProcess:
     """Plans one instance after another as :class:`.work.Work` does, in a process of its own.
 
@@ -54,9 +62,10 @@ class PlannerProcess:
         self._done, self._found, self._place = done, found, place
         self._changed = threading.Condition(threading.RLock())
         self._process: subprocess.Popen[bytes] | None = None
-        self._orders: dict[int, tuple[Instance, Path]] = {}
+        self._listener: threading.Thread | None = None
+        self._orders: dict[int, _Order] = {}
         self._look = Look()
-        self._count = self._before = 0
+        self._count = 0
         self._closing = False
 
     def look(self) -> Look:
@@ -88,9 +97,9 @@ class PlannerProcess:
             instance.save(folder / "instance.json")
             if known is not None:
                 known.save(folder / "known.json")
-            self._start()
+            process = self._start()
             self._count += 1
-            self._orders[self._count] = instance, folder
+            self._orders[self._count] = _Order(instance, folder, process)
             self._look = Look(self._count, "waiting", limit_s=order.time_limit_s)
             self._tell(
                 "begin", instance=str(folder / "instance.json"), order=asdict(order),
@@ -118,83 +127,101 @@ class PlannerProcess:
             end(process)
             with suppress(subprocess.TimeoutExpired):
                 process.wait(LAST_WORDS_S)
-        for _, folder in self._orders.values():
-            shutil.rmtree(folder, ignore_errors=True)
+        for order in self._orders.values():
+            shutil.rmtree(order.folder, ignore_errors=True)
 
-    def _start(self) -> None:
-        """Start the process unless it runs."""
+    def _start(self) -> subprocess.Popen[bytes]:
+        """The process, which is started unless it runs."""
         if self._process is not None and self._process.poll() is None:
-            return
+            return self._process
         try:
             self._process = started(WORKER, (), stdout=subprocess.PIPE)
         except OSError as error:
             raise InputError(f"no process to plan in can be started ({error.strerror})") from None
-        self._before = self._count
-        threading.Thread(
-            target=self._listen, args=(self._process,), name="planner", daemon=True
-        ).start()
+        self._listener = threading.Thread(
+            target=self._listen, args=(self._process, self._count, self._listener),
+            name="planner", daemon=True,
+        )  # fmt: skip
+        self._listener.start()
+        return self._process
 
     def _tell(self, kind: str, **content: Any) -> None:
         """Say something to the process, which was started."""
         assert self._process is not None
         assert self._process.stdin is not None
-        with suppress(OSError):  # it has ended, which whoever listens to it will say
+        with suppress(OSError):  # it has ended, as its listener will say
             self._process.stdin.write(json.dumps({"kind": kind, **content}).encode() + b"\n")
             self._process.stdin.flush()
 
-    def _listen(self, process: subprocess.Popen[bytes]) -> None:
-        """Hear what a process says, until it ends."""
+    def _listen(
+        self, process: subprocess.Popen[bytes], before: int, previous: threading.Thread | None
+    ) -> None:
+        """Hear what a process says, until it ends, and end the orders that it leaves.
+
+        Parameters
+        ----------
+        process : Popen
+        before : int
+            Number of orders before its first one.
+        previous : Thread, optional
+            Listens to the process before this one, whose orders end first.
+        """
+        if previous is not None:
+            previous.join(LAST_WORDS_S)
         assert process.stdout is not None
         for line in process.stdout:
             if not line.endswith(b"\n"):  # it has ended within a word
                 break
             told = json.loads(line)
             if told["kind"] == "look":
-                self._heard(told["look"])
+                self._heard(process, before, told["look"])
             elif told["kind"] == "found":
                 plan = None if told["plan"] is None else Plan.from_json(told["plan"])
-                self._pass_on(self._before + told["number"], plan)
+                self._pass_on(before + told["number"], plan)
             else:
-                self._adopt(process, told)
+                self._adopt(process, before, told)
         status = process.wait()
         with self._changed:
-            if self._process is not process or self._closing:
+            if self._closing:
                 return
-            self._process = None
-            runs, number = self._look.runs, self._count
-        if runs:
-            self._pass_on(number, None)
+            current = self._process is process  # unless another one was started meanwhile
+            if current:
+                self._process = None
+            number = self._count
+            left = [each for each, order in self._orders.items() if order.process is process]
+        for each in left:
+            self._pass_on(each, None)
         with self._changed:
-            if self._look.runs and self._count == number:
+            if current and self._look.runs and self._count == number:
                 self._look = replace(self._look, phase="failed", said=_ended(status))
-            self._forget(number + 1)
+            self._forget(process, number)
             self._changed.notify_all()
 
     def _pass_on(self, number: int, plan: Plan | None) -> None:
         """Hand over the best plan so far; one that cannot be stored is lost to a kill alone."""
         with self._changed:
-            instance, _ = self._orders[number]
+            instance = self._orders[number].instance
         with suppress(InputError, OSError):
             self._found(instance, plan)
 
-    def _heard(self, told: dict[str, Any]) -> None:
+    def _heard(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
         """Adopt a look, unless it is of a run before the last order."""
         points = tuple((at, incumbent, bound) for at, incumbent, bound in told.pop("points"))
         with self._changed:
-            number = int(told.pop("number")) + self._before
-            if number == self._count and told["phase"] != "idle":
+            number = int(told.pop("number")) + before
+            current = self._process is process and number == self._count
+            if current and told["phase"] != "idle":
                 self._look = Look(number=number, points=points, **told)
                 self._changed.notify_all()
             if told["phase"] in ("done", "failed"):  # and so are those before it
-                self._forget(number + 1)
+                self._forget(process, number)
 
-    def _adopt(self, process: subprocess.Popen[bytes], told: dict[str, Any]) -> None:
+    def _adopt(self, process: subprocess.Popen[bytes], before: int, told: dict[str, Any]) -> None:
         """Store a result, and say so to the process, which waits for it."""
         plan = None if told["plan"] is None else Plan.from_json(told["plan"])
         result = PlannedElsewhere(plan, told["status"], tuple(told["notes"]))
         with self._changed:
-            number = self._before + told["number"]
-            instance, _ = self._orders[number]
+            instance = self._orders[before + told["number"]].instance
         try:
             said, stored = self._done(instance, result), True
         except InputError as error:
@@ -205,10 +232,14 @@ class PlannerProcess:
             if self._process is process:
                 self._tell("stored", said=said, stored=stored)
 
-    def _forget(self, number: int) -> None:
-        """Remove the files of the runs before one."""
-        for known in [each for each in self._orders if each < number]:
-            shutil.rmtree(self._orders.pop(known)[1], ignore_errors=True)
+    def _forget(self, process: subprocess.Popen[bytes], last: int) -> None:
+        """Remove the files of the runs of a process up to one."""
+        ended = [
+            number for number, order in self._orders.items()
+            if order.process is process and number <= last
+        ]  # fmt: skip
+        for number in ended:
+            shutil.rmtree(self._orders.pop(number).folder, ignore_errors=True)
 
 
 def _ended(status: int) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
+from ...common.errors import InputError
 from ...common.wording import counted, status_words
 from ...plan.plan import Plan
 from ...problem.instance import Instance
@@ -28,6 +30,7 @@ class PlannedRuns:
         self._results = results
         self._open: tuple[Instance, int, Path] | None = None
         self._best: Plan | None = None
+        self._over = False
 
     def found(self, instance: Instance, plan: Plan | None) -> ResultRecord | None:
         """Keep the best plan so far; returns the result if the run has ended with the last one.
@@ -40,10 +43,15 @@ class PlannedRuns:
         """
         if plan is None:
             return self._end(instance)
+        self._settle()
         if self._open is None or self._open[0] is not instance:
             number, place = self._results.begin("solve")
-            self._open = instance, number, place
-            instance.save(place / INSTANCE)
+            try:
+                instance.save(place / INSTANCE)
+            except BaseException:
+                self._results.drop(place)
+                raise
+            self._open, self._best = (instance, number, place), None
         plan.save(self._open[2] / PLAN)
         self._best = plan
         return None
@@ -52,19 +60,40 @@ class PlannedRuns:
         """Keep the plan that a run has ended with; returns its result, None if there is none."""
         if plan is None:
             return self._end(instance)
-        begun = self._begun(instance)
-        self._open = self._best = None
-        return self._results.keep_plan("solve", plan.method, instance, plan, begun)
+        self._settle()
+        return self._keep(instance, plan, self._begun(instance))
 
     def _end(self, instance: Instance) -> ResultRecord | None:
+        """Keep the best plan of a run that is over; another one that goes on is left alone."""
         begun, plan = self._begun(instance), self._best
-        self._open = self._best = None
         if begun is None:
             return None
         if plan is None:  # none of them could be stored
+            self._open = None
             self._results.drop(begun[1])
             return None
-        return self._results.keep_plan("solve", plan.method, instance, plan, begun, said=EARLY)
+        return self._keep(instance, plan, begun, said=EARLY)
+
+    def _keep(
+        self, instance: Instance, plan: Plan, begun: tuple[int, Path] | None, **more: str
+    ) -> ResultRecord:
+        """Keep a plan; if that fails, its run is still open with it."""
+        if begun is not None:
+            self._best, self._over = plan, True
+        record = self._results.keep_plan("solve", plan.method, instance, plan, begun, **more)
+        if begun is not None:
+            self._open, self._best, self._over = None, None, False
+        return record
+
+    def _settle(self) -> None:
+        """Keep at last the plan of a run that is over, so that the next one has its own folder.
+
+        If that fails again, it is in the folder, and a result once the project is reopened.
+        """
+        if self._over and self._open is not None:
+            with suppress(InputError, OSError):
+                self._end(self._open[0])
+            self._open, self._best, self._over = None, None, False
 
     def _begun(self, instance: Instance) -> tuple[int, Path] | None:
         if self._open is None or self._open[0] is not instance:

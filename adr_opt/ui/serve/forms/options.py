@@ -41,6 +41,8 @@ class JobOption:
         Whether the number is whole.
     suffix : str
         Put behind a number, such as the unit that the command line asks for.
+    longest : int
+        Maximum length of a text [characters].
     pattern : str
         That a text matches as a whole.
     choices : callable, optional
@@ -57,6 +59,7 @@ class JobOption:
     most: float = math.inf
     whole: bool = False
     suffix: str = ""
+    longest: int = LONGEST_TEXT
     pattern: str = r"[^\x00-\x1f\x7f]*"
     choices: Callable[[], Sequence[str]] | None = None
     help: str = ""
@@ -77,9 +80,9 @@ class JobOption:
             return self.sign or None
         if self.kind == "number":
             return f"{self.sign}={self._number(value)}{self.suffix}"
-        if not isinstance(value, str) or len(value) > LONGEST_TEXT:
+        if not isinstance(value, str) or len(value) > self.longest:
             raise InputError(
-                f"option {self.name}: must be a text of at most {LONGEST_TEXT} characters"
+                f"option {self.name}: must be a text of at most {self.longest} characters"
             )
         known = None if self.choices is None else self.choices()
         if known is not None and value not in known:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -58,7 +59,7 @@ def mission_of(
     messages : sequence of path
         OEM files, as ``--oem`` takes them.
     folder : callable
-        Makes a folder for the instance file with its ephemerides.
+        Makes a folder for the instance file with its ephemerides; it is removed again.
 
     Raises
     ------
@@ -83,6 +84,10 @@ def mission_of(
     if not (messages or wanted.ephemerides):
         return MissionMade(made.instance, made.counts, made.warnings)
     place = folder()
-    fitted = with_ephemerides(made, place / "instance.json", messages)
-    fitted.write(place / "instance.json")
-    return MissionMade(Instance.load(place / "instance.json"), made.counts, made.warnings)
+    try:
+        fitted = with_ephemerides(made, place / "instance.json", messages)
+        fitted.write(place / "instance.json")
+        instance = Instance.load(place / "instance.json")
+    finally:
+        shutil.rmtree(place, ignore_errors=True)
+    return MissionMade(instance, made.counts, made.warnings)

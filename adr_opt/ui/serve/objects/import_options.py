@@ -10,6 +10,7 @@ from ....sources import catalogue
 from ....sources.asked.crew_given import CrewOptions
 from ....sources.asked.fitting import Fitting
 from ....sources.asked.mission_given import MissionOptions
+from ....sources.asked.objects_given import check_objects
 from ....sources.catalogue.filters import parse_range
 from ..forms.options import JobOption
 from .import_wanted import ImportWanted
@@ -17,13 +18,20 @@ from .import_wanted import ImportWanted
 RANGE = "two numbers as LOW:HIGH; one may be left out"
 BY_MASS = "for a tank by mass"
 
+LONGEST_LIST = 20_000
+"""Maximum length of a list of objects [characters]."""
+
 
 def _number(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
     return JobOption(name, _sign(name), label, "number", unit, help=help, **more)
 
 
-def _text(name: str, label: str, unit: str = "", help: str = "") -> JobOption:
-    return JobOption(name, _sign(name), label, "text", unit, help=help)
+def _text(name: str, label: str, unit: str = "", help: str = "", **more: Any) -> JobOption:
+    return JobOption(name, _sign(name), label, "text", unit, help=help, **more)
+
+
+def _list(name: str, label: str, unit: str = "", help: str = "") -> JobOption:
+    return _text(name, label, unit, help, longest=LONGEST_LIST)
 
 
 def _flag(name: str, label: str, help: str = "") -> JobOption:
@@ -45,7 +53,7 @@ OPTIONS: tuple[JobOption, ...] = (
     _text("inclination", "Inclinations kept", "deg", RANGE),
     _text("raan", "Nodes kept", "deg", "two numbers as LOW:HIGH; 350:10 goes through 0"),
     _text("name", "Names kept", "", "a part of a name, or a pattern with * and ?"),
-    _text("exclude", "Objects left out", "", "numbers or names between commas"),
+    _list("exclude", "Objects left out", "", "numbers or names between commas"),
     _number("max_targets", "Most targets", "", "nearest planes first", whole=True),
     _text("station", "Station", "km, °, °, °",
           "ALTITUDE,INCLINATION,NODE[,U] or an object; empty for the densest plane"),
@@ -65,8 +73,8 @@ OPTIONS: tuple[JobOption, ...] = (
     _number("launch_separation", "Least interval between launches", "d", "times are optimised"),
     _text("expense", "Expense of a chaser", "", "FIXED[,PER_KG[,PER_KG2]]; the least is best"),
     _number("service_days", "Time at a target", "d", "empty for one revolution"),
-    _text("deadline", "Deadlines", "d", "OBJECT=DAYS, several between semicolons"),
-    _text("require", "Required objects", "", "numbers or names between semicolons"),
+    _list("deadline", "Deadlines", "d", "OBJECT=DAYS, several between semicolons"),
+    _list("require", "Required objects", "", "numbers or names between semicolons"),
     _number("max_drift_days", "Longest drift", "d", "0 for none; empty for that of the mission"),
     _number("drift_step_days", "Time step of drifts", "d"),
     _number("departure_spacing_days", "Time between departures", "d", "the least"),
@@ -99,6 +107,7 @@ def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
         for name in ("deadline", "require")
     }
     names, excluded = value.pop("name"), value.pop("exclude")
+    check_objects(() if names is None else (names,), value["max_targets"])
     fitting = Fitting(**{name: value[name] for name in Fitting._fields})
     crew_options = CrewOptions(
         fitting,

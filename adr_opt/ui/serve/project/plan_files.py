@@ -9,6 +9,7 @@ from typing import Any
 from ....common.errors import InputError
 from ....plan.plan import Plan, load_plan
 from ....problem.instance import Instance
+from .private import refuse_link
 from .result_record import ResultRecord
 
 INSTANCE, PLAN = "instance.json", "plan.json"
@@ -31,6 +32,18 @@ def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
     }
 
 
+def load_kept(place: Path) -> tuple[Instance, Plan]:
+    """The instance and the plan in a folder.
+
+    Raises
+    ------
+    InputError
+        One of them is spoilt, or a link.
+    """
+    instance = Instance.load(refuse_link(place / INSTANCE))
+    return instance, load_plan(refuse_link(place / PLAN))
+
+
 def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
     """The record of a planning run from the best plan so far in its folder; None without one.
 
@@ -44,7 +57,7 @@ def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
     if verb != "solve" or not (place / PLAN).is_file():
         return None
     try:
-        instance, plan = Instance.load(place / INSTANCE), load_plan(place / PLAN)
+        instance, plan = load_kept(place)
         made_at = datetime.fromtimestamp(int((place / PLAN).stat().st_mtime), UTC)
     except (InputError, OSError):
         return None

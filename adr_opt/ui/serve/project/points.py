@@ -69,13 +69,16 @@ def plan_of_point(place: Path, point: int) -> tuple[Instance, Plan]:
     Raises
     ------
     InputError
-        It has none, or that is spoilt.
+        It has none, or that is spoilt or of another instance.
     """
     path = _files(place).get(point)
     if path is None:
         raise InputError(f"point {point} has no plan")
-    instance = path.with_name(path.name.replace(".plan.", ".instance."))
-    return Instance.load(refuse_link(instance)), load_plan(refuse_link(path))
+    beside = path.with_name(path.name.replace(".plan.", ".instance."))
+    instance, plan = Instance.load(refuse_link(beside)), load_plan(refuse_link(path))
+    if plan.instance.sha256 != instance.sha256:
+        raise InputError(f"point {point} has a plan of another instance; trade off anew")
+    return instance, plan
 
 
 def _files(place: Path) -> dict[int, Path]:

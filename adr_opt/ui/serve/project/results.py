@@ -13,9 +13,9 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import read_model, write_text
-from ....plan.plan import Plan, load_plan
+from ....plan.plan import Plan
 from ....problem.instance import Instance
-from .plan_files import INSTANCE, PLAN, of_plan, unfinished
+from .plan_files import INSTANCE, PLAN, load_kept, of_plan, unfinished
 from .private import private_folder
 from .result_record import KEPT_VERBS, ResultRecord
 
@@ -138,7 +138,8 @@ class Results:
         instance : Instance
         plan : Plan
         begun : (int, path), optional
-            As :meth:`begin` gives it; by default a new one.
+            As :meth:`begin` gives it, and left with what is in it if the plan cannot be kept; by
+            default a new one.
         **more
             Further fields of the record.
         """
@@ -152,7 +153,8 @@ class Results:
             )  # fmt: skip
             record = self.done(record)
         except BaseException:
-            self.drop(place)
+            if begun is None:
+                self.drop(place)
             raise
         with self._lock:
             self._remember(number, (instance, plan))
@@ -171,9 +173,7 @@ class Results:
             raise InputError(f"result {number} ({record.verb}) is no plan; name one that is")
         with self._lock:
             if number not in self._ready:
-                place = self._places[number]
-                known = Instance.load(place / INSTANCE), load_plan(place / PLAN)
-                self._remember(number, known)
+                self._remember(number, load_kept(self._places[number]))
             self._ready.move_to_end(number)
             return self._ready[number]
 
