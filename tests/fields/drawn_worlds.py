@@ -4,12 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
+import adr_opt
 from adr_opt.analysis.rehearse.crafts import refused
-from adr_opt.analysis.rehearse.flight import Halt, Situation
+from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
 from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.plan.leg_kinds import leg_kinds
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.problem.uncertainty import ServiceUncertainty, Uncertainty
+from adr_opt.problem.world import DrawnWorld
+
+LATE = ServiceUncertainty.model_validate(
+    {"factor": {"lognormal_sigma": 0.6}, "added": {"chance": 0.3, "mean_s": 4000.0}}
+)
+"""Times of services of which many are much longer than planned."""
+
+RANDOM_POLICIES = 40
 
 ROWS = 3
 """Number of connections of a pair among which is chosen."""
@@ -90,3 +101,19 @@ class AtRandom:
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
         """Now and then."""
         return bool(self._rng.random() < 0.7)
+
+
+def all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]
+    """Rehearsals of one world by policies that decide at random, and by those that come along."""
+    most = [0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers]
+    for number in range(RANDOM_POLICIES):
+        rng = np.random.default_rng([seed, number])
+        kits = tuple(int(rng.integers(0, each + 1)) for each in most)
+        yield rehearsed(ground, world, AtRandom(ground, rng), kits)
+    plan = adr_opt.solve(ground.instance, time_limit=5.0).plan
+    if plan is not None:
+        planned = intended(ground, plan)
+        for name in ("follow", "skip", "replan", "learned"):
+            yield rehearsed(
+                ground, world, policy_of(name)(ground, planned, world.uncertainty, 0), planned.kits
+            )
