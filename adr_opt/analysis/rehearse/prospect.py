@@ -12,7 +12,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from .ground import Ground, Hop
 from .intended import Intended
-from .service_times import ServiceTimes
+from .service_delays import mean_delay_s
 from .tries import mean_worths, with_worths
 
 CAUTION = 2.5
@@ -120,16 +120,11 @@ def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
     """
     if ground.tow_s:
         return 1.0
-    planned_s, mean_s = 0.0, 0.0
-    for body, target in enumerate(ground.instance.targets, start=ground.first_target):
-        service_s, name = float(ground.chasers[0].limits.service[body]), target.name
-        there = 1.0 - uncertainty.gone_of(name)
-        success, tries = uncertainty.success_of(name), uncertainty.tries_of(name)
-        failed = 1.0 - success
-        mean_tries = sum(failed**before for before in range(tries))
-        planned_s += service_s
-        mean_s += there * mean_tries * ServiceTimes(service_s, uncertainty.service_of(name)).mean_s
-    return max(mean_s / planned_s, 1.0) if planned_s > 0.0 else 1.0
+    planned_s = late_s = 0.0
+    for target in range(ground.first_target, len(ground.names)):
+        planned_s += float(ground.chasers[0].limits.service[target])
+        late_s += mean_delay_s(ground, target, uncertainty)
+    return max(1.0 + late_s / planned_s, 1.0) if planned_s > 0.0 else 1.0
 
 
 def _slower(instance: Instance, share: float) -> Instance:

@@ -52,11 +52,6 @@ class ServiceTimes:
         self._least_s = planned_s * _factors(model.factor)
         self._added = model.added or Delay(chance=0.0, mean_s=0.0)
 
-    @property
-    def mean_s(self) -> float:
-        """Mean, no more than the true one [s]."""
-        return self.within_s(float("inf"))
-
     def chance_by(self, left_s: float) -> float:
         """Chance that a service takes no longer than a time, no less than the true one."""
         over = left_s - self._least_s
