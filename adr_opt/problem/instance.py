@@ -29,7 +29,7 @@ from .chasers import availability
 from .function_files import read_functions, write_functions
 from .given import Given, only
 from .given_files import read_named, write_given
-from .instance_arrays import orbit_rows, rule_of
+from .instance_arrays import KeptRows, rule_of
 from .instance_file import FORMAT as FORMAT
 from .instance_file import InstanceFile
 from .numbering import Numbering
@@ -48,6 +48,7 @@ class Instance(Shown, InstanceFile):
     _time_value_m_s_per_h: float | None = PrivateAttr(default=None)
     _given: Given | None = PrivateAttr(default=None)
     _folder: Path | None = PrivateAttr(default=None)
+    _rows: KeptRows = PrivateAttr(default_factory=KeptRows)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.
@@ -410,7 +411,7 @@ class Instance(Shown, InstanceFile):
 
         Columns are :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
         """
-        return orbit_rows(self.known_orbits, self.oblateness_m2, self.decays_m_per_day)
+        return self._rows.of(self.known_orbits, self.oblateness_m2, self.decays_m_per_day)
 
     def eccentricity_delta_v(self) -> npt.NDArray[np.float64]:
         """Cost of matching eccentricity vectors alone, v·|Δe|/2.

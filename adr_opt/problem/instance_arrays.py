@@ -43,6 +43,31 @@ def orbit_rows(
     )
 
 
+class KeptRows:
+    """Rows of the orbits of an instance, once worked out; equal instances have the same."""
+
+    def __init__(self) -> None:
+        self._rows: npt.NDArray[np.float64] | None = None
+
+    def of(
+        self, orbits: Sequence[Orbit | None], oblateness_m2: float,
+        decays_m_per_day: Sequence[float],
+    ) -> npt.NDArray[np.float64]:  # fmt: skip
+        """A copy of the rows that :func:`orbit_rows` gives, of the same orbits on each call."""
+        if self._rows is None:
+            self._rows = orbit_rows(orbits, oblateness_m2, decays_m_per_day)
+        return self._rows.copy()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, KeptRows)
+
+    def __hash__(self) -> int:
+        return hash(KeptRows)
+
+    def __reduce__(self) -> tuple[type[KeptRows], tuple[()]]:
+        return KeptRows, ()  # another process works them out itself
+
+
 def zone_rows(zones: Sequence[KeepOutZone]) -> npt.NDArray[np.float64]:
     """Keep-out zones as kernels take them.
 

@@ -41,7 +41,10 @@ def beam_from(
         np.array([has.left]), np.zeros(1), np.zeros(1),
     )  # fmt: skip
     halt = np.zeros(1, dtype=np.bool_)
+    # Kernels take all that is done for the work of one chaser, of which only its own counts.
+    others = max(int(done.sum()) - int(has.serviced), 0)
+    rules = mission.rules._replace(most_targets=mission.rules.most_targets + others)
     sequence, prize = beam_kernel(
-        mission.rules, done.copy(), first, no_latest(), False, weights, halt
+        rules, done.copy(), first, no_latest(), False, weights, halt
     )[:2]  # fmt: skip
     return sequence, float(prize) - float(mission.rules.prize[done].sum())

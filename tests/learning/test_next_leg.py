@@ -22,6 +22,7 @@ from adr_opt.analysis.rehearse.ground import Ground, Hop
 from adr_opt.analysis.rehearse.intended import Intended
 from adr_opt.analysis.rehearse.learned import Learned
 from adr_opt.analysis.rehearse.policies import policy_of
+from adr_opt.analysis.rehearse.service_delays import largest_delays_s, mean_delays_s
 from adr_opt.analysis.rehearse.sight import RANKS, Sight
 from adr_opt.common.errors import InputError
 from adr_opt.learning.next_leg import features as seen_module
@@ -122,10 +123,51 @@ def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
             assert (choices.delta_v[at], choices.arrival[at]) == pytest.approx(
                 (hop.delta_v, hop.arrival), rel=1e-9
             )
-            assert sight.hop(craft, j, choices.arrival[at], choices.delta_v[at]) == hop
+            own = sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            assert own == pytest.approx(hop, rel=1e-12)
             assert choices.legal[at] == (not refused(ground, craft, hop))
             seen += 1
     assert seen > 15
+
+
+def test_legs_from_disposal_orbits_are_those_of_lists() -> None:
+    """A chaser that has towed an object away leaves from the disposal orbit, any other from it."""
+    ground = Ground(towed_fields.field())
+    sight = Sight(ground, CERTAIN)
+    body = min(ground.tow_s)
+    found = []
+    for towed in (False, True):
+        craft = beginning(ground, 0, 1, 30_000.0, 1.0)
+        craft.body, craft.since, craft.towed = body, 1, towed
+        choices = sight.choices(craft, set(), [], set(), [], None)
+        for at in np.flatnonzero(np.isfinite(choices.delta_v)):
+            j = int(choices.bodies[at])
+            hop = ground.best(body, j, craft.free_s, towed=towed)
+            own = sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            assert own == pytest.approx(hop, rel=1e-12)
+            found.append(own)
+    assert len(found) > 4
+    assert len(set(found)) == len(found)
+
+
+def test_delays_of_services_are_those_of_targets_one_by_one() -> None:
+    """What is said of all targets and what is said of each gives the same delays, to the bit."""
+    instance = adr_opt.generate("tiny", 3, targets=5)
+    mission = instance.mission.replace(service_s=None, service_revolutions=2.0)
+    ground = Ground(instance.replace(mission=mission))
+    service = {"factor": {"lognormal_sigma": 0.4}, "added": {"chance": 0.3, "mean_s": 9000.0}}
+    for_all = {"service_s": service, "capture": {"success": 0.7, "tries": 3}, "gone": 0.1}
+    everywhere = Uncertainty(**for_all)
+    each = {"service_s": service, "success": 0.7, "tries": 3, "gone": 0.1}
+    apart = Uncertainty(targets={target.name: each for target in instance.targets})
+    some = Uncertainty(targets={instance.targets[2].name: each}, **for_all)
+    for delays in (mean_delays_s, lambda *asked: largest_delays_s(*asked, 0.9)):
+        known = delays(ground, everywhere)
+        assert (known[ground.first_target :] > 0.0).all()
+        assert len(set(known[ground.first_target :].tolist())) > 1  # periods differ
+        assert (known[: ground.first_target] == 0.0).all()
+        for other in (apart, some):
+            assert (delays(ground, other) == known).all()
 
 
 @pytest.mark.parametrize("draw", ["tiny", "dense", "campaign", "towed", "rules"])

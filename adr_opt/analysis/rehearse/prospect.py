@@ -12,7 +12,7 @@ from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from .ground import Ground, Hop
 from .intended import Intended
-from .service_delays import mean_delay_s
+from .service_delays import mean_delays_s
 from .tries import mean_worths, with_worths
 
 CAUTION = 2.5
@@ -120,10 +120,8 @@ def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
     """
     if ground.tow_s:
         return 1.0
-    planned_s = late_s = 0.0
-    for target in range(ground.first_target, len(ground.names)):
-        planned_s += float(ground.chasers[0].limits.service[target])
-        late_s += mean_delay_s(ground, target, uncertainty)
+    planned_s = float(ground.chasers[0].limits.service[ground.first_target :].sum())
+    late_s = float(mean_delays_s(ground, uncertainty).sum())
     return max(1.0 + late_s / planned_s, 1.0) if planned_s > 0.0 else 1.0
 
 

@@ -3,60 +3,98 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
 
 from ...problem.uncertainty import Delay, Uncertainty
 from .ground import Ground
+
+FloatArray = npt.NDArray[np.float64]
 
 ROUNDING = 1e-9
 """Difference of chances that counts as none."""
 
 
-def mean_delay_s(ground: Ground, target: int, uncertainty: Uncertainty) -> float:
-    """By how much later than planned a service ends on average, all tries counted [s].
+def mean_delays_s(ground: Ground, uncertainty: Uncertainty) -> FloatArray:
+    """By how much later than planned services end on average, all tries counted.
 
     Parameters
     ----------
     ground : Ground
-    target : int
-        Number of its body.
     uncertainty : Uncertainty
+
+    Returns
+    -------
+    (bodies,) float64
+        0 of bodies that are no targets [s].
     """
-    name, planned = ground.names[target], _planned_s(ground, target)
-    model, took = uncertainty.service_of(name), planned
-    if model.factor is not None:
-        took *= model.factor.moments[0]
-    if model.added is not None:
-        took += _mean_s(model.added)
-    failing = 1.0 - uncertainty.success_of(name)
-    tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
-    return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
+
+    def of(name: str, planned: FloatArray) -> FloatArray:
+        model, took = uncertainty.service_of(name), planned
+        if model.factor is not None:
+            took = took * model.factor.moments[0]
+        if model.added is not None:
+            took = took + _mean_s(model.added)
+        failing = 1.0 - uncertainty.success_of(name)
+        tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
+        return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
+
+    return _of_each(ground, uncertainty, of)
 
 
-def largest_delay_s(ground: Ground, target: int, uncertainty: Uncertainty, share: float) -> float:
-    """By how much later than planned a service ends at most in a share of cases [s].
+def largest_delays_s(ground: Ground, uncertainty: Uncertainty, share: float) -> FloatArray:
+    """By how much later than planned services end at most in a share of cases.
 
     Parameters
     ----------
     ground : Ground
-    target : int
-        Number of its body.
     uncertainty : Uncertainty
     share : float
+
+    Returns
+    -------
+    (bodies,) float64
+        0 of bodies that are no targets [s].
     """
-    name, planned = ground.names[target], _planned_s(ground, target)
-    model, took = uncertainty.service_of(name), planned
-    if model.factor is not None:
-        took *= model.factor.at(share)
-    if model.added is not None:
-        # Delays are there below their chance, and grow up to it.
-        below = model.added.chance - (1.0 - share)
-        took += model.added.at(below) if below > ROUNDING else 0.0
-    tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
-    return max(tries * took - planned, 0.0)
+
+    def of(name: str, planned: FloatArray) -> FloatArray:
+        model, took = uncertainty.service_of(name), planned
+        if model.factor is not None:
+            took = took * model.factor.at(share)
+        if model.added is not None:
+            # Delays are there below their chance, and grow up to it.
+            below = model.added.chance - (1.0 - share)
+            took = took + (model.added.at(below) if below > ROUNDING else 0.0)
+        tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
+        return np.maximum(tries * took - planned, 0.0)
+
+    return _of_each(ground, uncertainty, of)
 
 
-def _planned_s(ground: Ground, target: int) -> float:
-    return float(ground.chasers[0].limits.service[target]) - ground.tow_s.get(target, 0.0)
+def _of_each(
+    ground: Ground, uncertainty: Uncertainty, delays: Callable[[str, FloatArray], FloatArray]
+) -> FloatArray:
+    """Delays of all targets; at once of those of which nothing of their own is said."""
+    planned = _planned_s(ground)
+    usual = np.arange(planned.size) >= ground.first_target
+    found = np.zeros(planned.size)
+    for name in uncertainty.targets.keys() & ground.number.keys():
+        target = ground.number[name]
+        usual[target] = False
+        found[target] = delays(name, planned[[target]])[0]
+    if usual.any():
+        found[usual] = delays(ground.names[int(np.argmax(usual))], planned[usual])
+    return found
+
+
+def _planned_s(ground: Ground) -> FloatArray:
+    """Planned times of services, without tows, shape (bodies,) [s]."""
+    planned = ground.chasers[0].limits.service.copy()
+    for target, tow_s in ground.tow_s.items():
+        planned[target] -= tow_s
+    return planned
 
 
 def _mean_s(delay: Delay) -> float:

@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
+from ...kernels.legs import found as families
 from ...kernels.rules.loads import after_service
-from ...kernels.tables.on_demand import Source, shortest_sortie
+from ...kernels.tables.on_demand import Source, at_regular_events, shortest_sortie
 from ...kernels.tables.rows_of_body import from_source
 from ...learning.next_leg.choices import Choices
 from ...learning.next_leg.near_orbits import NearOrbits
@@ -18,7 +19,7 @@ from ...plan.leg_kinds import LAUNCH, SHORT
 from ...problem.uncertainty import Uncertainty
 from .crafts import Craft, full_of
 from .ground import MATCH_S, Ground, Hop, hop_of
-from .service_delays import largest_delay_s, mean_delay_s
+from .service_delays import largest_delays_s, mean_delays_s
 from .tries import TryWorths
 
 FloatArray = npt.NDArray[np.float64]
@@ -68,10 +69,8 @@ class Sight:
         positive = worths > 0.0
         self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
         self.required = np.array([j in ground.required for j in range(bodies)])
-        self.later_s, self.late_s = np.zeros(bodies), np.zeros(bodies)
-        for j in range(ground.first_target, bodies):
-            self.later_s[j] = mean_delay_s(ground, j, uncertainty)
-            self.late_s[j] = largest_delay_s(ground, j, uncertainty, LATE)
+        self.later_s = mean_delays_s(ground, uncertainty)
+        self.late_s = largest_delays_s(ground, uncertainty, LATE)
         self._towed = np.array([j in ground.tow_s for j in range(bodies)])
         self._stations = np.arange(ground.stations)
         self._targets = np.arange(ground.first_target, bodies)
@@ -171,8 +170,15 @@ class Sight:
     def hop(self, craft: Craft, body: int, arrival_s: float, delta_v_m_s: float) -> Hop | None:
         """The connection of a leg among those of its pair; else the one chosen there, or none."""
         ground = self._ground
+        is_launching = self._is_launching(craft)
+        source = self._source(craft.chaser, craft.towed and craft.body in ground.tow_s)
+        if source is not None and not source.is_listed and not is_launching:
+            # Events are regular: this is in the list of the pair, up to rounding.
+            made = at_regular_events(source, craft.body, body, craft.free_s)
+            leg = body, made.departure, made.arrival, made.delta_v
+            return Hop(*leg, families.SHORT, made.revolutions) if made.delta_v < np.inf else None
         rows = ground.rows(craft.body, body, towed=craft.towed)
-        if self._is_launching(craft):
+        if is_launching:
             return hop_of(body, rows, 0) if rows.arrival.size else None
         first = int(np.searchsorted(rows.departure, craft.free_s - SLACK_S))
         off = np.abs(rows.arrival[first:] - arrival_s) / MATCH_S

@@ -41,18 +41,26 @@ class TryWorths:
         self, instance: Instance, uncertainty: Uncertainty, paid: Mapping[int, float] | None = None
     ) -> None:
         self._paid = paid or {}
-        self._worths: dict[int, tuple[float, ...]] = {}
-        self._gone: dict[int, float] = {}
-        for body, target in enumerate(instance.targets, start=instance.first_target):
-            success = uncertainty.success_of(target.name)
-            tries = uncertainty.tries_of(target.name)
-            price = self._paid.get(body, 0.0)
-            self._worths[body] = worths_of_tries(target.prize, success, tries, price)
-            self._gone[body] = uncertainty.gone_of(target.name)
+        self._targets, self._first_target = instance.targets, instance.first_target
+        self._uncertainty = uncertainty
+        self._known: dict[int, tuple[float, ...]] = {}
+
+    def _worths(self, target: int) -> tuple[float, ...]:
+        """The worths of tries at a target, worked out when first asked for."""
+        if target not in self._known:
+            of, uncertainty = self._targets[target - self._first_target], self._uncertainty
+            self._known[target] = worths_of_tries(
+                of.prize, uncertainty.success_of(of.name), uncertainty.tries_of(of.name),
+                self._paid.get(target, 0.0),
+            )  # fmt: skip
+        return self._known[target]
+
+    def _gone(self, target: int) -> float:
+        return self._uncertainty.gone_of(self._targets[target - self._first_target].name)
 
     def most(self, target: int) -> float:
         """Mean worth of a target to which a chaser goes, with all tries."""
-        return (1.0 - self._gone[target]) * self._worths[target][0]
+        return (1.0 - self._gone(target)) * self._worths(target)[0]
 
     def after(self, target: int, tries: int) -> float:
         """What a target counts at which some tries are made, until one succeeds or none is left."""
@@ -60,15 +68,15 @@ class TryWorths:
 
     def after_failures(self, target: int, tries: int) -> float:
         """What a target counts that is there and is given up after some tries that failed."""
-        return self.after(target, tries) - max(self._worths[target][tries], 0.0)
+        return self.after(target, tries) - max(self._worths(target)[tries], 0.0)
 
     def on_arrival(self, target: int, *, gone: bool) -> float:
         """What an arrival counts: nothing on average."""
-        return self.most(target) if gone else self.most(target) - self._worths[target][0]
+        return self.most(target) if gone else self.most(target) - self._worths(target)[0]
 
     def of_try(self, target: int, attempt: int, *, caught: bool) -> float:
         """What the n-th try counts, if it ends in time: its chance times the prize on average."""
-        before, after = self._worths[target][attempt - 1 : attempt + 1]
+        before, after = self._worths(target)[attempt - 1 : attempt + 1]
         return before if caught else before - after
 
 

@@ -65,6 +65,25 @@ class Source(NamedTuple):
     most: float
 
 
+class Chosen(NamedTuple):
+    """A connection that is chosen: ``delta_v`` is +inf if there is none.
+
+    Attributes
+    ----------
+    delta_v : float
+        [m/s].
+    arrival, departure : float
+        [s].
+    revolutions : int
+        Of phasing.
+    """
+
+    delta_v: float
+    arrival: float
+    departure: float
+    revolutions: int
+
+
 PATIENCE_S = 2.0 * DAY_S
 """Longest wait for a departure after a ready time, where events are irregular [s]."""
 
@@ -92,12 +111,25 @@ def chosen(source, i, j, ready):
     arrival : float
         End of the approach, before service [s].
     """
-    rule, limits = source.rule, source.limits
-    best_delta_v, best_arrival, best_cost = math.inf, math.inf, math.inf
     if i == j:
-        return best_delta_v, best_arrival
+        return math.inf, math.inf
     if source.is_listed:
         return _of_listed(source, i, j, ready)
+    found = at_regular_events(source, i, j, ready)
+    return found.delta_v, found.arrival
+
+
+@kernel
+def at_regular_events(source, i, j, ready):
+    """The same with all that is known of the connection, where events are regular.
+
+    Returns
+    -------
+    Chosen
+    """
+    rule, limits = source.rule, source.limits
+    best_delta_v, best_arrival, best_cost = math.inf, math.inf, math.inf
+    left, revolutions = math.inf, 0
     pair = co_elliptic.prepare(
         source.leaving[i], source.arriving[j], source.extra_delta_v[i, j], rule, EPOCH_S
     )
@@ -111,7 +143,7 @@ def chosen(source, i, j, ready):
         departure = first + event * half_period
         soonest = rule.time_value * service_begin(departure + pair.shortest, opens)
         if departure > limits.duration or soonest + pair.floor_delta_v > best_cost:
-            return best_delta_v, best_arrival
+            return Chosen(best_delta_v, best_arrival, left, revolutions)
         lead = co_elliptic.target_lead(pair, departure, half_turns + event)
         best = sequences.best_sequence(
             pair,
@@ -126,6 +158,7 @@ def chosen(source, i, j, ready):
         if cost < best_cost:
             best_cost, best_delta_v = cost, best.delta_v
             best_arrival = departure + best.flight_time + approach
+            left, revolutions = departure, best.revolutions
         event += 1
 
 
