@@ -94,6 +94,29 @@ def test_what_a_judge_finds_can_be_collected() -> None:
     assert worths[judge.best[0] - 1] == pytest.approx(optimum, abs=0.51)
 
 
+def test_what_others_do_does_not_count_for_a_chaser() -> None:
+    """A chaser with two targets at most goes on to two, also if others have serviced three."""
+    from next_leg.asked import beam_from
+
+    from adr_opt.kernels.rules.resources import Resources
+    from adr_opt.kernels.rules.rules import State
+    from adr_opt.mission.mission import Mission
+
+    drawn = adr_opt.generate("tiny", 3, targets=8)
+    mission = Mission(drawn.replace(chasers=(drawn.chaser.replace(max_targets=2),)))
+    done = np.zeros(len(drawn.names), dtype=np.bool_)
+    done[-3:] = True
+    budget = drawn.chaser.tank.delta_v_m_s
+    for serviced, wanted in ((0, 2), (1, 1), (2, 0)):
+        has = Resources(0.0, budget, np.int64(0), np.int64(serviced), np.int64(0))
+        there = done.copy()
+        there[1 : 1 + serviced] = True
+        sequence, prize = beam_from(mission, State(np.int64(0), has), there, 4)
+        targets = [j for j in sequence.tolist() if j >= drawn.first_target]
+        assert len(targets) == wanted == prize
+        assert not there[targets].any()
+
+
 def test_claims_are_corrected_by_holm() -> None:
     """Of three chances the least counts threefold, and none less than a smaller one."""
     from next_leg.claims import holm
