@@ -17,7 +17,7 @@ from pathlib import Path
 
 from machine import heading
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests/fields"))
 
 from catalogue_files import SPELLINGS, field
 

@@ -10,7 +10,7 @@ connections said of the last plan beside what it flies: in total, as the mean er
 of the legs alone between pairs of bodies that were not flown between before. With --spend-savings
 connections may become cheaper, and every mission is planned at least twice.
 
-    python bench/refine_loop.py --savings 5 --method auto --time-limit 6
+    python bench/refine_loop.py --savings 5 --method auto --time-limit 15
 
 Fields short of fuel, of circles under J2, with free burns: prizes without and with what legs save.
 """
