@@ -44,18 +44,20 @@ def orbit_rows(
 
 
 class KeptRows:
-    """Rows of the orbits of an instance, once worked out; equal instances have the same."""
+    """Rows of the orbits of an instance, once worked out; they count in no comparison."""
 
     def __init__(self) -> None:
-        self._rows: npt.NDArray[np.float64] | None = None
+        self._of: tuple[Sequence[Orbit | None], float, Sequence[float]] | None = None
+        self._rows = np.empty((0, len(ORBIT_COLUMNS)))
 
     def of(
         self, orbits: Sequence[Orbit | None], oblateness_m2: float,
         decays_m_per_day: Sequence[float],
     ) -> npt.NDArray[np.float64]:  # fmt: skip
-        """A copy of the rows that :func:`orbit_rows` gives, of the same orbits on each call."""
-        if self._rows is None:
-            self._rows = orbit_rows(orbits, oblateness_m2, decays_m_per_day)
+        """A copy of what :func:`orbit_rows` gives, worked out anew for other orbits."""
+        asked = orbits, oblateness_m2, decays_m_per_day
+        if self._of != asked:  # equal orbits are mostly the same objects, which is quick
+            self._of, self._rows = asked, orbit_rows(*asked)
         return self._rows.copy()
 
     def __eq__(self, other: object) -> bool:
