@@ -137,16 +137,20 @@ class Tabs:
     ----------
     tab : Browser
     count : int
+    windows : bool
+        Whether each has a window of its own, so that all are seen.
     """
 
-    def __init__(self, tab: Browser, count: int) -> None:
-        self._tab, self._count = tab, count
+    def __init__(self, tab: Browser, count: int, *, windows: bool = False) -> None:
+        self._tab, self._count, self._windows = tab, count, windows
         self._targets: list[tuple[str, str]] = []
 
     def __enter__(self) -> Tabs:
         self._mine, self._tab._session = self._tab._session, None
         for _ in range(self._count):
-            target = self._tab.call("Target.createTarget", url="about:blank")["targetId"]
+            target = self._tab.call(
+                "Target.createTarget", url="about:blank", newWindow=self._windows
+            )["targetId"]
             session = self._tab.call("Target.attachToTarget", targetId=target, flatten=True)
             self._targets.append((target, session["sessionId"]))
         return self
@@ -163,5 +167,6 @@ class Tabs:
         self._tab._session = self._mine
 
     def __iter__(self) -> Iterator[int]:
-        for number, (_, self._tab._session) in enumerate(self._targets):
+        for number, (_, session) in enumerate(self._targets):
+            self._tab._session = session
             yield number

@@ -110,7 +110,7 @@ def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue
                 "give a catalogue"
             )
     if not records:
-        first = f"; the first of {len(dropped)} bad rows: {dropped[0].detail}" if dropped else ""
+        first = f"; the first of {len(dropped)} bad rows: {dropped[0].within}" if dropped else ""
         raise InputError(f"{source}: no element set in it ({kind}){first}; give a catalogue")
     return Catalogue(tuple(records), tuple(dropped), {source: kind})
 

@@ -136,13 +136,18 @@ class Dropped:
         """A rejected record."""
         return cls(record.source, record.line, record.label, reason, detail, record.ordinal)
 
-    def __str__(self) -> str:
+    @property
+    def within(self) -> str:
+        """Place and reason within the file."""
         where = f"line {self.line}" if self.line else ""
         if self.ordinal is not None:
             where += f", record {self.ordinal}"
         if self.object:
             where += f" ({self.object})"
-        return ": ".join(part for part in (self.source, where, self.detail) if part)
+        return ": ".join(part for part in (where, self.detail) if part)
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.source, self.within) if part)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON data."""

@@ -34,6 +34,7 @@ from .reported import ShownReport
 from .requests import (
     ChooseRequest,
     JobRequest,
+    RemoveRequest,
     ShowRequest,
     StopRequest,
     WorthRequest,
@@ -49,8 +50,8 @@ PACKAGE = "adr_opt.ui.serve"
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src 'self' data:; frame-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'"
+    "worker-src 'self'; img-src 'self' data:; frame-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
 )
 """Content security policy of the page: everything comes from this server."""
 
@@ -131,6 +132,9 @@ def application(
             _told_of("/results/points", desk.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(desk), methods=["POST"]),
+            _action(
+                "/files/remove", lambda text: desk.remove(read_request(RemoveRequest, text).file)
+            ),
             _action("/edit", lambda text: session.edit(read_edit(text))),
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),

@@ -66,7 +66,14 @@ class Desk:
             "stage": self._stage(state),
             "project": {"name": self.name, "folder": state["folder"]},
             "files": [
-                {"name": each.name, "what": each.what, "count": each.count}
+                {
+                    "id": each.number,
+                    "name": each.name,
+                    "what": each.what,
+                    "count": each.count,
+                    "skipped": each.skipped,
+                    "bad": list(each.bad),
+                }
                 for each in self.session.files
             ],
             "notes": [] if plan is None else plan["notes"],
@@ -143,6 +150,10 @@ class Desk:
     def drop(self, path: Path, name: str) -> dict[str, Any]:
         """Take an uploaded file into the project; returns what it is, as JSON data."""
         return self.dropped.drop(path, name)
+
+    def remove(self, number: int) -> None:
+        """Remove a dropped file from the project."""
+        self.dropped.remove(number)
 
     def worth(self, asked: WorthRequest) -> dict[str, Any]:
         """Begin a job that computes the worth of the dropped objects."""

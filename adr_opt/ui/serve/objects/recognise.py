@@ -21,6 +21,9 @@ from ..project.record import Content
 HEAD = 4096
 """Number of bytes in which a format shows."""
 
+MOST_BAD = 5
+"""Number of bad rows of a file that are said one by one."""
+
 
 @dataclass(frozen=True)
 class Recognised:
@@ -31,6 +34,8 @@ class Recognised:
     what : str
     count, skipped : int
         Of the rows in it, those that are good and bad.
+    bad : tuple of str
+        The first bad rows, with place and reason.
     content : Instance, Plan, Catalogue or None
         Of an instance, a plan or a catalogue.
     """
@@ -38,6 +43,7 @@ class Recognised:
     what: Content
     count: int
     skipped: int = 0
+    bad: tuple[str, ...] = ()
     content: Instance | Plan | catalogue.Catalogue | None = None
 
 
@@ -76,7 +82,8 @@ def _recognised(path: Path, name: str) -> Recognised:
     if columns & {"prize", "required", "prize_until"} and columns & {"object", "number", "name"}:
         return Recognised("prizes", len(catalogue.read_wishes(path)))
     found = read_bytes(path.read_bytes(), name, skip_bad=True)
-    return Recognised("catalogue", len(found.records), len(found.dropped), found)
+    bad = tuple(each.within for each in found.dropped[:MOST_BAD])
+    return Recognised("catalogue", len(found.records), len(found.dropped), bad, found)
 
 
 def _of_the_project(path: Path, name: str) -> Recognised:
