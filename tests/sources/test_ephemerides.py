@@ -27,6 +27,7 @@ from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of
 from adr_opt.sources.ephemerides.by_sgp4 import ByElements
+from adr_opt.sources.ephemerides.coverage import Coverage
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.ephemerides.fit import fitted, j3_offset
 from adr_opt.sources.ephemerides.imported import with_ephemerides
@@ -192,11 +193,12 @@ def test_three_readers_interpolate_alike(
                         frame=TEME)  # fmt: skip
     times = np.concatenate((np.linspace(-600.0, 1800.0, 97), [-599.9, 0.5, 1799.9]))
     ours = known.of(record.label).state(times)
-    judged = interpolated_states(read_oem(text.encode(), "a.oem"), times, EPOCH, TEME)
+    coverage = Coverage(record.label, read_oem(text.encode(), "a.oem"), EPOCH)
+    judged = interpolated_states(coverage, times, EPOCH, TEME)
     assert np.abs(judged - ours)[:, :3].max() < 1e-3
     assert np.abs(judged - ours)[:, 3:].max() < 1e-5
-    with pytest.raises(InputError, match="do not cover"):
-        interpolated_states(read_oem(text.encode(), "a.oem"), times + 1.0, EPOCH, TEME)
+    with pytest.raises(InputError, match="no state of .* after"):
+        interpolated_states(coverage, times + 1.0, EPOCH, TEME)
     if method == "LINEAR":
         return
     (tmp_path / "a.oem").write_text(text.replace("= TEME\n", "= EME2000\n"), encoding="ascii")
@@ -456,7 +458,8 @@ def test_a_message_of_others_is_interpolated_alike() -> None:
                         epoch=begin, frame=inertial)  # fmt: skip
     times = np.linspace(30.0, 86000.0, 60)
     ours = known.of(fields["OBJECT_NAME"]).state(times)
-    judged = interpolated_states(segments, times, begin, inertial)
+    coverage = Coverage(fields["OBJECT_NAME"], segments, begin)
+    judged = interpolated_states(coverage, times, begin, inertial)
     assert np.abs(judged - ours)[:, :3].max() < 1e-3
     states = third.OrbitEphemerisMessage.open(path).states
     at = astropy_time.Time(begin.replace(tzinfo=None), scale="utc")

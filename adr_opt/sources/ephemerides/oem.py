@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from ...common.errors import InputError
 from ..catalogue.records import shown
-from .oem_segment import MessageSegment, checked
+from .oem_segment import MessageSegment, Rows, segment_of
 from .oem_xml import read_xml
 
 
@@ -22,10 +22,11 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
     InputError
         It is none, or a segment lacks metadata or states.
     """
-    text = content.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
-    if text.startswith("<"):
+    text = content.decode("utf-8", "replace")
+    begin = text.lstrip("\ufeff \t\r\n")
+    if begin.startswith("<"):
         found = read_xml(content, source)
-    elif text.startswith("CCSDS_OEM_VERS"):
+    elif begin.startswith("CCSDS_OEM_VERS"):
         found = list(_segments(text, source))
     else:
         raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
@@ -36,7 +37,7 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
 
 def _segments(text: str, source: str) -> Iterator[MessageSegment]:
     fields: dict[str, str] = {}
-    rows: list[str] = []
+    rows = Rows()
     covariances: list[str] = []
     begin, in_metadata, in_covariance = 0, False, False
     for number, row in enumerate(text.splitlines(), 1):
@@ -45,7 +46,7 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
             continue
         if line == "META_START":
             if begin:
-                yield _segment(source, begin, fields, rows, covariances)
+                yield segment_of(source, begin, fields, rows, covariances)
             fields, rows, covariances, begin = {}, [], [], number
             in_metadata, in_covariance = True, False
         elif line == "META_STOP":
@@ -59,13 +60,9 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
                 fault = "is given twice" if is_given else "has no value"
                 raise InputError(f"{source}: line {number}: {shown(keyword)} {fault}")
             fields[keyword] = value.strip()
+        elif in_covariance:
+            covariances.append(line)
         elif begin:
-            (covariances if in_covariance else rows).append(line)
+            rows.append((number, line))
     if begin:
-        yield _segment(source, begin, fields, rows, covariances)
-
-
-def _segment(
-    source: str, begin: int, fields: dict[str, str], rows: list[str], covariances: list[str]
-) -> MessageSegment:
-    return checked(MessageSegment(source, begin, fields, tuple(rows), tuple(covariances)))
+        yield segment_of(source, begin, fields, rows, covariances)
