@@ -43,7 +43,8 @@ def new_parser(source: str, message: str) -> expat.XMLParserType:
             is_known = False
         if not is_known:
             raise InputError(
-                f"{source}: in the encoding {shown(encoding)!r}, which is not read; save it as UTF-8"
+                f"{source}: in the encoding {shown(encoding)!r}, which is unknown here; save it as "
+                "UTF-8"
             )
 
     parser.buffer_text = True

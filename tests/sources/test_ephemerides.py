@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from catalogue_files import as_json, field
 from conftest import Cli
-from messages import oem
+from messages import oem, oem_in_xml
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
@@ -197,7 +197,7 @@ def test_three_readers_interpolate_alike(
     judged = interpolated_states(coverage, times, EPOCH, TEME)
     assert np.abs(judged - ours)[:, :3].max() < 1e-3
     assert np.abs(judged - ours)[:, 3:].max() < 1e-5
-    with pytest.raises(InputError, match="no state of .* after"):
+    with pytest.raises(InputError, match=r"no state of .* after"):
         interpolated_states(coverage, times + 1.0, EPOCH, TEME)
     if method == "LINEAR":
         return
@@ -475,21 +475,12 @@ def test_messages_in_xml_say_what_those_in_lines_say() -> None:
     record = RECORDS[2]
     text = oem(record.label, record.object_id, EPOCH, of_date(record))
     (plain,) = read_oem(text.encode(), "a.oem")
-    leaves = "".join(f"<{key}>{value}</{key}>" for key, value in plain.fields.items())
-    names = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
-    rows = "".join(
-        "<stateVector>"
-        + "".join(f"<{n}>{part}</{n}>" for n, part in zip(names, row.split(), strict=True))
-        + "</stateVector>"
-        for row in plain.rows
-    )
-    xml = (
-        '<?xml version="1.0"?><oem version="2.0"><header/><body><segment>'
-        f"<metadata>{leaves}</metadata><data>{rows}</data></segment></body></oem>"
-    )
+    xml = oem_in_xml(text)
     (other,) = read_oem(xml.encode(), "a.xml")
     assert (other.fields, other.rows) == (plain.fields, plain.rows)
+    twice = "<TIME_SYSTEM>UTC</TIME_SYSTEM>"
     for bad in (xml[:-20], xml.replace("<X>", "<Z>", 1).replace("</X>", "</Z>", 1),
+                xml.replace(twice, 2 * twice),
                 xml.replace("<X>", '<X units="m">', 1),
                 xml.replace("<oem", "<!DOCTYPE oem><oem", 1)):  # fmt: skip
         with pytest.raises(InputError, match=r"a\.xml"):

@@ -21,6 +21,7 @@ from ...problem.frame_rotation import from_gcrf, teme_axes
 from ...problem.instance import Instance
 from ...sources.ephemerides.coverage import Coverage
 from ...sources.ephemerides.oem import read_oem
+from ...sources.ephemerides.oem_segment import MessageSegment
 from ...sources.ephemerides.of_instance import by_body
 from .as_interpolated import interpolated_states
 
@@ -52,20 +53,18 @@ class ReportedStates:
                 f"those of {instance.name!r}; refine it again"
             )
         self._instance, self._elements = instance, dict[str, dict[str, Any]]()
+        self._segments: dict[str, list[MessageSegment]] = {}
         self._covered: dict[str, Coverage] = {}
         contents = its.contents(instance.folder())
         if onto.kind == "oem":
             every = [one for name, content in contents.items() for one in read_oem(content, name)]
             listed = {station.name: station.object_id for station in instance.stations}
             listed |= {target.name: target.object_id for target in instance.targets}
-            found = by_body(every, listed)
-            self._covered = {
-                name: Coverage(name, segments, instance.epoch) for name, segments in found.items()
-            }
+            self._segments = by_body(every, listed)
         else:
             for content in contents.values():
                 self._elements |= json.loads(content)["bodies"]
-        self.bodies = tuple(self._covered or self._elements)
+        self.bodies = tuple(self._segments or self._elements)
 
     def state(self, body: str, time_s: float) -> Array:
         """State reported of a body in the frame of the instance, shape (6,) [m, m/s]."""
@@ -82,7 +81,9 @@ class ReportedStates:
         """
         instance = self._instance
         assert instance.frame is not None  # ephemerides require it
-        if self._covered:
+        if self._segments:
+            if body not in self._covered:
+                self._covered[body] = Coverage(body, self._segments[body], instance.epoch)
             return interpolated_states(self._covered[body], times_s, instance.epoch, instance.frame)
         try:
             from sgp4 import omm

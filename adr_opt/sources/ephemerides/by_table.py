@@ -22,6 +22,7 @@ from .turning import TurningAxes
 SYNONYMS = {"J2000": "EME2000", "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME"}
 """Names of frames beside those of :data:`adr_opt.problem.frame.FRAMES`."""
 
+
 class ByTable:
     """States of a body interpolated as its messages say.
 

@@ -41,7 +41,7 @@ class _Reader:
 
     def __init__(self, source: str) -> None:
         self.source, self.found = source, list[MessageSegment]()
-        self.fields, self.rows, self.state = dict[str, str](), dict[int, str](), dict[str, str]()
+        self.fields, self.rows, self.state = dict[str, str](), Rows(), dict[str, str]()
         self.inside, self.text, self.line, self.row_line = "", "", 0, 0
 
     def attach(self, parser: expat.XMLParserType) -> None:
