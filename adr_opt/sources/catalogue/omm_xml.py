@@ -80,8 +80,8 @@ class _Reader:
                 f"{self.source}: line {line}: elements nested {DEEPEST} deep; this is no OMM"
             )
         tag = tag.rpartition(":")[2]
-        if tag == "USER_DEFINED" and attributes.get("parameter") == "RCS_SIZE":
-            tag = "RCS_SIZE"
+        if tag == "USER_DEFINED":
+            tag = omm.keyword(f"USER_DEFINED_{attributes.get('parameter', '')}")
         if self.depth <= 2 and tag in ("opm", "oem", "ocm", "aem", "apm", "cdm", "tdm", "rdm"):
             raise InputError(
                 f"{self.source}: line {line}: an {tag.upper()}, not an OMM; give mean elements"

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 from ...common.errors import InputError
 from ..catalogue.records import shown
+from ..xml_parser import head_of
 from .oem_segment import MessageSegment, Rows, segment_of
 from .oem_xml import read_xml
 
@@ -22,12 +23,11 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
     InputError
         It is none, or a segment lacks metadata or states.
     """
-    text = content.decode("utf-8", "replace")
-    begin = text.lstrip("\ufeff \t\r\n")
+    begin = head_of(content)
     if begin.startswith("<"):
         found = read_xml(content, source)
     elif begin.startswith("CCSDS_OEM_VERS"):
-        found = list(_segments(text, source))
+        found = list(_segments(content.decode("utf-8-sig", "replace"), source))
     else:
         raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
     if not found:

@@ -16,10 +16,8 @@ from ....problem.uncertainty import Uncertainty
 from ....sources import catalogue, worth
 from ....sources.catalogue.reading import read_bytes
 from ....sources.ephemerides.oem import read_oem
+from ....sources.xml_parser import HEAD, head_of
 from ..project.record import Content
-
-HEAD = 4096
-"""Number of bytes in which a format shows."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ def recognised(path: Path, name: str) -> Recognised:
 def _recognised(path: Path, name: str) -> Recognised:
     with path.open("rb") as file:
         head = file.read(HEAD)
-    text = head.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").lstrip()
+    text = head_of(head)
     begin = text.partition("\n")[0]
     if re.search(r'"format"\s*:\s*"adr-opt-', text):
         return _of_the_project(path, name)
