@@ -15,22 +15,6 @@ from .catalogue.records import shown
 ANYWAY = ("utf-8", "utf-16", "us-ascii", "iso-8859-1")
 """Encodings that the parser knows itself; of others it asks for a table of 256 characters."""
 
-UTF_16 = b"\xff\xfe", b"\xfe\xff"
-"""Byte order marks of texts in UTF-16."""
-
-HEAD = 4096
-"""Number of bytes in which a format shows."""
-
-
-def head_of(data: bytes) -> str:
-    """The beginning of a text by its byte order mark, blanks before it left out.
-
-    Bytes that are no UTF-8 become replacement characters: they spoil the row in which they stand,
-    or XML says in which encoding they are.
-    """
-    encoding = "utf-16" if data.startswith(UTF_16) else "utf-8-sig"
-    return data.lstrip()[:HEAD].decode(encoding, "replace").lstrip()
-
 
 def new_parser(source: str, message: str) -> expat.XMLParserType:
     """A parser that refuses what no message has.

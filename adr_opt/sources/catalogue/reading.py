@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ...common.errors import InputError
-from ..xml_parser import UTF_16, head_of
+from ..beginnings import UTF_16, ephemeris_format, head_of
 from .omm_csv import read_csv
 from .omm_json import read_json
 from .omm_kvn import read_kvn
@@ -157,6 +157,11 @@ def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dro
         return "OMM XML", read_xml(data.lstrip(), source)
     if head.startswith(("[", "{")):
         return "OMM JSON", read_json(data.decode("utf-8", "replace"), source)
+    if ephemeris_format(head):
+        raise InputError(
+            f"{source}: {ephemeris_format(head)}, not mean elements; give a catalogue, and this "
+            "by --oem"
+        )
     begin = next((line for line in head.splitlines() if _says_something(line)), "")
     message = re.match(r"\s*CCSDS_(\w+)_VERS\s*=", begin)
     if message is not None:

@@ -1,7 +1,7 @@
 """CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation here.
 
 Reading finds the segments and their metadata; the states of a segment are parsed when they are
-asked for.
+asked for. Ephemerides in other formats become segments of such messages.
 """
 
 from __future__ import annotations
@@ -9,14 +9,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...common.errors import InputError
+from ..beginnings import ephemeris_format, head_of
 from ..catalogue.records import shown
-from ..xml_parser import head_of
+from .modified_itc import read_itc
 from .oem_segment import MessageSegment, Rows, segment_of
 from .oem_xml import read_xml
+from .stk import read_stk
 
 
 def read_oem(content: bytes, source: str) -> list[MessageSegment]:
-    """The segments of a message.
+    """The segments of a message, or of an ephemeris in another format that is known.
 
     Raises
     ------
@@ -28,8 +30,14 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
         found = read_xml(content, source)
     elif begin.startswith("CCSDS_OEM_VERS"):
         found = list(_segments(content.decode("utf-8-sig", "replace"), source))
+    elif ephemeris_format(begin):
+        read = read_stk if "STK" in ephemeris_format(begin) else read_itc
+        found = [read(content.decode("utf-8-sig", "replace"), source)]
     else:
-        raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
+        raise InputError(
+            f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS, and neither an STK nor a "
+            "Modified ITC ephemeris"
+        )
     if not found:
         raise InputError(f"{source}: an OEM without a segment; give one with states")
     return found
