@@ -231,7 +231,8 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
             f"row {at}, {names[int(ends[0][at])]!r} to {names[int(ends[1][at])]!r}", missing, stated
         ))  # fmt: skip
     rows = np.flatnonzero(~lacks_arrival)
-    origin, destination, departure, arrival, cost = (values[rows] for values in (*ends, *times))
+    origin, destination = (values[rows] for values in ends)
+    departure, arrival, cost = (values[rows] for values in times)
     return _made(
         origin, destination, departure, arrival, cost, names, lambda at: f"row {rows[at]}",
         None if exception is None else exception[rows],
@@ -306,12 +307,12 @@ def of_matrices(
         half = np.isnan(array) & np.isfinite(other)
         wrong = (half | np.isneginf(array)) & ~np.eye(len(names), dtype=np.bool_)
         if wrong.any():
-            k, i, j = (int(axis[0]) for axis in np.nonzero(wrong))
-            if half[k, i, j]:
-                where = f"departure {times[k]:g} s, {names[i]!r} to {names[j]!r}"
-                raise InputError(_half(where, f"{what}[{k}, {i}, {j}]", its))
+            k, m, n = (int(axis[0]) for axis in np.nonzero(wrong))
+            if half[k, m, n]:
+                where = f"departure {times[k]:g} s, {names[m]!r} to {names[n]!r}"
+                raise InputError(_half(where, f"{what}[{k}, {m}, {n}]", its))
             raise InputError(
-                f"{what}[{k}, {i}, {j}] = -inf: must be a number ≥ 0, or +inf for no connection"
+                f"{what}[{k}, {m}, {n}] = -inf: must be a number ≥ 0, or +inf for no connection"
             )
     there = np.isfinite(takes) & np.isfinite(costs) & ~np.eye(len(names), dtype=np.bool_)
     leaves, i, j = np.nonzero(there)

@@ -203,7 +203,8 @@ def _stored(metadata: Any, columns: Sequence[str]) -> float:
     """What columns of a Parquet file take before they are decoded, in numbers of eight bytes."""
     groups = (metadata.row_group(at) for at in range(metadata.num_row_groups))
     chunks = (group.column(at) for group in groups for at in range(group.num_columns))
-    return sum(one.total_uncompressed_size for one in chunks if one.path_in_schema in columns) / 8
+    sizes = (one.total_uncompressed_size for one in chunks if one.path_in_schema in columns)
+    return math.fsum(sizes) / 8
 
 
 def _refuse_size(values: float) -> None:
