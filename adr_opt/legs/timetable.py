@@ -251,7 +251,7 @@ class Timetable(Shown):
             Since the epoch, each later than the one before [s].
         duration, cost : (departures, bodies, bodies) float
             By departure, origin and destination: how long it takes [s] and what it costs [m/s by
-            convention]; +inf where there is no connection.
+            convention]; +inf, or NaN in both, where there is no connection.
 
         Raises
         ------

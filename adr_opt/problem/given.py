@@ -177,7 +177,7 @@ def among(
     made = _made(
         np.concatenate([given.origin[mine], become[given.origin[taken]]]),
         given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
-        known, "row {}", None if given.exception is None else given.exception[rows],
+        known, "row {}".format, None if given.exception is None else given.exception[rows],
     )  # fmt: skip
     if given.functions is not None:
         made = made.with_functions(given.functions.among(names, starts))
@@ -198,7 +198,8 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     columns : mapping of str to array
         The :data:`COLUMNS`, as a dictionary of arrays or a table of another library: bodies by name
         or number, times since the epoch [s], costs; and :data:`EXCEPTION`,
-        if there is one, of 0 and 1. Others are not looked at.
+        if there is one, of 0 and 1. Others are not looked at. A row whose arrival and cost are both
+        NaN is no connection.
     names : sequence of str
         The bodies, in the order of their numbers.
 
@@ -221,7 +222,29 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     ends = [_numbers(found[name], name, names) for name in COLUMNS[:2]]
     times = [_floats(found[name], name, of_time=name in COLUMNS[2:4]) for name in COLUMNS[2:]]
     exception = _exceptions(columns, found["origin"].size)
-    return _made(ends[0], ends[1], times[0], times[1], times[2], names, "row {}", exception)
+    lacks_arrival, lacks_cost = np.isnan(times[1]), np.isnan(times[2])
+    alone = np.flatnonzero(lacks_arrival != lacks_cost)
+    if alone.size:
+        at = int(alone[0])
+        missing, stated = COLUMNS[3:] if lacks_arrival[at] else COLUMNS[:2:-1]
+        raise InputError(_half(
+            f"row {at}, {names[int(ends[0][at])]!r} to {names[int(ends[1][at])]!r}", missing, stated
+        ))  # fmt: skip
+    rows = np.flatnonzero(~lacks_arrival)
+    origin, destination = (values[rows] for values in ends)
+    departure, arrival, cost = (values[rows] for values in times)
+    return _made(
+        origin, destination, departure, arrival, cost, names, lambda at: f"row {rows[at]}",
+        None if exception is None else exception[rows],
+    )  # fmt: skip
+
+
+def _half(where: str, missing: str, stated: str) -> str:
+    """A sentence on a connection of which half is missing."""
+    return (
+        f"{where}: {missing} is missing and {stated} is not; give both, or neither where there is "
+        "no connection"
+    )
 
 
 def _exceptions(columns: Any, rows: int) -> npt.NDArray[np.bool_] | None:
@@ -258,8 +281,8 @@ def of_matrices(
         Since the epoch, each later than the one before [s]. A chaser ready in between waits for the
         next one.
     duration : (departures, bodies, bodies) float
-        By (departure, origin, destination), +inf for no connection [s]. The diagonal is not
-        looked at.
+        By (departure, origin, destination); +inf, or NaN in both, for no connection [s]. The
+        diagonal is not looked at.
     cost : (departures, bodies, bodies) float
         Likewise.
     names : sequence of str
@@ -279,19 +302,23 @@ def of_matrices(
                 f"{what} has the shape {array.shape}, not {shape}: (departures, origin, "
                 "destination) of all bodies of the instance, in the order of its numbers"
             )
-    for array, what in ((takes, "duration"), (costs, "cost")):
-        wrong = (np.isnan(array) | np.isneginf(array)) & ~np.eye(len(names), dtype=np.bool_)
+    both = (takes, "duration"), (costs, "cost")
+    for (array, what), (other, its) in (both, both[::-1]):
+        half = np.isnan(array) & np.isfinite(other)
+        wrong = (half | np.isneginf(array)) & ~np.eye(len(names), dtype=np.bool_)
         if wrong.any():
-            at = tuple(int(axis[0]) for axis in np.nonzero(wrong))
+            k, m, n = (int(axis[0]) for axis in np.nonzero(wrong))
+            if half[k, m, n]:
+                where = f"departure {times[k]:g} s, {names[m]!r} to {names[n]!r}"
+                raise InputError(_half(where, f"{what}[{k}, {m}, {n}]", its))
             raise InputError(
-                f"{what}[{at[0]}, {at[1]}, {at[2]}] = {array[at]}: must be a number ≥ 0, or +inf "
-                "for no connection"
+                f"{what}[{k}, {m}, {n}] = -inf: must be a number ≥ 0, or +inf for no connection"
             )
     there = np.isfinite(takes) & np.isfinite(costs) & ~np.eye(len(names), dtype=np.bool_)
     leaves, i, j = np.nonzero(there)
     departure = times[leaves]
     return _made(
-        i, j, departure, departure + takes[there], costs[there], names, "connection {}",
+        i, j, departure, departure + takes[there], costs[there], names, "connection {}".format,
     )  # fmt: skip
 
 
@@ -347,7 +374,7 @@ def of_function(
     origin, destination, leaves, lands, costs = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    return _made(origin, destination, leaves, lands, costs, names, "connection {}")
+    return _made(origin, destination, leaves, lands, costs, names, "connection {}".format)
 
 
 def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[FloatArray]:
@@ -449,7 +476,7 @@ def _made(
     arrival: FloatArray,
     cost: FloatArray,
     names: Sequence[str],
-    where: str,
+    where: Callable[[int], str],
     exception: npt.NDArray[np.bool_] | None = None,
 ) -> Given:
     """Validated connections in order; ``where`` locates a row in errors."""
@@ -460,7 +487,7 @@ def _made(
         if wrong.any():
             at = int(np.flatnonzero(wrong)[0])
             ends = f"{names[int(origin[at])]!r} to {names[int(destination[at])]!r}"
-            raise InputError(f"{where.format(at)}, {ends}: {told(at)}")
+            raise InputError(f"{where(at)}, {ends}: {told(at)}")
 
     refuse(origin == destination, lambda at: "ends where it begins; leave it out")
     for values, name, most in (

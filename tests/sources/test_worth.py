@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 from dataclasses import replace
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 
@@ -280,7 +281,7 @@ def test_sources_go_from_the_table_to_defaults(tmp_path: Path) -> None:
     records[2] = replace(records[2], mass_kg=77.0)
     records[3] = replace(records[3], name="OLD R/B", bstar=0.0)
     records[4] = replace(records[4], name="OLD DEB", size="MEDIUM")
-    records[5] = replace(records[5], decayed="2020-01-01")
+    records[5] = replace(records[5], decays=datetime(2020, 1, 1, tzinfo=UTC))
     bodies = worth.bodies_of(records, satcat, {1: worth.Measures(mass=5.0)})
     assert bodies.mass_sources == (
         "satcat, uncertain", "table", "element set", "default: rocket body", "default: debris",

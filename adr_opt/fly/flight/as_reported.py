@@ -19,6 +19,7 @@ from ...common.errors import InputError, MissingExtra
 from ...plan.refined_plan import EphemeridesReference
 from ...problem.frame_rotation import from_gcrf, teme_axes
 from ...problem.instance import Instance
+from ...sources.ephemerides.coverage import Coverage
 from ...sources.ephemerides.oem import read_oem
 from ...sources.ephemerides.oem_segment import MessageSegment
 from ...sources.ephemerides.of_instance import by_body
@@ -53,6 +54,7 @@ class ReportedStates:
             )
         self._instance, self._elements = instance, dict[str, dict[str, Any]]()
         self._segments: dict[str, list[MessageSegment]] = {}
+        self._covered: dict[str, Coverage] = {}
         contents = its.contents(instance.folder())
         if onto.kind == "oem":
             every = [one for name, content in contents.items() for one in read_oem(content, name)]
@@ -80,9 +82,9 @@ class ReportedStates:
         instance = self._instance
         assert instance.frame is not None  # ephemerides require it
         if self._segments:
-            return interpolated_states(
-                self._segments[body], times_s, instance.epoch, instance.frame
-            )
+            if body not in self._covered:
+                self._covered[body] = Coverage(body, self._segments[body], instance.epoch)
+            return interpolated_states(self._covered[body], times_s, instance.epoch, instance.frame)
         try:
             from sgp4 import omm
             from sgp4.api import Satrec

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
+import zipfile
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -119,9 +121,10 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     """
     wrong = f"{os.fspath(path)}: is not a file of weights for choosing legs ({FORMAT})"
     try:
+        _refuse_sizes(path)
         with np.load(path, allow_pickle=False) as content:
             found = {name: content[name] for name in content.files}
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(wrong) from error
     try:
         facts = json.loads(found.pop("facts").tobytes().decode())
@@ -137,6 +140,23 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     return LegScorer(
         ScorerLayers(*(np.ascontiguousarray(each, np.float32) for each in layers)), facts
     )
+
+
+def _refuse_sizes(path: str | os.PathLike[str]) -> None:
+    """Raise :class:`ValueError` where arrays state more numbers than the file has bytes for.
+
+    They are stored as they are, and NumPy would make room for them before it reads any.
+    """
+    size = Path(path).stat().st_size
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            if member.file_size > size:
+                raise ValueError(f"{member.filename}: larger than its file")
+            with archive.open(member) as content:
+                np.lib.format.read_magic(content)
+                shape, _, kind = np.lib.format.read_array_header_1_0(content)
+            if math.prod(shape) * kind.itemsize > member.file_size:
+                raise ValueError(f"{member.filename}: states more numbers than there are")
 
 
 @cache

@@ -26,6 +26,7 @@ from ...problem.least_time import too_short
 from ...problem.orbit import Orbit
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.transfer_sizes import transfers_for
+from .coming_down import end_windows
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
 from .drag import drag_warning
@@ -235,7 +236,10 @@ def to_instance(
     check_musts(choice, targets, candidates, dropped)
     asked = demands.of(targets, records, choice)
     crew, refuelling = crew or Crew(), mission.refuelling
-    fields = filled(asked, targets, records, crew, by_criticality=demands.by_criticality)
+    fields, falling = end_windows(
+        filled(asked, targets, records, crew, by_criticality=demands.by_criticality),
+        targets, host, epoch, mission.duration_s,
+    )  # fmt: skip
     instance = _instance(
         replace(mission, name=mission.name or _default_name(targets, len(rows)), epoch=epoch),
         Station(name=home, object_id=host.designator if host else None) if refuelling else None,
@@ -253,6 +257,7 @@ def to_instance(
         warnings=(
             *((told_masses(targets, fields),) if demands.by_criticality else ()),
             *((told_left_out(asked.left_out),) if asked.left_out else ()),
+            *((falling,) if falling else ()),
             *_warnings(targets, host, instance, epoch),
         ),
         station=LAUNCHED if 0 in instance.launches else placed,

@@ -24,7 +24,7 @@ class _Object(dict[str, Any]):
         """The object made from key–value pairs in file order."""
         made, seen = cls(pairs), set[str]()
         for key, _ in pairs:
-            keyword = key.strip().upper()
+            keyword = omm.keyword(key)
             if keyword in seen and keyword in omm.FIELDS:
                 made.twice = keyword
             seen.add(keyword)
@@ -87,7 +87,7 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
     if not isinstance(item, dict):
         detail = f"{shown(item)!r} is not a JSON object with the keywords of OMM"
         return Dropped(source, line, "", "malformed", detail, ordinal)
-    fields = {key.strip().upper(): value for key, value in item.items()}
+    fields = {omm.keyword(key): value for key, value in item.items()}
     fault = None
     if isinstance(item, _Object) and item.twice is not None:
         fault = RowError(f"field {item.twice} is given twice in one object")
@@ -95,7 +95,7 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
 
 
 def _refuse_message(item: Any, source: str) -> None:
-    if isinstance(item, dict) and not any(str(key).strip().upper() in omm.FIELDS for key in item):
+    if isinstance(item, dict) and not any(omm.keyword(key) in omm.FIELDS for key in item):
         raise InputError(
             f"{source}: a JSON object that is no OMM but says {shown(json.dumps(item), 60)}; "
             "download the catalogue again"

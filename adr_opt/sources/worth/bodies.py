@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -127,6 +128,7 @@ def bodies_of(
         Names to leave out, as of :class:`.Filters`: operating satellites that dodge, for example.
     """
     dodging = Filters(names=tuple(excluded))
+    latest = max((record.epoch for record in records), default=datetime.max.replace(tzinfo=UTC))
     kept: list[ElementSet] = []
     shells: list[tuple[float, float]] = []
     kinds: list[str] = []
@@ -135,7 +137,7 @@ def bodies_of(
     for at, record in enumerate(records):
         shell = _shell(record)
         reason = ""
-        if record.decayed or shell[0] < _lowest():
+        if record.is_down(latest) or shell[0] < _lowest():
             reason = "decayed"
         elif excluded and dodging.match_name(record):
             reason = "excluded"

@@ -68,7 +68,12 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 @take.flag("--only-prized", "Only objects with a row in --prizes.")
 @take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
-@take.many("--oem", "FILE", "CCSDS OEM with ephemerides of targets; repeatable.", name="messages")
+@take.many(
+    "--oem",
+    "FILE",
+    "Ephemerides of targets: CCSDS OEM, STK or Modified ITC; repeatable.",
+    name="messages",
+)
 @take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
 @take.as_json
 @take.quiet

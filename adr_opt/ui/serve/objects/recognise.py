@@ -14,12 +14,10 @@ from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ....problem.uncertainty import Uncertainty
 from ....sources import catalogue, worth
+from ....sources.beginnings import HEAD, ephemeris_format, head_of
 from ....sources.catalogue.reading import read_bytes
 from ....sources.ephemerides.oem import read_oem
 from ..project.record import Content
-
-HEAD = 4096
-"""Number of bytes in which a format shows."""
 
 MOST_BAD = 5
 """Number of bad rows of a file that are said one by one."""
@@ -70,11 +68,12 @@ def recognised(path: Path, name: str) -> Recognised:
 def _recognised(path: Path, name: str) -> Recognised:
     with path.open("rb") as file:
         head = file.read(HEAD)
-    text = head.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").lstrip()
+    text = head_of(head)
     begin = text.partition("\n")[0]
     if re.search(r'"format"\s*:\s*"adr-opt-', text):
         return _of_the_project(path, name)
-    if text.startswith("CCSDS_OEM_VERS") or re.search(r"<(\w+:)?oem\b", text):
+    is_oem = text.startswith("CCSDS_OEM_VERS") or re.search(r"<(\w+:)?oem\b", text)
+    if is_oem or ephemeris_format(text):
         return Recognised("ephemerides", len(read_oem(path.read_bytes(), name)))
     if begin.startswith("#JCAT") or "\n#JCAT" in text:
         return Recognised("satcat", len(worth.read_satcat(path)))
