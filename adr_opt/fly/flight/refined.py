@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...common.errors import InputError
+from ...judge.admit import AnyRefined, admit
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
 from ...problem.instance import Instance
@@ -50,7 +51,7 @@ MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
 
 def fly_refined(
     instance: Instance,
-    refined: RefinedPlan,
+    refined: AnyRefined,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> RefinedFlight:
     """Fly a refined plan in its gravity field and report its misses.
@@ -58,16 +59,17 @@ def fly_refined(
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
+    refined : RefinedPlan or Admitted
     report : callable
         Hears of how many legs are flown, and of how many there are.
 
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, names an unknown body, or leads away from
-        the Earth.
+        The refined plan belongs to another instance or has violations; or, let in unjudged, it
+        names an unknown body, or leads away from the Earth.
     """
+    refined = admit(instance, refined).plan
     refuse_strangers(instance, refined)
     world = _World(refined.gravity)
     onto = refined.ephemerides

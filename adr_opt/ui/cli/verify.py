@@ -44,16 +44,16 @@ def command(
         raise InputError("verify takes an instance, a plan and a certificate; name all three")
     from ...judge.verify import verify
     from ...judge.verify.verdict import CONNECTIONS
-    from ...plan.certificate import load_certificate
-    from ...plan.plan import load_plan
+    from ...plan.certificate import Certificate
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from .live import wanted
     from .work import attend
 
     instance = load(instance_path)
-    plan = load_plan(paths[0]) if len(paths) == 2 else None
+    plan = Plan.load(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
-    certificate = load_certificate(path)
+    certificate = Certificate.load(path)
     tried = CONNECTIONS if connections is None else connections
     with about(path):
         verdict = attend(
