@@ -67,7 +67,8 @@ def write_refined(
         A refined plan of another instance or with violations, an unknown frame or format, a body
         in another format than "oem", low thrust in "opm", legs that do not follow each other in
         messages and scripts, ephemerides that are missing, burns that do not lead from one of them
-        to the next, what :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
+        to the next, what :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot
+        be written.
     MissingExtra
         There is something to turn to the frame, and astropy is not installed.
     """
