@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .held import LEAST_SHARE, SPARE_M_S
+from ...judge.refined.holding import LEAST_SHARE, SPARE_M_S
 from .result import TankFlight, WithTanks
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
