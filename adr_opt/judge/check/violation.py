@@ -23,6 +23,10 @@ EXPENSE_TOLERANCE = 1e-9
 """Relative tolerance on expenses."""
 
 
+MOST_RELEASE_OFF_M = 10e3
+"""Largest distance of perigee and apogee of a released object from the circle of disposal."""
+
+
 @dataclass(frozen=True)
 class Violation:
     """An error in a plan.

@@ -42,6 +42,9 @@ STEPS = 72
 DELTA_V_M_S, PROPELLANT_KG = 1e-5, 1e-6
 """Tolerances of what is stated of arcs against their windows."""
 
+MOST_SHADOW_S = 1.0
+"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
+
 MORE_FORCE = 1.0 + 1e-9
 """Largest force of a leg over that of its chaser."""
 

@@ -75,8 +75,7 @@ class World:
 
     def _moved(self, state: Array, duration_s: float, revolution_s: float) -> tuple[Array, float]:
         """A state after a time, and the least radius on the way [m]."""
-        retrograde = state[0] * state[4] < state[1] * state[3]
-        sides = MIRROR if retrograde else np.ones(6)
+        sides = _sides(state)
         elements = elements_of(sides * state)
         steps = math.ceil(abs(duration_s) / revolution_s * STEPS)
         least = advance(elements, duration_s, steps, self.zonals)
@@ -84,6 +83,16 @@ class World:
         if not bool(np.isfinite(found).all()):
             raise ArithmeticError("the states are no longer numbers")
         return found, float(least)
+
+
+def prograde(state: Array) -> Array:
+    """A state, reflected if its orbit is retrograde: zonal fields are the same there."""
+    found: Array = _sides(state) * state
+    return found
+
+
+def _sides(state: Array) -> Array:
+    return MIRROR if state[0] * state[4] < state[1] * state[3] else np.ones(6)
 
 
 def _lowest(states: Array) -> float:
