@@ -17,7 +17,6 @@ from ..plan.certificate import Certificate
 from ..plan.plan import Plan
 from ..plan.refined_plan import RefinedPlan
 from ..problem.instance import AnyInstance, Instance, instance_of
-from .check.refined import check_refined
 from .check.verdict import check
 from .check.violation import Violation
 
@@ -160,13 +159,28 @@ def _violations(
     if isinstance(plan, Plan):
         return check(instance, plan)
     if isinstance(plan, RefinedPlan):
-        return check_refined(instance, plan, refined_from)
+        return _of_refined(instance, plan, refined_from)
     from .verify.names import check_names  # what verifies is slow to import
     from .verify.rules import refuse_unknown
 
     check_names(instance, plan)
     refuse_unknown(instance)
     return ()
+
+
+def _of_refined(
+    instance: Instance, refined: RefinedPlan, plan: Plan | None
+) -> tuple[Violation, ...]:
+    from .refined.verdict import UNJUDGED, check_refined  # what flies is slow to import
+
+    refined.instance.refuse_other(instance, NAMES[RefinedPlan])
+    known = refined.planned
+    if plan is None and known is None:
+        said = "it does not hold the plan that it was made of; refine that again"
+        return (Violation(None, UNJUDGED, said),)
+    if plan is not None and known is not None and plan != known:
+        return (Violation(None, "plan", "it was made of another plan than this one"),)
+    return check_refined(instance, plan or known, refined)
 
 
 def admitted_file(

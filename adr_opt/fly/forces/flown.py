@@ -10,11 +10,12 @@ import numpy as np
 
 from ...common.constants import MU_M3_S2
 from ...judge.admit import AnyRefined, admit
+from ...judge.refined.world import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
-from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
+from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from .corrected import Stretch, correction_m_s, last_lap

@@ -227,6 +227,7 @@ def refined_again(
     return RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
+        planned=plan,
         ephemerides=ends.onto,
         gravity=gravity,
         freedom=freedom,

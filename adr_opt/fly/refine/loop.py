@@ -18,7 +18,7 @@ from ...legs.corrections import Corrections
 from ...mission.problem import AnyProblem, Problem, problem_of
 from ...mission.result import Result
 from ...plan.plan import Plan
-from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan, reference
+from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan
 from ...plan.routes import routes_of
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
@@ -302,5 +302,5 @@ def _ended(
             f"{worst.budget_m_s:g}"
         )
         plan = plan.replace(notes=(*plan.notes, f"{said}; refined, the plan holds"))
-        kept = kept.replace(plan=reference(plan))
+        kept = kept.made_of(plan)
     return RefinedResult(replace(result, plan=plan), kept, rounds, "")

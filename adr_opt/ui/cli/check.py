@@ -101,6 +101,7 @@ def _of_refined(
                 "legs": len(refined.legs),
                 "gravity": refined.gravity,
                 "violations": [violation.to_dict() for violation in found],
+                "missing": [missing.model_dump(mode="json") for missing in refined.missing],
             }
         )
     elif found:
@@ -108,4 +109,6 @@ def _of_refined(
             emit(f"{refined_path}: {violation}")
     else:
         emit(f"{refined_path}: no violations, refined, {legs}")
-    return 1 if found else 0
+    for missing in () if as_json else refined.missing:
+        emit(f"{refined_path}: leg {missing.leg} is missing: {missing.reason}")
+    return 1 if found or refined.missing else 0

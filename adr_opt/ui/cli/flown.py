@@ -75,7 +75,6 @@ def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
     from ...fly.flight.mean_flight import families_of, tanks_left
     from ...fly.flight.tanks import tanks_of
     from ...plan.plan_flight import PlanFlight
-    from ...plan.refined_plan import reference
 
     plan, refined = looped.plan, looped.refined
     if plan is None or refined is None:
@@ -94,5 +93,5 @@ def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
     return replace(
         looped,
         result=replace(looped.result, plan=plan),
-        refined=refined.replace(plan=reference(plan)),
+        refined=refined.made_of(plan),
     )
