@@ -174,13 +174,13 @@ def _of_refined(
     from .refined.verdict import UNJUDGED, check_refined  # what flies is slow to import
 
     refined.instance.refuse_other(instance, NAMES[RefinedPlan])
-    known = refined.planned
-    if plan is None and known is None:
+    planned = refined.planned if plan is None else plan
+    if planned is None:
         said = "it does not hold the plan that it was made of; refine that again"
         return (Violation(None, UNJUDGED, said),)
-    if plan is not None and known is not None and plan != known:
-        return (Violation(None, "plan", "it was made of another plan than this one"),)
-    return check_refined(instance, plan or known, refined)
+    if refined.planned not in (None, planned):
+        return (Violation(None, "plan", "it was made of another plan than the one given"),)
+    return check_refined(instance, planned, refined)
 
 
 def admitted_file(

@@ -60,7 +60,7 @@ def command(
     if refined_path is not None:
         refined_plan = RefinedPlan.load(refined_path)
         with about(refined_path):
-            refined = admit(instance, refined_plan, unjudged=True, refined_from=plan)
+            refined = admit(instance, refined_plan, refined_from=plan)
     check_out(out, instance_path, plan_path, refined_path)
     if not out.lower().endswith((".html", ".htm")):
         raise InputError(f"{out}: the page is HTML; give a file that ends in .html")

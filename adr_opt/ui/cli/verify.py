@@ -79,6 +79,8 @@ def command(
             f"  {counted(verdict.connections, 'connection')} flown again; better ones "
             f"searched at {counted(verdict.departures, 'departure')}"
         )
+    if plan is None and certificate.plan_sha256 is not None:
+        emit("  unjudged: the plan that it says it was written beside, which is not given")
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
             emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")
