@@ -315,8 +315,9 @@ class RefinedPlan(Shown, Record):
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
     begins docked with its origin. ``planned`` is the plan itself, by which the file is judged;
-    files of version 1.0 are without it. ``ephemerides`` are those of the instance if legs begin at and
-    close onto their states; else files say nothing of it, and bodies move freely from ``bodies``.
+    files of version 1.0 are without it. ``ephemerides`` are those of the instance if legs begin at
+    and close onto their states; else files say nothing of it, and bodies move freely from
+    ``bodies``.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT
