@@ -14,7 +14,7 @@ import numpy.typing as npt
 from ..common.constants import DAY_S, SLACK_S
 from ..common.errors import InputError
 from ..common.wording import counted
-from ..judge.check.verdict import check
+from ..judge.admit import admit
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg
@@ -100,10 +100,10 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
     if plan is None:
         said = result.notes[-1] if result.notes else "the mission has to end at a station"
         raise InputError(f"the departures do not form a plan: {said}")
-    violations = check(problem.instance, plan)
-    if violations:
-        raise InputError(f"the departures do not form a plan: {violations[0]}")
-    return plan
+    admitted = admit(problem.instance, plan, unjudged=True)
+    if not admitted.holds:
+        raise InputError(f"the departures do not form a plan: {admitted.violations[0]}")
+    return admitted.plan
 
 
 def _routes(problem: Problem, legs: Any) -> list[list[Any]]:

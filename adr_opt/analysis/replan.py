@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from ..common.clock import now_s
 from ..common.errors import InputError
 from ..common.stop import Stop
-from ..plan.plan import Plan
+from ..judge.admit import AnyPlan, admit
 from ..problem.instance import Instance
 from ..problem.settings import KeepOutZone
 from ..problem.tour_rules import refuse_tour_rules
@@ -24,7 +24,7 @@ DEFAULT_TIME_LIMIT_S = 2.0
 
 def replan(  # noqa: PLR0913
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     at_s: float,
     *,
     zones: Iterable[KeepOutZone] = (),
@@ -56,8 +56,8 @@ def replan(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    plan : Plan
-        Of this instance.
+    plan : Plan or Admitted
+        Of this instance, without violations.
     at_s : float
         Since the epoch [s].
     zones : iterable of KeepOutZone
@@ -88,13 +88,12 @@ def replan(  # noqa: PLR0913
     Raises
     ------
     InputError
-        The plan is of another instance, the time is outside the mission, a name is no target or
-        one that is done, a leg that is to be kept crosses a new zone, or what is told of the
-        flight cannot have been.
+        The plan is of another instance or has violations, the time is outside the mission, a name
+        is no target or one that is done, a leg that is to be kept crosses a new zone, or what is
+        told of the flight cannot have been.
     """
     began = now_s()
-    if plan.instance.sha256 != instance.sha256:
-        raise InputError("the plan belongs to another instance; give the one it was made for")
+    plan = admit(instance, plan).plan
     refuse_tour_rules(instance, "replan")
     if any(chaser.max_exceptions is not None for chaser in instance.chasers):
         raise InputError(

@@ -31,6 +31,10 @@ from .timetable_size import Size
 
 FloatArray = npt.NDArray[np.float64]
 
+NO_CONNECTIONS = ConnectionArrays(
+    *np.empty((3, 0)), np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0, np.int8)
+)
+
 SAMPLED_PAIRS = 8
 """Number of pairs whose connections are counted to estimate the total."""
 
@@ -148,21 +152,22 @@ class ConnectionFinder:
         return self._spent.get(i, 0.0)
 
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
+        if self.ends.altitudes.bars(i, j):
+            return NO_CONNECTIONS
         ends = self.ends.of(i, j)
         claiming = next((family for family in self.families if family.claims(ends)), None)
         if claiming is not None and claiming.kind.from_nowhere:
             return claiming.connections(ends, None, resolution_m_s)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
             known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
-            in_time = known.arrival <= self._end
-            return known if in_time.all() else ConnectionArrays(*(part[in_time] for part in known))
+            return _until(known, math.inf, self._end)
         if claiming is not None:
             return claiming.connections(ends, None, resolution_m_s)
         found: ConnectionArrays | None = None
         for family in self.families:
             found = family.connections(ends, found, resolution_m_s)
         assert found is not None  # there are short legs
-        return found
+        return _until(found, self.ends.altitudes.leave_by[i], math.inf)
 
     def flown(
         self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None,
@@ -422,6 +427,12 @@ class ConnectionFinder:
 
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
             list(pool.map(fill, range(len(self.instance.names))))
+
+
+def _until(found: ConnectionArrays, leave_by: float, arrive_by: float) -> ConnectionArrays:
+    """Connections that leave and arrive by some times [s]."""
+    in_time = (found.departure <= leave_by) & (found.arrival <= arrive_by)
+    return found if in_time.all() else ConnectionArrays(*(part[in_time] for part in found))
 
 
 def are_listed(instance: Instance) -> bool:

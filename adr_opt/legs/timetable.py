@@ -134,8 +134,13 @@ class Timetable(Shown):
             built = 0
             rule = instance.transfer_rule(time_value_m_s_per_h)
             interval = instance.transfer.departure_spacing_s
+            # Searches alone look at it: when bodies are left, lists say.
+            in_sight = np.minimum(
+                limits.closes, connecting.ends.altitudes.arrive_by + limits.service
+            )
             source = Source(
-                *connecting.inputs[:3], rule, limits, *asked, connecting.is_listed, interval,
+                *connecting.inputs[:3], rule, limits._replace(closes=in_sight), *asked,
+                connecting.is_listed, interval,
                 math.inf if connecting.times is None else connecting.times.most,
             )  # fmt: skip
             table = making.without_entries(size.bodies, source)

@@ -314,13 +314,16 @@ class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
-    begins docked with its origin. ``ephemerides`` are those of the instance if legs begin at and
-    close onto their states; else files say nothing of it, and bodies move freely from ``bodies``.
+    begins docked with its origin. ``planned`` is the plan itself, by which the file is judged;
+    files of version 1.0 are without it. ``ephemerides`` are those of the instance if legs begin at
+    and close onto their states; else files say nothing of it, and bodies move freely from
+    ``bodies``.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT
     instance: InstanceReference
     plan: PlanReference
+    planned: Plan | None = None
     ephemerides: EphemeridesReference | None = None
     gravity: Gravity
     freedom: Freedom
@@ -335,8 +338,9 @@ class RefinedPlan(Shown, Record):
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        if self.ephemerides is None:
-            content.pop("ephemerides", None)
+        for name in ("planned", "ephemerides"):
+            if getattr(self, name) is None:
+                content.pop(name, None)
         return content
 
     @model_validator(mode="after")
@@ -386,6 +390,10 @@ class RefinedPlan(Shown, Record):
     def has_thrust(self) -> bool:
         """Whether some leg has low thrust."""
         return any(leg.thrust is not None for leg in self.legs)
+
+    def made_of(self, plan: Plan) -> Self:
+        """The same, saying that it was made of a plan."""
+        return self.replace(plan=reference(plan), planned=plan)
 
     def to_json(self) -> str:
         """The refined plan file."""

@@ -19,7 +19,7 @@ from messages import oem, oem_in_xml
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.fly.flight.as_interpolated import interpolated_states
+from adr_opt.judge.refined.as_interpolated import interpolated_states
 from adr_opt.problem.fit import Fit
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes

@@ -14,7 +14,7 @@ from typing import Any
 from ...common.errors import InputError
 from ...common.files import parse_model
 from ...common.lines_file import LinesFile
-from ...judge.check.verdict import check
+from ...judge.admit import admit
 from ...plan.plan import Plan
 from .designs import Design
 from .point import DesignPoint
@@ -76,13 +76,9 @@ class DesignsFile:
         if content.get("plan") is not None:
             plan = parse_model(json.dumps(content["plan"]), Plan, where)
             try:
-                violations = check(instance, plan)
+                plan = admit(instance, plan).plan
             except InputError as error:
-                raise InputError(f"{where}: {error}") from None
-            if violations:
-                raise InputError(
-                    f"{where}: the plan has a violation ({violations[0]}); name another file"
-                )
+                raise InputError(f"{where}: {error}; name another file") from None
         bound = math.inf if content.get("bound") is None else content["bound"]
         times = _number(content.get("runtime_s"), where), _number(content.get("cpu_s"), where)
         try:

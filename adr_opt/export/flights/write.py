@@ -11,7 +11,7 @@ from ...common.files import check_writable, write_text
 from ...fly.flight.flyable import refuse_broken_chain
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.sampling import Trajectory, sample
-from ...plan.plan import Plan
+from ...judge.admit import AnyPlan, admit
 from ...plan.routes import chaser_wanted, owners
 from ...problem.frame import FRAMES as FRAMES
 from ...problem.instance import Instance
@@ -58,7 +58,7 @@ BY_SUFFIX = FlightFile()
 
 def write_plan(
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     path: str | os.PathLike[str],
     *,
     file: FlightFile = BY_SUFFIX,
@@ -71,7 +71,7 @@ def write_plan(
     Parameters
     ----------
     instance : Instance
-    plan : Plan
+    plan : Plan or Admitted
     path : path
         Its suffix chooses the format where ``file`` does not.
     file : FlightFile
@@ -93,8 +93,8 @@ def write_plan(
     ------
     InputError
         Unknown format, frame or chaser, several chasers and none is named, a plan of another
-        instance, without legs or that cannot be flown, legs that do not follow each other, no such
-        leg, a step that is not positive, or a file that cannot be written.
+        instance, with violations, without legs or that cannot be flown, legs that do not follow
+        each other, no such leg, a step that is not positive, or a file that cannot be written.
     MissingExtra
         There is something to turn, and astropy is not installed.
     """
@@ -109,7 +109,7 @@ def write_plan(
 
 def flown(
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
@@ -120,6 +120,7 @@ def flown(
 
     With ``together`` it may be that of several chasers.
     """
+    plan = admit(instance, plan).plan
     trajectory = sample(instance, plan, step_s)
     if not trajectory.legs:
         raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
-
-if TYPE_CHECKING:
-    from ...plan.refined_plan import RefinedPlan
 
 TIME_TOLERANCE_S = 1e-3
 """Tolerance between the last burn and the stated arrival [s]."""
@@ -37,7 +32,7 @@ def refuse_what_cannot_be_refined(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     spiralling = {
         number
         for flown in routes_of(instance, plan)
@@ -85,16 +80,6 @@ def refuse_given(instance: Instance) -> None:
         raise InputError(
             f"the connections of {instance.name!r} are given, with nothing but times and costs: "
             "its plans have no trajectory"
-        )
-
-
-def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
-    """Raise :class:`InputError` for a plan, or a refined one, of another instance."""
-    if not plan.instance.is_of(instance):
-        raise InputError(
-            f"the plan belongs to the instance {plan.instance.name!r} "
-            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
         )
 
 

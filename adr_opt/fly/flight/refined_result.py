@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .held import LEAST_SHARE, SPARE_M_S
+from ...judge.refined.holding import LEAST_SHARE, SPARE_M_S
+from ...judge.refined.thrust import MOST_SHADOW_S
 from .result import TankFlight, WithTanks
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
@@ -17,9 +18,6 @@ ONTO_MISS_M, ONTO_MISS_M_S = 10.0, 1e-2
 MOST_RELEASE_OFF_M, MOST_RELEASE_ECCENTRICITY = 1e3, 1e-3
 """Largest difference between the mean altitude at the release of a spiral and that of disposal [m],
 and largest mean eccentricity there."""
-
-MOST_SHADOW_S = 1.0
-"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
 
 SPIRAL = ("tow_propellant_kg", "tow_shadow_s", "release_off_m", "release_eccentricity")
 """Fields that only legs with a spiral have."""

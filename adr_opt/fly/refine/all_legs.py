@@ -14,6 +14,7 @@ import numpy as np
 from ...common.clock import now_s
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...judge.admit import Admitted, AnyPlan, admit
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
@@ -27,7 +28,7 @@ from ...plan.refined_plan import (
     reference,
 )
 from ...plan.routes import owners, routes_of
-from ...problem.instance import AnyInstance, Instance, instance_of
+from ...problem.instance import AnyInstance, Instance
 from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import MovingBodies, TrueBodies
 from .holding_estimate import holding_m_s
@@ -74,7 +75,7 @@ class KnownBodies(NamedTuple):
 
 def refine(  # noqa: PLR0913
     instance: AnyInstance,
-    plan: Plan,
+    plan: AnyPlan,
     *,
     gravity: Gravity | None = None,
     freedom: Freedom | None = None,
@@ -93,8 +94,8 @@ def refine(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance, path or dict
-    plan : Plan
-        Need not be free of violations; :func:`adr_opt.check` judges that.
+    plan : Plan or Admitted
+        Free of violations, unless it was let in unjudged (:func:`adr_opt.judge.admit.admit`).
     gravity : {"two-body", "j2", "j3", "j4"}, optional
         The field, with zonal harmonics up to the one that is named; that of the instance's
         dynamics by default, and with ephemerides "j4".
@@ -125,23 +126,23 @@ def refine(  # noqa: PLR0913
     Raises
     ------
     InputError
-        The plan belongs to another instance or cannot be flown, its legs do not follow each
-        other, or a parameter is not one of those. With ephemerides: there are none, they are
-        others than the instance says, or a leg has low thrust.
+        The plan belongs to another instance or has violations, its legs cannot be flown or do not
+        follow each other, or a parameter is not one of those. With ephemerides: there are none,
+        they are others than the instance says, or a leg has low thrust.
     """
     wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
-    return refined_again(instance_of(instance), plan, wanted, {})
+    return refined_again(admit(instance, plan), wanted, {})
 
 
 def refined_again(
-    instance: Instance, plan: Plan, wanted: Wanted, known: dict[Hashable, RefinedLeg]
+    admitted: Admitted[Plan], wanted: Wanted, known: dict[Hashable, RefinedLeg]
 ) -> RefinedPlan:
     """Refine a plan, legs of low thrust only where they are not known from another plan.
 
     Parameters
     ----------
-    instance : Instance
-    plan : Plan
+    admitted : Admitted
+        The plan, with its instance.
     wanted : Wanted
     known : dict
         Refined legs of low thrust of plans of the instance, in the same field, by what they were
@@ -152,6 +153,7 @@ def refined_again(
     InputError
         As of :func:`refine`.
     """
+    instance, plan = admitted.instance, admitted.plan
     jobs, cluster, enough, report = wanted[2:6]
     gravity = wanted.gravity or (DEFAULT_GRAVITY if wanted.ephemerides else instance.dynamics)
     _check_word("gravity", gravity, GRAVITIES)
@@ -225,6 +227,7 @@ def refined_again(
     return RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
+        planned=plan,
         ephemerides=ends.onto,
         gravity=gravity,
         freedom=freedom,

@@ -84,8 +84,9 @@ def command(
     --refine none that holds.
     """
     from ...analysis.grids import grid_advice
+    from ...judge.admit import admit_made
     from ...mission.problem import problem_of
-    from ...plan.plan import load_plan
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from ...run import front
     from ...run.methods import BOUNDS, PLANNERS
@@ -103,7 +104,7 @@ def command(
             assignments = (*assignments, f"{name}={value}")
     options = parse_assignments(front.method_of(method), assignments)
     instance = load(instance_path)
-    start = None if start_path is None else load_plan(start_path)
+    start = None if start_path is None else Plan.load(start_path)
     check_out(out, instance_path)
     refining = Refining(**refining_options)
     check_certificate(
@@ -149,6 +150,8 @@ def command(
     if looped is not None:
         looped = refined_plan(instance, looped)
         plan = looped.plan or plan
+    else:
+        admitted = admit_made(instance, plan)
     unsaved = _first_trouble(partial(_save_plan, plan, out, quiet))
     is_kept = out is not None and unsaved is None
     others = _first_trouble(
@@ -172,7 +175,7 @@ def command(
         tell_refined(looped, as_json)
     elif not no_fly:
         # The plan is safe by now, whatever becomes of its flight.
-        plan, flight = flown_plan(instance, plan)
+        plan, flight = flown_plan(admitted)
         if plan.flown is not None and is_kept:
             lacking = _first_trouble(partial(_save_plan, plan, out, quiet=True))
             if lacking is not None and not quiet:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...common.errors import InputError
+from ...judge.admit import admit
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from . import session_state
@@ -21,7 +22,7 @@ from .project.result_record import ResultRecord
 from .project.results import Results
 from .project_keeper import ProjectKeeper
 from .runs import PlannedRuns, told
-from .shown_plan import ShownPlan, refuse_stranger
+from .shown_plan import ShownPlan
 
 
 class EditingSession:
@@ -49,7 +50,8 @@ class EditingSession:
     Raises
     ------
     InputError
-        The plan belongs to another instance, or the folder cannot be written to or is spoilt.
+        The plan belongs to another instance or has violations, or the folder cannot be written to
+        or is spoilt.
     """
 
     def __init__(
@@ -59,7 +61,8 @@ class EditingSession:
         folder: Folder,
         planner: Callable[[Done, Found], PlanningWork],
     ) -> None:
-        refuse_stranger(instance, plan)
+        if instance is not None and plan is not None:
+            admit(instance, plan)
         self._lock = threading.RLock()
         self.folder = folder
         self._shown, self._runs = ShownPlan(folder.results), PlannedRuns(folder.results)

@@ -95,18 +95,3 @@ class ShownPlan:
                 return record.number
         kept = self._results.keep_plan("solve", label or plan.method, instance, plan, inputs=inputs)
         return kept.number
-
-
-def refuse_stranger(instance: Instance | None, plan: Plan | None) -> None:
-    """Refuse a plan of another instance.
-
-    Raises
-    ------
-    InputError
-        It is one.
-    """
-    if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
-        raise InputError(
-            f"the plan belongs to another instance, {plan.instance.name!r}; "
-            "give the one that it was made of, or no plan"
-        )
