@@ -19,6 +19,9 @@ from .identity import check_ephemerides, check_identity, check_legs
 from .tanks import check_tanks
 from .world import Places, World, reported_of
 
+STEPS = 36
+"""Steps per revolution: two years end within 0.2 m of twice as many, and the tolerance is 10 m."""
+
 UNJUDGED = "unjudged"
 """Rule of what cannot be judged here: the message says why."""
 
@@ -60,7 +63,7 @@ def _violations(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterato
         yield from check_bodies(instance, refined, reported)
         if strangers:
             return
-        world = World(refined.gravity)
+        world = World(refined.gravity, STEPS)
         places = Places(world, refined, reported)
     except InputError as error:
         yield Violation(None, UNJUDGED, f"its bodies cannot be found: {error}")

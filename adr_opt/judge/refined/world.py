@@ -39,10 +39,17 @@ MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
 
 
 class World:
-    """Free motion of many states at once, as columns of shape (6, n) [m, m/s]."""
+    """Free motion of many states at once, as columns of shape (6, n) [m, m/s].
 
-    def __init__(self, gravity: str) -> None:
-        self.zonals = FIELDS[gravity]
+    Parameters
+    ----------
+    gravity : {"two-body", "j2", "j3", "j4"}
+    steps : int
+        In a revolution at the lowest perigee.
+    """
+
+    def __init__(self, gravity: str, steps: int = STEPS) -> None:
+        self.zonals, self._steps = FIELDS[gravity], steps
 
     def coast(self, states: Array, start_s: float, end_s: float) -> Array:
         """The states after a coast.
@@ -77,7 +84,7 @@ class World:
         """A state after a time, and the least radius on the way [m]."""
         sides = _sides(state)
         elements = elements_of(sides * state)
-        steps = math.ceil(abs(duration_s) / revolution_s * STEPS)
+        steps = math.ceil(abs(duration_s) / revolution_s * self._steps)
         least = advance(elements, duration_s, steps, self.zonals)
         found = sides * state_of(elements)
         if not bool(np.isfinite(found).all()):
