@@ -91,7 +91,7 @@ class DesignsFile:
             raise InputError(
                 f"{where}: its plan avoids more than its bound; name another file"
             ) from None
-        if point.euros > (design.value("budget") or math.inf):
+        if point.euros > design.budget:
             raise InputError(f"{where}: its plan is beyond the budget; name another file")
         return point
 

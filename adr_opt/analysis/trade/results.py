@@ -179,8 +179,8 @@ class ResultsFile:
         for name, value, holds in (
             ("delta_v_m_s", point.delta_v_m_s, 0.0 < point.delta_v_m_s < math.inf),
             ("duration_s", point.duration_s, 0.0 < point.duration_s < math.inf),
-            ("thrust_n", point.thrust_n, 0.0 < (point.thrust_n or 1.0) < math.inf),
-            ("isp_s", point.isp_s, 0.0 < (point.isp_s or 1.0) < math.inf),
+            ("thrust_n", point.thrust_n, _is_positive(point.thrust_n)),
+            ("isp_s", point.isp_s, _is_positive(point.isp_s)),
             ("prize", point.prize, point.prize < math.inf),
             ("upper_bound", point.upper_bound, not math.isnan(point.upper_bound)),
             ("runtime_s", point.runtime_s, 0.0 <= point.runtime_s < math.inf),
@@ -199,6 +199,11 @@ class ResultsFile:
             point.visits, cost, f"{point.runtime_s:.3f}", f"{point.cpu_s:.3f}",
             json.dumps(point.routes, ensure_ascii=False),
         )  # fmt: skip
+
+
+def _is_positive(value: float | None) -> bool:
+    """Whether an optional number is positive and finite where there is one."""
+    return value is None or 0.0 < value < math.inf
 
 
 def _write_all(handle: int, content: bytes) -> None:
