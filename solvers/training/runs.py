@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,6 +18,7 @@ from filelock import FileLock, Timeout
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import write_text
+from adr_opt.common.processors import usable_cores
 
 from .checkpoints import read_state
 from .configs import Config
@@ -77,7 +77,7 @@ class Run:
             self.facts = self._known(path, description)
         else:
             description["versions"] = {name: version(name) for name in PACKAGES}
-            description["machine"] = f"{platform.platform()}, {os.cpu_count()} cores"
+            description["machine"] = f"{platform.platform()}, {usable_cores()} cores"
             description["began"] = datetime.now(UTC).isoformat(timespec="seconds")
             self.facts = description
             write_text(path, json.dumps(description, indent=1))
