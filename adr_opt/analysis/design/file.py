@@ -13,6 +13,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import parse_model
+from ...common.json_text import parse_json
 from ...common.lines_file import LinesFile
 from ...judge.check.verdict import check
 from ...plan.plan import Plan
@@ -119,10 +120,7 @@ def _of_other(key: str) -> str:
 
 def _parsed(where: str, line: bytes) -> tuple[str, Design, dict[str, Any]]:
     """A line as its place, its design, and its content."""
-    try:
-        content = json.loads(line)
-    except (ValueError, RecursionError):
-        content = None
+    content = parse_json(line, where, "not a line of results; name another file")
     values = content.get("design") if isinstance(content, dict) else None
     if not isinstance(values, dict) or not all(
         isinstance(value, (int, float)) for value in values.values()

@@ -18,6 +18,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import write_text
+from ...common.json_text import loaded
 from .axes import Axis
 from .points import Point, Routes, Tradeoff
 
@@ -227,7 +228,7 @@ def _cells(line: bytes) -> list[str] | None:
 def _is_cut_off(text: str) -> bool:
     """Whether a list ends before its brackets do, as in the last cell of a torn row."""
     try:
-        json.loads(text)
+        loaded(text)
     except json.JSONDecodeError:
         return True
     except RecursionError:
@@ -237,7 +238,7 @@ def _is_cut_off(text: str) -> bool:
 
 def _routes(text: str) -> Routes:
     """Names of bodies for each chaser; raises :class:`ValueError` for other texts."""
-    routes = json.loads(text)
+    routes = loaded(text)
     for route in routes:
         if not isinstance(route, list) or not all(isinstance(name, str) for name in route):
             raise ValueError(text)
