@@ -6,6 +6,7 @@ import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -60,7 +61,7 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
         the order of the file. A leg is one of
 
         - ``(body, departure)``: leave for a body, by name or by number, with a connection that
-          departs then, to a second [s after the epoch];
+          departs then, to a second [s after the epoch]; a launch may be at any time from its first;
         - ``(body, departure, arrival)``: the connection that arrives then, to a second, and departs
           no earlier: what :meth:`.Timetable.lookup` tells for a time when the chaser is ready, or a
           row of :meth:`.Timetable.connections`;
@@ -236,6 +237,8 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
         found = connecting.of_pair(i, j, resolution)
         if leg.departure_s is None:
             return found
+        if i in mission.instance.launches:
+            found = _launched(found, leg.departure_s)
         fits = found.departure <= leg.departure_s + NEAR_S
         if leg.arrival_s is None:
             leaves = _leaves(mission, i, j, found, fits)
@@ -247,6 +250,15 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
         if fits.any():
             return found.at(fits)
     raise InputError(f"{said}, {_nothing_there(mission, i, leg, found)}")
+
+
+def _launched(found: Connections, departure_s: float) -> Connections:
+    """Launches at a time, or as soon as they may be [s].
+
+    Schedules list the earliest alone, as to be early is no loss; a later one is a legal leg.
+    """
+    when = np.maximum(found.departure, departure_s)
+    return replace(found, departure=when, arrival=when)
 
 
 LATEST_S = 0.25 * DAY_S

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .constants import DAY_S
 from .errors import InputError
+from .json_text import model_of
 from .sentences import sentence
 
 if TYPE_CHECKING:
@@ -64,9 +65,9 @@ class Record(BaseModel, metaclass=_Listed):
         Raises
         ------
         pydantic.ValidationError
-            Not JSON, or it breaks the format.
+            Not JSON, a key stands twice in one object, or it breaks the format.
         """
-        return cls.model_validate_json(text)
+        return model_of(cls, text)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.

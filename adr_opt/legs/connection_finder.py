@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from ..common.constants import HOUR_S, MU_M3_S2, SLACK_S
 from ..common.errors import InputError
+from ..common.processors import usable_cores
 from ..kernels.legs import connections as kernels
 from ..kernels.legs.found import GIVEN, ConnectionArrays
 from ..kernels.legs.given_functions import legs_of
@@ -425,7 +425,7 @@ class ConnectionFinder:
                 delta_v[there, i, j] = found.delta_v[chosen]
                 duration[there, i, j] = found.arrival[chosen] - times[there]
 
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(usable_cores()) as pool:
             list(pool.map(fill, range(len(self.instance.names))))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import operator
-import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -18,6 +17,7 @@ import numpy.typing as npt
 
 from ..common.card import Shown
 from ..common.errors import InputError
+from ..common.processors import usable_cores
 from ..kernels.tables import timetable as kernels
 from ..kernels.tables import timetable_making as making
 from ..kernels.tables.on_demand import Source
@@ -122,7 +122,7 @@ class Timetable(Shown):
         wanted = size.bodies * (size.bodies - 1)
         limits = limits_of(instance, chaser, corrections)
         most = chosen.near.size if most is None else most
-        threads = threads or os.cpu_count() or 1
+        threads = threads or usable_cores()
 
         def so_far(filled: int) -> bool:
             return enough(filled / max(1, wanted))
@@ -451,7 +451,7 @@ class Timetable(Shown):
             ]
 
         self.connections(0, 0, after, resolution_m_s=resolution_m_s)  # refuses what is wrong
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(usable_cores()) as pool:
             return AllConnections.joined(
                 self.names, chain.from_iterable(pool.map(of_origin, bodies))
             )

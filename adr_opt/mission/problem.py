@@ -183,7 +183,8 @@ class Problem(Shown, Prizes):
         ):
             return False
         all_required = all(target.required for target in instance.targets)
-        if not all_required or (mission.most_targets or targets) < targets:
+        most = targets if mission.most_targets is None else mission.most_targets
+        if not all_required or most < targets:
             return False
         if chaser.end != "anywhere" or loads_of(instance, chaser, self.margin) is not None:
             return False

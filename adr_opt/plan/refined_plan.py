@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import os
 from typing import Annotated, Any, Literal, Self
@@ -17,6 +16,7 @@ from pydantic import (
 
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
+from ..common.json_text import loaded
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
 from ..problem.ephemerides import Digest, EphemerisKind
 from .leg_kinds import OneOf, RefinedKindName, leg_kind
@@ -425,7 +425,7 @@ load_refined = RefinedPlan.load
 def is_refined(path: str | os.PathLike[str]) -> bool:
     """Whether a file claims to be a refined plan; its errors are reported by others."""
     try:
-        content = json.loads(read_text(path))
+        content = loaded(read_text(path))
     except (ValueError, RecursionError):  # InputError among them
         return False
     said = content.get("format") if isinstance(content, dict) else None

@@ -355,12 +355,15 @@ class Chaser(Record):
         return self.start == "anywhere"
 
 
-def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window, ...]:
+def availability(chasers: Sequence[Chaser], separation_s: float | None) -> tuple[Window, ...]:
     """Time window of each chaser, with launches kept apart [s].
 
     Those that are launched are so in their order, each as soon as it may: to wait at the first
     target is no worse. Whether those before it are used or not, each has its place in the order.
+    Without a separation (None, which is not 0) no launch waits for another one.
     """
+    if separation_s is None:
+        return tuple(chaser.available_s for chaser in chasers)
     found, next_s = [], -math.inf
     for chaser in chasers:
         since, until = chaser.available_s

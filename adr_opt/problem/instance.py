@@ -225,8 +225,8 @@ class Instance(Shown, InstanceFile):
 
     @property
     def available_s(self) -> tuple[Window, ...]:
-        """Time window of each chaser, with launches kept apart [s]."""
-        return availability(self.chasers, self.mission.launch_separation_s or 0.0)
+        """Time window of each chaser, with launches kept apart where the mission says so [s]."""
+        return availability(self.chasers, self.mission.launch_separation_s)
 
     @property
     def spent_m_s(self) -> dict[int, float]:

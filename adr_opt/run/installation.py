@@ -14,6 +14,7 @@ from pathlib import Path
 from ..common.errors import InputError
 from ..common.memory import available_bytes
 from ..common.packages import INSTALLED, foreign_package
+from ..common.processors import usable_cores
 from ..common.requirements import OURS, Requirement, installed, requirements
 from ..common.version import __version__
 from .methods import BOUNDS, PLANNERS, names
@@ -111,7 +112,7 @@ def examine() -> Installation:
         system=f"{platform.system()} {platform.machine()}",
         place=str(INSTALLED),
         versions={OURS: __version__, **{name: installed(name) for name in shown}},
-        cores=_cores(),
+        cores=usable_cores(),
         memory_bytes=memory,
         cache=cache,
         archive=brought,
@@ -120,13 +121,6 @@ def examine() -> Installation:
         bounds=names(BOUNDS),
         problems=tuple(problems),
     )
-
-
-def _cores() -> int:
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on this system
-        return os.cpu_count() or 1
 
 
 def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:

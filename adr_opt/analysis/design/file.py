@@ -13,6 +13,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import parse_model
+from ...common.json_text import parse_json
 from ...common.lines_file import LinesFile
 from ...judge.admit import admit
 from ...plan.plan import Plan
@@ -87,7 +88,7 @@ class DesignsFile:
             raise InputError(
                 f"{where}: its plan avoids more than its bound; name another file"
             ) from None
-        if point.euros > (design.value("budget") or math.inf):
+        if point.euros > design.budget:
             raise InputError(f"{where}: its plan is beyond the budget; name another file")
         return point
 
@@ -115,10 +116,7 @@ def _of_other(key: str) -> str:
 
 def _parsed(where: str, line: bytes) -> tuple[str, Design, dict[str, Any]]:
     """A line as its place, its design, and its content."""
-    try:
-        content = json.loads(line)
-    except (ValueError, RecursionError):
-        content = None
+    content = parse_json(line, where, "not a line of results; name another file")
     values = content.get("design") if isinstance(content, dict) else None
     if not isinstance(values, dict) or not all(
         isinstance(value, (int, float)) for value in values.values()

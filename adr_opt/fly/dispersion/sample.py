@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -11,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...judge.admit import AnyRefined, admit
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
@@ -110,7 +110,7 @@ def sample_flights(  # noqa: PLR0913
 
     flown: list[LegFlights] = []
     report(0, len(refined.legs))
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(jobs or usable_cores()) as pool:
         for leg_flights in pool.map(one, refined.legs):
             flown.append(leg_flights)
             report(len(flown), len(refined.legs))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
@@ -14,6 +13,7 @@ import numpy as np
 from ...common.clock import now_s
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...judge.admit import Admitted, AnyPlan, admit
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Leg, Plan
@@ -283,7 +283,7 @@ def _calls(jobs: int | None, cluster: str | None) -> Calls:
     """The executor that guides the legs."""
     if cluster is not None:
         return Workers(cluster)
-    count = jobs or os.cpu_count() or 1
+    count = jobs or usable_cores()
     return LocalPool(ThreadPoolExecutor(count), count)
 
 

@@ -7,7 +7,6 @@ Element sets are run by the ``sgp4`` package as their OMM says, without the reco
 
 from __future__ import annotations
 
-import json
 from datetime import timedelta
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError, MissingExtra
+from ...common.json_text import loaded
 from ...plan.refined_plan import EphemeridesReference
 from ...problem.frame_rotation import from_gcrf, teme_axes
 from ...problem.instance import Instance
@@ -63,7 +63,7 @@ class ReportedStates:
             self._segments = by_body(every, listed)
         else:
             for content in contents.values():
-                self._elements |= json.loads(content)["bodies"]
+                self._elements |= loaded(content)["bodies"]
         self.bodies = tuple(self._segments or self._elements)
 
     def state(self, body: str, time_s: float) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -10,6 +9,7 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from ...common.processors import usable_cores
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...mission.mission import Mission
@@ -91,7 +91,7 @@ class DrawnFields:
         self._fixed_limits = Mission(instances[0]).connecting.is_listed
         if self._fixed_limits:
             instances = [_limited(each, fields.draw_limits(rng)) for each in instances]
-        with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="fields") as workers:
+        with ThreadPoolExecutor(usable_cores(), thread_name_prefix="fields") as workers:
             self.pool = work_out(instances, fields.most_targets + 1, workers)
         self._uncertain: dict[tuple[str, ...], UncertainPool] = {}
 

@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.files import write_bytes
+from ...common.json_text import loaded
 from .features import LEG_FEATURES, MISSION_FEATURES
 
 FloatArray = npt.NDArray[np.float64]
@@ -127,7 +128,7 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     except (OSError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(wrong) from error
     try:
-        facts = json.loads(found.pop("facts").tobytes().decode())
+        facts = loaded(found.pop("facts").tobytes().decode())
         layers = ScorerLayers(**found)
         good = facts.pop("format") == FORMAT
     except (KeyError, TypeError, ValueError) as error:

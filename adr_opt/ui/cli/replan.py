@@ -227,18 +227,14 @@ def read_zones(path: str) -> tuple[KeepOutZone, ...]:
     InputError
         It cannot be read, or holds something else.
     """
-    import json
-
     from pydantic import ValidationError
 
     from ...common.files import read_text
+    from ...common.json_text import parse_json
     from ...common.sentences import sentence
     from ...problem.settings import KeepOutZone
 
-    try:
-        content = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not JSON: {error.msg}; give a JSON file") from None
+    content = parse_json(read_text(path), str(path))
     if isinstance(content, dict):
         content = content.get("keep_out_zones")
     if not isinstance(content, list):

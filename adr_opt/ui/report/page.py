@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
 from datetime import UTC
@@ -12,6 +11,7 @@ from typing import Any, NamedTuple
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...common.files import check_writable, write_text
+from ...common.json_text import loaded
 from ...common.version import __version__
 from ...common.wording import counted, status_words
 from ...fly.flight.fly import fly
@@ -288,7 +288,7 @@ def _data(
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
         "motion": motion(instance, plan, drawn) if is_moved else None,
-        "coast": json.loads(asset("coast/coastline.json")) if is_moved else None,
+        "coast": loaded(asset("coast/coastline.json")) if is_moved else None,
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],

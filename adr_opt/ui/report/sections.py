@@ -411,8 +411,9 @@ def _asked(instance: Instance) -> list[str]:
     if instance.objective.time_m_s_per_day is not None:
         price = number(instance.objective.time_m_s_per_day, 3)
         asked.append(f"each day of a chaser that is used costs {price} m/s")
-    if instance.mission.launch_separation_s:
-        asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
+    apart_s = instance.mission.launch_separation_s
+    if apart_s is not None:
+        asked.append(f"launches follow one another, {in_days(apart_s)} apart at least")
     if instance.mission.mission_separation_s is not None:
         rest = in_days(instance.mission.mission_separation_s)
         asked.append(f"a mission ends {rest} or more before the next is launched")

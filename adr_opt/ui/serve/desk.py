@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import read_text
+from ...common.json_text import parse_json
 from ...common.wording import counted
 from .choices import choices
 from .forms.fields import form_fields
@@ -186,10 +186,12 @@ class Desk:
         if record.verb != "tradeoff":
             raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
         place = self.session.results.place(record.number)
+        where = f"the answer of result {record.number}"
+        answer = parse_json(read_text(refuse_link(place / ANSWER)), where)
         try:
-            return points_of(place, json.loads(read_text(refuse_link(place / ANSWER))))
+            return points_of(place, answer)
         except (ValueError, LookupError, TypeError):
-            raise InputError(f"the answer of result {record.number} is spoilt") from None
+            raise InputError(f"{where} is spoilt") from None
 
     def show(self, asked: ShowRequest) -> None:
         """Show the plan of a result, or of a point of it."""

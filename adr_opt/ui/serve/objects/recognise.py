@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import parse_model
+from ....common.json_text import parse_json
 from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ....problem.uncertainty import Uncertainty
@@ -89,9 +89,9 @@ def _of_the_project(path: Path, name: str) -> Recognised:
     """A file in one of the formats of this project."""
     try:
         text = path.read_text("utf-8")
-        content: Any = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{name}: not JSON ({error}); give a JSON file") from None
+    except ValueError:
+        raise InputError(f"{name}: not JSON: no text in UTF-8; give a JSON file") from None
+    content: Any = parse_json(text, name)
     kind = str(content.get("format") if isinstance(content, dict) else "").partition("/")[0]
     if kind == "adr-opt-instance":
         instance = parse_model(text, Instance, name)
