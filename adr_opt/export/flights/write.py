@@ -40,10 +40,9 @@ class FlightFile:
     format : {"oem", "opm", "ocm", "czml", "script"}, optional
         By default that of the file's suffix; "ocm" is for refined plans.
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        By default the frame of the instance, and EME2000 if it names none. Where it names one,
-        states and burns are turned from that to this, by astropy; else this is only a name. CZML
-        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
-        is in EME2000 for it.
+        By default GCRF, and EME2000 if the instance names no frame. Where it names one, states and
+        burns are turned from that to this, by astropy; else this is only a name. CZML has only
+        Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME.
     object_id : str, optional
         International designator of what flies, for ``oem`` and ``opm``; else UNKNOWN.
     """

@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 @click.option(
     "--frame",
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="Frame to rotate to, or the name of the frame if INSTANCE states none; by default its "
-    "own, or else EME2000.",
+    help="Frame to rotate to, by default GCRF; or the name of the frame if INSTANCE states none, "
+    "by default EME2000.",
 )
 @take.number(
     "--step",
