@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-
 LONGEST_NAME = 60
 """Length beyond which names, keys and values are cut in error messages [characters]."""
 

@@ -9,8 +9,8 @@ from numba import njit, types
 from numba.core import event
 
 from ...common.clock import leave_out
-from .archive import find
 from . import enabled
+from .archive import find
 from .cache import KernelCache
 from .inner import InnerCompiler, OuterCompiler
 
