@@ -5,6 +5,10 @@ from __future__ import annotations
 import os
 import signal
 import sys
+from contextlib import suppress
+
+INTERRUPTED = 128 + 2
+"""Exit status after Ctrl-C, as shells have it."""
 
 
 def main() -> int:
@@ -24,7 +28,14 @@ def main() -> int:
             file=sys.stderr,
         )
         return 3
-    return run()
+    status = run()
+    if status == INTERRUPTED:
+        # Python kills itself if an interrupt has passed through ``exec``, and waits for threads.
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                stream.flush()
+        os._exit(status)
+    return status
 
 
 def _leave(number: int, frame: object) -> None:

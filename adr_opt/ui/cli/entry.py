@@ -17,10 +17,10 @@ from click.shell_completion import shell_complete
 from ...common.errors import InputError, failure
 from .complete import VARIABLE
 from .output import say
-from .signals import Aborted, interruptible
+from .signals import INTERRUPTED, Aborted, interruptible
 from .verbs import DEBUG, command
 
-DONE, WRONG, FAILED, INTERRUPTED, READER_GONE = 0, 2, 3, 128 + 2, 128 + 13
+DONE, WRONG, FAILED, READER_GONE = 0, 2, 3, 128 + 13
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
