@@ -207,7 +207,7 @@ def kernel_cache() -> Cache:
     """The folder of compiled kernels, with its contents."""
     from ..kernels.core import cache
 
-    first: str | None = None
+    first = next((f"compiled kernels cannot be kept in {said}" for said in cache.refused()), None)
     for folder in cache.folders():
         trouble = _unwritable(folder)
         if trouble is None:
