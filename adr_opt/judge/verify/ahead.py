@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
+from ...common.memory import available_bytes
 from ...kernels.core.compile import inlined, kernel
 from .cargo import after_service, changes, is_unused
 from .legs import Legs
@@ -36,6 +37,12 @@ SHARE = 1.0 / 60.0
 
 ROOM_BYTES = 1e9
 """Memory limit of the values; slots are widened until they fit [bytes]."""
+
+SHARE_OF_MEMORY = 0.25
+"""Share of the free memory that they may take."""
+
+MOST_SLOTS = 32766
+"""Number of slots beyond which they are widened as well, as they tell nothing more."""
 
 
 class Ahead(NamedTuple):
@@ -300,8 +307,9 @@ def look_ahead(
     last = np.empty(departures.size)
     length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
     last = last[: _steps(departures, length, last)]
-    tables = 8.0 * layers * last.size * bodies
-    while slot_m_s < tank and tables * tank / slot_m_s > ROOM_BYTES:
+    tables = 8.0 * layers * (last.size + 1) * bodies
+    most_slots = min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / tables)
+    while slot_m_s < tank and tank / slot_m_s > most_slots:
         slot_m_s *= 2.0
     tops = np.array([slots_in(full, slot_m_s) for full in cargo.full.tolist()])
     slots = int(tops[0]) + 1

@@ -50,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _answered(words: list[str], arrived: Callable[[], None]) -> int:
     """Run a verb, and say what it raises; ``arrived`` is told of an interrupt."""
     try:
-        status = _run(words)
+        status = _run(words.copy())  # click takes them away
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
