@@ -23,7 +23,7 @@ LARGEST_WORTH = 1e100
 """Largest sum of prizes, far beyond any prize and within float range; sums are exact."""
 
 Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
-FINEST = 1e-6
+FINEST = 1e-8
 """Shortest step [s] and narrowest slot [m/s]: finer ones take memory and tell nothing more."""
 
 Fineness = Annotated[float, Field(ge=FINEST)]

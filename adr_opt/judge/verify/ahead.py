@@ -283,6 +283,11 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
                 )  # fmt: skip
 
 
+def most_slots(slot_bytes: float) -> float:
+    """How many slots of a size in memory there may be."""
+    return min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / slot_bytes)
+
+
 def look_ahead(
     legs: Legs,
     gain: Sequence[Fraction],
@@ -308,8 +313,8 @@ def look_ahead(
     length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
     last = last[: _steps(departures, length, last)]
     tables = 8.0 * layers * (last.size + 1) * bodies
-    most_slots = min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / tables)
-    while slot_m_s < tank and tank / slot_m_s > most_slots:
+    most = most_slots(tables)
+    while slot_m_s < tank and tank / slot_m_s > most:
         slot_m_s *= 2.0
     tops = np.array([slots_in(full, slot_m_s) for full in cargo.full.tolist()])
     slots = int(tops[0]) + 1
