@@ -61,8 +61,17 @@ def cleared() -> None:
         interrupt()
 
 
+def translated() -> None:
+    """As where a module in C prints what it was interrupted with, and cannot be imported."""
+    try:
+        interrupt()
+    except BaseException as error:
+        sys.excepthook(type(error), error, error.__traceback__)
+        raise ImportError("failed to import") from None
+
+
 @pytest.mark.usefixtures("heard")
-@pytest.mark.parametrize("swallow", [in_a_callback, in_a_destructor, cleared])
+@pytest.mark.parametrize("swallow", [translated, in_a_callback, in_a_destructor, cleared])
 def test_a_swallowed_interrupt_comes_again(
     cli: Cli, swallow: Callable[[], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,10 +47,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-def _answered(words: list[str], arrived: Callable[[], None]) -> int:
-    """Run a verb, and say what it raises; ``arrived`` is told of an interrupt."""
+def _answered(words: list[str], arrived: Callable[[], bool]) -> int:
+    """Run a verb, and say what it raises; ``arrived`` tells of an interrupt, and ends it."""
     try:
-        status = _run(words.copy())  # click takes them away
+        try:
+            status = _run(words.copy())  # click takes them away
+        except Exception:
+            if arrived():  # an interrupt has made another error of it
+                raise KeyboardInterrupt from None
+            raise
+        if arrived():
+            raise KeyboardInterrupt
         if sys.stdout is not None:
             sys.stdout.flush()
         return status

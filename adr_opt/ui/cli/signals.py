@@ -7,7 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import FrameType
+from types import FrameType, TracebackType
 
 INTERRUPTED = 128 + signal.SIGINT
 """Exit status after Ctrl-C, as shells have it."""
@@ -72,28 +72,32 @@ def signals_to(
 
 
 @contextmanager
-def interruptible() -> Iterator[Callable[[], None]]:
+def interruptible() -> Iterator[Callable[[], bool]]:
     """Raise KeyboardInterrupt at the first SIGINT, again and again until it arrives.
 
     Python prints and drops what is raised in a ``__del__`` or in a callback from C, as where a
-    kernel is loaded, and libraries clear it.
+    kernel is loaded; libraries clear it, or print it and raise something else.
 
     Yields
     ------
     callable
-        To be called where the exception has arrived.
+        To be called where the exception arrives, or should have; returns whether one was raised.
     """
 
     def interrupt() -> None:
         raise KeyboardInterrupt
 
-    report = sys.unraisablehook
+    report, show = sys.unraisablehook, sys.excepthook
 
     def drop(dropped: sys.UnraisableHookArgs) -> None:
         if not issubclass(dropped.exc_type, KeyboardInterrupt):
             report(dropped)
 
-    sys.unraisablehook = drop
+    def hide(kind: type[BaseException], error: BaseException, place: TracebackType | None) -> None:
+        if not issubclass(kind, KeyboardInterrupt):
+            show(kind, error, place)
+
+    sys.unraisablehook, sys.excepthook = drop, hide
     try:
         with signals_to(interrupt, (signal.SIGINT,)):
             _raised.begin()
@@ -102,7 +106,7 @@ def interruptible() -> Iterator[Callable[[], None]]:
             finally:
                 _raised.settle()
     finally:
-        sys.unraisablehook = report
+        sys.unraisablehook, sys.excepthook = report, show
 
 
 class _Raised:
@@ -143,14 +147,15 @@ class _Raised:
         if error is not None and not _is_handling(error):
             raise error
 
-    def settle(self) -> None:
-        """Repeat no more: it has arrived."""
-        self._error = None
+    def settle(self) -> bool:
+        """Repeat no more; returns whether there was one."""
+        was, self._error = self._error is not None, None
         self._settled.set()
         if self._thread is not None:
             self._thread.join()
             self._thread = None
             self.is_repeating = False
+        return was
 
 
 _raised = _Raised()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .bars import busy_bar
 from .output import say
@@ -59,7 +59,7 @@ class TrainingBar:
             self._bar = self._steps_bar() if self._live else None
         self._clock.begin(done)
         if self._bar is not None:
-            more = {"held": _text(means)} if means else {}
+            more: dict[str, Any] = {"held": _text(means)} if means else {}
             task = self._bar.task_ids[0]
             self._bar.update(task, completed=done, rate=self._clock.rate(done), **more)
         elif means:
