@@ -35,11 +35,8 @@ LARGEST = 2**28
 SHARE = 1.0 / 60.0
 """Step length as a share of the shortest leg."""
 
-ROOM_BYTES = 1e9
-"""Memory limit of the values; slots are widened until they fit [bytes]."""
-
-SHARE_OF_MEMORY = 0.25
-"""Share of the free memory that they may take."""
+ROOM_BYTES, SHARE_OF_MEMORY = 1e9, 0.25
+"""Memory limits of the values [bytes], [1 / free memory]; slots are widened until they fit."""
 
 MOST_SLOTS = 32766
 """Number of slots beyond which they are widened as well, as they tell nothing more."""

@@ -77,8 +77,9 @@ def command(
     if not (checkpoint_s >= 0.0 and math.isfinite(checkpoint_s)):
         raise InputError(f"--checkpoint-every = {checkpoint_s:g}: must be seconds from 0 on")
     folder = Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{out}: is a file; give a folder")
+    nearest = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not nearest.is_dir():
+        raise InputError(f"{nearest}: is a file; give a folder")
 
     stopped = threading.Event()
     last: dict[str, float] = {}
