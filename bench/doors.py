@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import adr_opt
-from adr_opt.__main__ import main as command_line
+from adr_opt.ui.cli.entry import main as command_line
 
 Content = dict[str, Any]
 Edit = Callable[[Content], None]

@@ -127,8 +127,8 @@ def compiled(methods: list[str] | None) -> dict[str, bytes]:
 
 def run_verbs(field: str) -> set[Path]:
     """Call all verbs for a mission; files of the kernels that were called."""
-    from adr_opt.__main__ import main as adr_opt
     from adr_opt.kernels.core import cache
+    from adr_opt.ui.cli.entry import main as adr_opt
 
     folder = Path(tempfile.mkdtemp())
     try:

@@ -15,8 +15,8 @@ from hypothesis import settings
 from run_all_rows import BENCH, Load
 
 import adr_opt
-from adr_opt.__main__ import main
 from adr_opt.common.processors import usable_cores
+from adr_opt.ui.cli.entry import main
 
 
 @dataclass(frozen=True)

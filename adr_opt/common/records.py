@@ -31,8 +31,10 @@ LARGEST_MASS_KG = 1e9
 LARGEST_EXPENSE = 1e12
 LARGEST_THRUST_N = 1e6
 LARGEST_TIME_S = 1e12
+LARGEST_COUNT = 2**31 - 1
 LARGEST_DURATION_S = 100 * 365.25 * DAY_S
 
+Count = Annotated[int, Field(ge=0, le=LARGEST_COUNT)]
 Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
 Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
 Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]

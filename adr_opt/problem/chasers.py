@@ -23,6 +23,7 @@ from ..common.records import (
     LARGEST_EXPENSE,
     LARGEST_MASS_KG,
     LARGEST_THRUST_N,
+    Count,
     Name,
     Record,
     Window,
@@ -266,12 +267,12 @@ class Chaser(Record):
     start: Start
     available_s: Window = (0.0, None)
     end: End = "anywhere"
-    max_targets: Annotated[int, Field(ge=0)] | None = None
+    max_targets: Count | None = None
     tank: AnyTank
-    kits: Annotated[int, Field(ge=0)] | None = None
+    kits: Count | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
-    max_exceptions: Annotated[int, Field(ge=0)] | None = None
+    max_exceptions: Count | None = None
     thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
     duty_cycle: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
 

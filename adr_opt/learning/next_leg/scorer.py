@@ -6,11 +6,11 @@ import io
 import json
 import math
 import os
-import zipfile
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,9 @@ from .features import LEG_FEATURES, MISSION_FEATURES
 FloatArray = npt.NDArray[np.float64]
 
 FORMAT = "adr-opt-next-leg/1"
+
+MOST_BYTES = 16 * 2**20
+"""Largest size of all arrays of a file; those of the package have a thousandth."""
 
 SHIPPED = "next-leg.npz"
 """File of the weights that come with the package."""
@@ -122,10 +125,10 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     """
     wrong = f"{os.fspath(path)}: is not a file of weights for choosing legs ({FORMAT})"
     try:
-        _refuse_sizes(path)
+        _refuse_swollen(path)
         with np.load(path, allow_pickle=False) as content:
             found = {name: content[name] for name in content.files}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
+    except (OSError, ValueError, BadZipFile) as error:
         raise InputError(wrong) from error
     try:
         facts = loaded(found.pop("facts").tobytes().decode())
@@ -143,21 +146,19 @@ def load_scorer(path: str | os.PathLike[str]) -> LegScorer:
     )
 
 
-def _refuse_sizes(path: str | os.PathLike[str]) -> None:
-    """Raise :class:`ValueError` where arrays state more numbers than the file has bytes for.
-
-    They are stored as they are, and NumPy would make room for them before it reads any.
-    """
-    size = Path(path).stat().st_size
-    with zipfile.ZipFile(path) as archive:
-        for member in archive.infolist():
-            if member.file_size > size:
-                raise ValueError(f"{member.filename}: larger than its file")
-            with archive.open(member) as content:
-                np.lib.format.read_magic(content)
-                shape, _, kind = np.lib.format.read_array_header_1_0(content)
-            if math.prod(shape) * kind.itemsize > member.file_size:
-                raise ValueError(f"{member.filename}: states more numbers than there are")
+def _refuse_swollen(path: str | os.PathLike[str]) -> None:
+    """Raise ``ValueError`` for arrays that say that they are larger than what is stored of them."""
+    with ZipFile(path) as packed:
+        if sum(each.file_size for each in packed.infolist()) > MOST_BYTES:
+            raise ValueError("too large")
+        for each in packed.infolist():
+            with packed.open(each) as member:
+                version = np.lib.format.read_magic(member)
+                if version != (1, 0):  # of headers as long as those of weights never are
+                    raise ValueError("another version")
+                shape, _, kind = np.lib.format.read_array_header_1_0(member)
+                if math.prod(shape) * kind.itemsize + member.tell() != each.file_size:
+                    raise ValueError("not whole")
 
 
 @cache
