@@ -8,6 +8,7 @@ import click
 
 from ...common.wording import counted
 from . import take
+from .doubts import say_doubts
 from .flown import flight_line, flight_of, no_fly_option, was_refined
 from .output import emit, emit_json
 from .parameters import about, mission_of
@@ -31,9 +32,11 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
     was refined when made; the outcome is printed and does not change the verdict. Exit status 1:
     there are violations.
     """
+    from ...fly.flight.off_circles import off_circles
     from ...judge.check.verdict import check
 
     instance, plan = mission_of(instance_path, plan_path)
+    say_doubts(instance)
     with about(plan_path):
         violations = check(instance, plan)
     refined = was_refined(plan)
@@ -65,6 +68,9 @@ def command(instance_path: str, plan_path: str, no_fly: bool, as_json: bool) -> 
             emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
         else:
             emit(f"{plan_path}: neither flown nor refined: {flight}")
+        off = None if refined is not None else off_circles(instance, plan)
+        if off is not None:
+            emit(f"{plan_path}: {off}")
         if plan.flown is not None and plan.own_flight is None:
             emit(f"{plan_path}: the flight that it records is of other legs")
     return 1 if violations else 0

@@ -73,6 +73,7 @@ def command(
         return fly_and_tell(instance_path, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
+    from ...fly.flight.off_circles import off_circles
 
     instance, plan = mission_of(instance_path, plan_path)
     sampling.refuse_unrefined(plan_path)
@@ -96,6 +97,9 @@ def command(
             _tell_eccentric(flight)
         if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
+        off = off_circles(instance, plan)
+        if off is not None:
+            emit(str(off))
         for chaser in flight.chasers:
             emit(str(chaser))
         emit(_tanks(flight))
