@@ -67,6 +67,7 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
           row of :meth:`.Timetable.connections`;
         - ``body``: any connection.
 
+        The departure of a launch is also its arrival, and may be later than the first possible one.
         Of all that legs leave open, the schedule of least cost is taken, as of an order of bodies.
         Stations are for refuelling. The chaser waits until a leg departs. A refuelling that nothing
         follows is left out, as in all plans, and a way back is added where the mission has to end
@@ -237,8 +238,8 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
         found = connecting.of_pair(i, j, resolution)
         if leg.departure_s is None:
             return found
-        if i in mission.instance.launches:
-            found = _launched(found, leg.departure_s)
+        if found.departure.size and i in mission.instance.launches:
+            return _launched(found, leg, said)
         fits = found.departure <= leg.departure_s + NEAR_S
         if leg.arrival_s is None:
             leaves = _leaves(mission, i, j, found, fits)
@@ -252,13 +253,28 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
     raise InputError(f"{said}, {_nothing_there(mission, i, leg, found)}")
 
 
-def _launched(found: Connections, departure_s: float) -> Connections:
-    """Launches at a time, or as soon as they may be [s].
+def _launched(found: Connections, leg: _Leg, said: str) -> Connections:
+    """The launch at the stated time, which is its end as well.
 
-    Schedules list the earliest alone, as to be early is no loss; a later one is a legal leg.
+    Planners launch as soon as the chaser is there, since to be early is no loss; a later launch is
+    as good as its rules.
+
+    Raises
+    ------
+    InputError
+        It is before that time, or arrives at another one.
     """
-    when = np.maximum(found.departure, departure_s)
-    return replace(found, departure=when, arrival=when)
+    opens_s, time_s = float(found.departure.min()), leg.departure_s
+    assert time_s is not None
+    if time_s < opens_s - NEAR_S:
+        raise InputError(f"{said} launches at {time_s:.10g} s, but may not before {opens_s:.10g} s")
+    if leg.arrival_s is not None and abs(leg.arrival_s - time_s) > NEAR_S:
+        raise InputError(
+            f"{said} launches at {time_s:.10g} s and arrives at {leg.arrival_s:.10g} s; a launch "
+            "takes no time"
+        )
+    when = np.array([max(time_s, opens_s)])
+    return replace(found.at(np.arange(1)), departure=when, arrival=when)
 
 
 LATEST_S = 0.25 * DAY_S

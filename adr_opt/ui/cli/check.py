@@ -9,6 +9,7 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
+from .doubts import say_doubts
 from .flown import flight_line, flight_of, no_fly_option, was_refined
 from .output import emit, emit_json
 from .parameters import about, admitted_plan
@@ -38,6 +39,7 @@ def command(
     plan, states, burns and arcs are judged by a propagation of their own. Exit status 1: there are
     violations.
     """
+    from ...fly.flight.off_circles import off_circles
     from ...plan.refined_plan import is_refined
 
     if is_refined(plan_path):
@@ -46,6 +48,7 @@ def command(
         raise InputError(f"--refined-from: {plan_path} is no refined plan; leave it out")
     admitted = admitted_plan(instance_path, plan_path, unjudged=True)
     instance, plan, violations = admitted.instance, admitted.plan, admitted.violations
+    say_doubts(instance)
     refined = was_refined(plan)
     flight: MeanFlight | str = VIOLATED if violations else UNASKED
     if refined is None and not violations and not no_fly:
@@ -75,6 +78,9 @@ def command(
             emit(f"{plan_path}: {flight_line(flight)}; it was not refined")
         else:
             emit(f"{plan_path}: neither flown nor refined: {flight}")
+        off = None if refined is not None else off_circles(instance, plan)
+        if off is not None:
+            emit(f"{plan_path}: {off}")
         if plan.flown is not None and plan.own_flight is None:
             emit(f"{plan_path}: the flight that it records is of other legs")
     return 1 if violations else 0

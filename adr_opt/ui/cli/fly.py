@@ -89,6 +89,7 @@ def command(
         return fly_and_tell(refined, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
+    from ...fly.flight.off_circles import off_circles
 
     admitted = admitted_plan(instance_path, plan_path, unjudged=unjudged)
     say_unjudged(admitted, plan_path, quiet=quiet)
@@ -113,6 +114,9 @@ def command(
             _tell_eccentric(flight)
         if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
+        off = off_circles(admitted.instance, admitted.plan)
+        if off is not None:
+            emit(str(off))
         for chaser in flight.chasers:
             emit(str(chaser))
         emit(_tanks(flight))

@@ -13,6 +13,7 @@ from ...common.wording import status_words
 from . import complete, take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .confident import Confident, confident_options, run_confident
+from .doubts import say_doubts
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_rich, say, terminal_width
 from .parameters import check_out, parse_assignments, run_options
@@ -104,6 +105,7 @@ def command(
             assignments = (*assignments, f"{name}={value}")
     options = parse_assignments(front.method_of(method), assignments)
     instance = load(instance_path)
+    say_doubts(instance, quiet=quiet)
     start = None if start_path is None else Plan.load(start_path)
     check_out(out, instance_path)
     refining = Refining(**refining_options)
