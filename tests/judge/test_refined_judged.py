@@ -14,13 +14,14 @@ from seeds import over_kinds
 from towed_fields import field
 
 import adr_opt
+from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import moved
 from adr_opt.judge.check.violation import Violation
 from adr_opt.judge.refined import check_refined
 from adr_opt.judge.refined.flight import MOST_RELEASE_OFF_M
 from adr_opt.plan.plan import Plan
-from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan, reference
+from adr_opt.plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow, reference
 from adr_opt.problem.instance import Instance
 
 Case = tuple[Instance, Plan, RefinedPlan]
@@ -76,10 +77,24 @@ def off(instance: Instance, refined: RefinedPlan) -> float:
 
     The worse of positions, and of velocities times a thousand seconds.
     """
-    bodies = {
-        body.name: np.array([*body.position_m, *body.velocity_m_s]) for body in refined.bodies
-    }
-    return max(_off(leg, bodies, refined) for leg in refined.legs)
+    bodies = {one.name: np.array([*one.position_m, *one.velocity_m_s]) for one in refined.bodies}
+    tows = [
+        (name, tow)
+        for leg in refined.legs
+        for name, tow in ((leg.origin, leg.tow_before), (leg.destination, leg.tow))
+        if tow is not None
+    ]
+    worst = max(_off(leg, bodies, refined) for leg in refined.legs)
+    return max(worst, *(_released_off(tow, bodies[name], refined) for name, tow in tows), 0.0)
+
+
+def _released_off(tow: RefinedTow, body: np.ndarray, refined: RefinedPlan) -> float:
+    state, now = moved(body, tow.start_s, refined.gravity), tow.start_s
+    for burn in tow.burns:
+        state, now = moved(state, burn.time_s - now, refined.gravity), burn.time_s
+        state[3:] += burn.delta_v_m_s
+    told = tow.released
+    return _apart(state, np.array([*told.position_m, *told.velocity_m_s]))
 
 
 def _off(leg: RefinedLeg, bodies: dict[str, np.ndarray], refined: RefinedPlan) -> float:
@@ -157,11 +172,11 @@ def test_a_tank_that_flown_legs_break_is_found() -> None:
 
 def test_a_leg_that_comes_down_is_missing() -> None:
     """A leg that would pass below the limit of altitude is found, and never handed out refined."""
-    instance, plan, refined = case("j2", 1)
-    lowest = min(leg.lowest_altitude_m for leg in refined.legs)
-    higher = instance.replace(
-        transfer=instance.transfer.replace(min_altitude_m=lowest + 15e3, max_altitude_m=2e6)
+    instance, plan, refined = case("own-burns", 1)
+    lowest = min(
+        math.hypot(*one.position_m) - EARTH_RADIUS_M for leg in refined.legs for one in leg.states
     )
+    higher = instance.replace(transfer=instance.transfer.replace(min_altitude_m=lowest + 1e3))
     told = plan.replace(instance=plan.instance.replace(sha256=higher.sha256))
     again = refined.replace(instance=told.instance, plan=reference(told))
     low = {one.leg for one in check_refined(higher, told, again) if one.rule == "altitude"}
