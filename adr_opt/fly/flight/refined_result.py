@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ...judge.check.violation import Violation
 from ...judge.refined.holding import LEAST_SHARE, SPARE_M_S
 from ...judge.refined.thrust import MOST_SHADOW_S
 from .result import TankFlight, WithTanks
@@ -155,12 +156,15 @@ class RefinedFlight(WithTanks):
         Of the legs that were refined.
     missing : tuple of int
         Numbers of the legs that were not.
+    violations : tuple of Violation
+        That the judge found in the refined plan, where it was asked.
     """
 
     gravity: str
     legs: tuple[RefinedLegFlight, ...]
     tanks: tuple[TankFlight, ...]
     missing: tuple[int, ...] = ()
+    violations: tuple[Violation, ...] = ()
 
     @property
     def onto_ephemerides(self) -> bool:
@@ -213,10 +217,11 @@ class RefinedFlight(WithTanks):
     def holds(self) -> bool:
         """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice.
 
-        And whether spirals end on the circle of disposal, and legs state the ΔV of holding.
+        And whether spirals end on the circle of disposal, legs state the ΔV of holding, and the
+        judge found nothing.
         """
         wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
-        wrong = wrong or self.understated
+        wrong = wrong or self.understated or self.violations
         return not (wrong or self.broken_tanks)
 
     @property

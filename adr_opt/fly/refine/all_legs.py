@@ -15,6 +15,7 @@ from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.processors import usable_cores
 from ...judge.admit import Admitted, AnyPlan, admit
+from ...judge.refined import check_refined
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
@@ -121,7 +122,8 @@ def refine(  # noqa: PLR0913
     Returns
     -------
     RefinedPlan
-        Legs for which no trajectory was found, or no time was left, are among its ``missing``.
+        Legs for which no trajectory was found, or that come down below the limit of altitude, or
+        for which no time was left, are among its ``missing``.
 
     Raises
     ------
@@ -224,7 +226,7 @@ def refined_again(
                 for future in left:
                     future.cancel()
     known |= {what: done[number] for number, what in made_of.items() if number in done}
-    return RefinedPlan(
+    made = RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
         planned=plan,
@@ -236,6 +238,24 @@ def refined_again(
         versions=versions(),
         bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
         legs=tuple(done[number] for number in sorted(done)),
+        missing=tuple(missing[number] for number in sorted(missing)),
+    )
+    return _without_low(instance, plan, made)
+
+
+def _without_low(instance: Instance, plan: Plan, made: RefinedPlan) -> RefinedPlan:
+    """A refined plan without legs that come down below the limit of altitude."""
+    low = {
+        found.leg: Missing(leg=found.leg, reason=found.message)
+        for found in check_refined(instance, plan, made)
+        if found.rule == "altitude" and found.leg is not None
+    }
+    if not low:
+        return made
+    missing = {one.leg: one for one in made.missing} | low
+    return made.replace(
+        status="incomplete",
+        legs=tuple(leg for leg in made.legs if leg.leg not in low),
         missing=tuple(missing[number] for number in sorted(missing)),
     )
 

@@ -16,6 +16,7 @@ from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedT
 from ...problem.chasers import Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
+from ..check.altitude import Heights
 from ..check.violation import MOST_RELEASE_OFF_M, Violation
 from .bodies import SAME_M, SAME_M_S
 from .holding import LEAST_SHARE, SPARE_M_S, found_m_s
@@ -233,7 +234,8 @@ def _radii(states: Array) -> Array:
 
 def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[Violation]:
     """Check the altitude of all arcs, thrust in the shadow, and what is set aside for holding."""
-    leg, least_m = judge.leg, judge.instance.transfer.min_altitude_m
+    leg, heights = judge.leg, Heights(judge.instance)
+    least_m = min(heights.least_m(name) for name in (leg.origin, leg.destination))
     spare_m = OSCULATION_M if judge.world.zonals.any() else SAME_M
     if lowest_m - EARTH_RADIUS_M < least_m - spare_m:
         yield Violation(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...plan.plan import Leg, Plan, Tow
-from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow, reference
+from ...plan.refined_plan import Freedom, RefinedLeg, RefinedPlan, RefinedTow, reference
 from ...problem.instance import Instance
 from ..check.violation import TIME_TOLERANCE_S, Violation
 from .tanks import chasers_of
@@ -62,6 +62,7 @@ def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator
             if number in known:
                 name = chaser.name if len(instance.chasers) > 1 else None
                 yield from _check_leg(known[number], leg, before, name)
+                yield from _check_phases(known[number], leg, refined.freedom)
             elif number not in reasons:  # one that the file says to be missing claims nothing
                 yield Violation(number, "missing", "it is not refined, and nothing says why")
             before = leg
@@ -115,6 +116,21 @@ def _check_leg(
     yield from _check_tow(number, "tow", found.tow, leg.tow, leg.end_s)
     ready_s = 0.0 if before is None else before.end_s
     yield from _check_tow(number, "tow_before", found.tow_before, led, ready_s)
+
+
+def _check_phases(found: RefinedLeg, leg: Leg, freedom: Freedom) -> Iterator[Violation]:
+    """Check what burns are called: free ones ``transfer``, those at times of the plan as there."""
+    planned = {burn.time_s: burn.phase for burn in reversed(leg.burns)}
+    stated = [burn.phase for burn in found.burns]
+    begun = stated.index("approach") if "approach" in stated else len(stated)
+    true = [
+        "approach" if at >= begun
+        else "transfer" if freedom == "free"
+        else planned.get(burn.time_s, "transfer")
+        for at, burn in enumerate(found.burns)
+    ]  # fmt: skip
+    if stated != true:
+        yield Violation(found.leg, "leg", f"phases are {stated}, but should be {true}")
 
 
 def _times(found: RefinedLeg, leg: Leg, led: Tow | None) -> Iterator[tuple[str, float, float]]:
