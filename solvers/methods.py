@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from adr_opt.run.method_spec import ALL_RULES, EXCEPTIONS, MethodSpec, Practice
+from adr_opt.run.method_spec import ALL_RULES, MethodSpec, Practice
 
 AUTO = MethodSpec(
     "auto", "solvers.planners.auto:auto",
-    several=True, rules=ALL_RULES | {EXCEPTIONS}, starts=True, uses_cores=True,
+    several=True, rules=ALL_RULES, starts=True, uses_cores=True,
     shows_evidence=True, bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
     orders_all=True, practice=Practice(more="solvers.labels.practice:practise"),
 )  # fmt: skip

@@ -96,11 +96,6 @@ def replan(  # noqa: PLR0913
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
     refuse_tour_rules(instance, "replan")
-    if any(chaser.max_exceptions is not None for chaser in instance.chasers):
-        raise InputError(
-            "exceptions that were used so far are not counted yet: replan cannot plan on where "
-            "chasers[].max_exceptions is given; plan an instance of what is left"
-        )
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))

@@ -148,14 +148,13 @@ class Problem(Shown, Prizes):
         """The mission of the only chaser, where a plan is a single route.
 
         None with several chasers, and where loads, what stations have, the expense of a chaser that
-        is used, the time of its launch or exceptions count as well. What is quicker with one chaser
-        is chosen by it.
+        is used, or the time of its launch count as well. What is quicker with one chaser is chosen
+        by it.
         """
         instance = self.instance
         counts = bool(self.limits) or instance.objective.cost == "expense"
         counts |= instance.mission.mission_separation_s is not None
         counts |= instance.transfer.max_leg_s is not None
-        counts |= self.limits_exceptions
         if len(self.missions) > 1 or counts:
             return None
         mission = self.missions[0]
@@ -193,14 +192,6 @@ class Problem(Shown, Prizes):
         spent = chaser.tank.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))
         return targets * dearest <= chaser.tank.delta_v_m_s - spent
-
-    @cached_property
-    def limits_exceptions(self) -> bool:
-        """Whether there are exceptions, and their number is limited for some chaser."""
-        given = self.instance.given
-        if given is None or given.exception is None:
-            return False
-        return any(chaser.max_exceptions is not None for chaser in self.instance.chasers)
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:
@@ -300,12 +291,6 @@ class Problem(Shown, Prizes):
 
     def _of(self, instance: Instance, connecting: ConnectionFinder, margin: float) -> Problem:
         return Problem(instance, threads=self._threads, margin=margin, connecting=connecting)
-
-    def without_limits_of_exceptions(self) -> Problem:
-        """The same problem with any number of exceptions: its bounds hold of this one, too."""
-        chasers = [chaser.replace(max_exceptions=None) for chaser in self.instance.chasers]
-        instance = self.instance.replace(chasers=chasers)
-        return Problem(instance, threads=self._threads, margin=self.margin)
 
     def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
         """Use of station supplies by a chaser's moves with given ΔV [m/s]."""

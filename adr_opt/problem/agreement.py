@@ -119,16 +119,6 @@ def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> Non
         )
 
 
-def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> None:
-    """Only given connections can be marked as exceptions."""
-    for number, chaser in enumerate(chasers):
-        if chaser.max_exceptions is not None and transfer.given is None:
-            raise ValueError(
-                f"field chasers[{number}].max_exceptions = {chaser.max_exceptions!r}: only given "
-                "connections have exceptions; name them in transfer.given, or leave it out"
-            )
-
-
 def check_thrust(
     chasers: Sequence[Chaser], transfer: TransferSettings, *, zones: bool, drifts: bool
 ) -> None:

@@ -21,7 +21,7 @@ from ..plan.cargo import loads_of, what_counts
 from ..problem.tour_rules import tour_rule
 from ..sources.generator import LARGEST_SEED
 from .legal_moves import legal_beginning
-from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec, named
+from .method_spec import EXPENSE, LOADS, STATIONS, MethodSpec, named
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .warm_up import USUAL, PracticeKind, PracticeStop
 
@@ -358,7 +358,6 @@ _NEED = {
     LOADS: "and those of {!r} matter",
     STATIONS: "and {!r} has some",
     EXPENSE: "the cost of {!r}",
-    EXCEPTIONS: "and a chaser of {!r} has one",
 }
 """Reasons why a rule applies to an instance."""
 
@@ -371,7 +370,6 @@ def _rules_of(problem: Problem) -> frozenset[str]:
         LOADS: any(each is not None for each in loads),
         STATIONS: bool(problem.limits),
         EXPENSE: instance.objective.cost == "expense",
-        EXCEPTIONS: problem.limits_exceptions,
     }
     return frozenset(word for word, does in counts.items() if does)
 

@@ -10,9 +10,6 @@ from typing import Any
 LOADS, STATIONS, EXPENSE = "kits", "stations with limited supplies", "expense"
 """Rules of campaigns that not every method supports."""
 
-EXCEPTIONS = "max_exceptions"
-"""Rule of given connections that few methods support."""
-
 ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
 
 
@@ -59,8 +56,7 @@ class MethodSpec:
         :class:`adr_opt.mission.problem.Problem` then, with one start route for each chaser, and
         otherwise the :class:`adr_opt.mission.mission.Mission` of the only chaser, with its route.
     rules : frozenset of str
-        Of :data:`ALL_RULES` and :data:`EXCEPTIONS` those that it plans with, where it plans for
-        several chasers.
+        Of :data:`ALL_RULES` those that it plans with, where it plans for several chasers.
     starts : bool
         Whether it can begin from a known plan.
     uses_cores : bool

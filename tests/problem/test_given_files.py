@@ -92,6 +92,8 @@ def test_files_that_are_missing_or_others_are_refused(cli: Cli, tmp_path: Path) 
     rows = as_rows() | {"delta_v_m_s": [None, *as_rows()["delta_v_m_s"][1:]]}
     parquet.write_table(pa.table(rows), "roads.parquet")
     refused(cli("solve", "my.json"), "column delta_v_m_s has rows without a value")
+    parquet.write_table(pa.table(as_rows() | {"exception": [False] * 132}), "roads.parquet")
+    refused(cli("solve", "my.json"), "roads.parquet: column exception: limits of exceptions were")
     for content in (there, None):
         if content is None:
             # From another program, with a column more and texts as they are.

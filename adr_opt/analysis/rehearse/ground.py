@@ -232,8 +232,6 @@ def refuse(instance: Instance) -> None:
     """
     refuse_tour_rules(instance, "rehearse")
     for wrong, what in (
-        (any(chaser.max_exceptions is not None for chaser in instance.chasers),
-         "chasers[].max_exceptions"),
         (instance.has_low_thrust, "chasers[].thrust_n"),
         (any(target.prize_until is not None for target in instance.targets),
          "targets[].prize_until"),

@@ -175,12 +175,7 @@ def check_one_depot(instance: Instance, path: Path) -> None:
 
 
 def check_no_kits(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` if kits, tows or exceptions matter, which files cannot hold."""
-    if instance.chaser.max_exceptions is not None:
-        raise InputError(
-            f"{path}: a {path.suffix.lower()} file has no exceptions, and those of "
-            f"{instance.name!r} are limited; write transfers alone, as .npz, .nc or .parquet"
-        )
+    """Raise :class:`InputError` if kits or tows matter, which files cannot hold."""
     if loads_of(instance, instance.chaser, 0.0) is not None:
         raise InputError(
             f"{path}: a {path.suffix.lower()} file has no {what_counts(instance)}, and those of "

@@ -27,7 +27,7 @@ KNOWN: dict[type[Record], frozenset[str]] = {
     }),
     Chaser: frozenset({
         "name", "start", "available_s", "end", "max_targets", "tank", "kits", "kit_mass_kg",
-        "expense", "max_exceptions", "thrust_n", "duty_cycle",
+        "expense", "thrust_n", "duty_cycle",
     }),
     MissionSettings: frozenset({
         "duration_s", "service_revolutions", "service_s", "refuel_revolutions",
@@ -36,8 +36,8 @@ KNOWN: dict[type[Record], frozenset[str]] = {
 }  # fmt: skip
 """Fields whose meaning the verifier knows. Those in ``transfer`` make connections, and those in
 ``objective`` decide between plans with equal prizes. A station's amount of propellant is ignored:
-walks may take any; so are the separation of missions and the longest leg, which only forbid plans,
-and the limit of exceptions, which `check` counts. A frame, designators of objects, ephemerides and
+walks may take any; so are the separation of missions and the longest leg, which only forbid plans.
+A frame, designators of objects, ephemerides and
 what is fitted to them beside orbits change nothing; a decay is in the connections."""
 
 REMOVALS = frozenset({"visit", "kit", "tow"})

@@ -147,7 +147,6 @@ def check_playable(mission: Mission) -> None:
         (rules.returns, "must end at a station"),
         (rules.falls is not None, "has prizes that fall with time"),
         (mission.has_functions, "has arrivals that are functions of time"),
-        (mission.chaser.max_exceptions is not None, "limits exceptions"),
         (tour_rule(mission.instance) is not None, f"sets {tour_rule(mission.instance)}"),
         (not mission.instance.has_orbits, "has bodies without an orbit"),
     ):
