@@ -9,8 +9,9 @@ from ..common.errors import InputError
 from ..common.stop import Stop
 from ..plan.plan import Plan
 from ..problem.instance import Instance
+from ..problem.rules import CAMPAIGNS, FIRST, Follower
 from ..problem.settings import KeepOutZone
-from ..problem.tour_rules import refuse_tour_rules
+from ..problem.support import refuse
 from .deviations import Deviations
 from .launch_windows import in_order
 from .remaining_instance import crossings, remaining_instance
@@ -20,6 +21,9 @@ from .restart_states import former_orders
 from .state import ChaserState, states_at
 
 DEFAULT_TIME_LIMIT_S = 2.0
+
+
+FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time"})
 
 
 def replan(  # noqa: PLR0913
@@ -95,7 +99,7 @@ def replan(  # noqa: PLR0913
     began = now_s()
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
-    refuse_tour_rules(instance, "replan")
+    refuse(instance, FOLLOWS)
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))

@@ -19,12 +19,13 @@ from ..legs.connection_finder import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
-from ..plan.cargo import loads_of
 from ..plan.station_limits import StationLimits, Use
 from ..problem.chasers import InOrbit
 from ..problem.drives import drive_of
-from ..problem.instance import AnyInstance, Instance, instance_of
-from .mission import Mission
+from ..problem.instance import AnyInstance, Instance
+from ..problem.rules import CAMPAIGNS, TOURS
+from ..problem.support import binding, followed
+from .mission import FOLLOWS, Mission
 from .prizes import Prizes
 
 Routes = tuple[tuple[int, ...], ...]
@@ -84,7 +85,7 @@ class Problem(Shown, Prizes):
         timetables: Sequence[Timetable] = (),
         missions: Sequence[Mission] = (),
     ) -> None:
-        instance = instance_of(instance)
+        instance = followed(instance, FOLLOWS)
         super().__init__(instance)
         self.limits = StationLimits(instance)
         self._threads = threads
@@ -151,14 +152,9 @@ class Problem(Shown, Prizes):
         is used, or the time of its launch count as well. What is quicker with one chaser is chosen
         by it.
         """
-        instance = self.instance
-        counts = bool(self.limits) or instance.objective.cost == "expense"
-        counts |= instance.mission.mission_separation_s is not None
-        counts |= instance.transfer.max_leg_s is not None
-        if len(self.missions) > 1 or counts:
+        if any(binding(self.instance, CAMPAIGNS | TOURS)):
             return None
-        mission = self.missions[0]
-        return mission if loads_of(instance, mission.chaser, 0.0) is None else None
+        return self.missions[0]
 
     @cached_property
     def asks_for_least_end(self) -> bool:
@@ -170,21 +166,14 @@ class Problem(Shown, Prizes):
         instance, mission = self.instance, self.missions[0]
         given, chaser = instance.given, mission.chaser
         targets = len(instance.targets)
-        if len(self.missions) > 1 or given is None or self.limits or not targets:
-            return False
-        if given.functions is not None:
+        if self.alone is None or given is None or given.functions is not None or not targets:
             return False
         if instance.objective.cost != "duration" or self.connecting.corrections:
-            return False
-        if (
-            instance.transfer.max_leg_s is not None
-            or instance.mission.mission_separation_s is not None
-        ):
             return False
         all_required = all(target.required for target in instance.targets)
         if not all_required or (mission.most_targets or targets) < targets:
             return False
-        if chaser.end != "anywhere" or loads_of(instance, chaser, self.margin) is not None:
+        if chaser.end != "anywhere":
             return False
         stations = [name in instance.station_names for name in given.names]
         if np.isin(given.destination, np.flatnonzero(stations)).any():

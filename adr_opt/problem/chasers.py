@@ -357,6 +357,11 @@ class Chaser(Record):
         return self.expense or NO_EXPENSE
 
     @property
+    def starts_at_station(self) -> bool:
+        """Whether it starts at a station."""
+        return isinstance(self.start, AtStation)
+
+    @property
     def is_launched(self) -> bool:
         """Whether it is launched directly to its first target."""
         return self.start == "anywhere"

@@ -100,7 +100,7 @@ class InstanceFile(Record):
             chain.from_iterable(target.prizes for target in self.targets),
             sum(target.required for target in self.targets),
         )
-        check_falling_prizes(self.targets, self.mission, self.transfer)
+        check_falling_prizes(self.targets)
         check_expense(self.chasers, self.objective)
         check_thrust(
             self.chasers, self.transfer, zones=bool(self.keep_out_zones),

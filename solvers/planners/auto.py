@@ -11,7 +11,7 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
-from adr_opt.mission.tours import tour_obstacle
+from adr_opt.problem.tours import tour_obstacle
 
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
@@ -56,7 +56,7 @@ def auto(
         A plan to begin from: bodies in order, for each chaser.
     """
     problem = problem_of(problem)
-    if tour_obstacle(problem) is None:
+    if tour_obstacle(problem.instance) is None:
         return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:
         return timed_sets.plan(

@@ -23,8 +23,9 @@ from ...common.errors import InputError
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
 from ...problem.instance import Instance
+from ...problem.support import refuse
 from .as_reported import ReportedStates
-from .flyable import refuse_foreign
+from .flyable import REFINED, refuse_foreign
 from .held import found_m_s
 from .propagation import advance, elements_of, state_of
 from .refined_result import RefinedFlight, RefinedLegFlight
@@ -97,6 +98,7 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
 
     Or for one that lacks a tow, or has one too many.
     """
+    refuse(instance, REFINED)
     refuse_foreign(instance, refined)
     for chaser, legs in refined_routes(instance, refined):
         for leg in legs:

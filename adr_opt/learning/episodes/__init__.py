@@ -5,11 +5,20 @@ NumPy and Numba alone.
 """
 
 from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
-from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
+from .pool import (
+    FOLLOWS,
+    FieldPool,
+    check_playable,
+    in_mean_prizes,
+    new_episodes,
+    playing_time_s,
+    start,
+)
 from .practice import practise
 from .worlds import LOSS_WORDS, UncertainPool, begin_in_worlds, models_of, new_worlds
 
 __all__ = [
+    "FOLLOWS",
     "LOSS_WORDS",
     "OBSERVATIONS",
     "Board",

@@ -61,6 +61,8 @@ def command(
         raise MissingExtra("serving a page", package, "serve") from None
     from ...plan.plan import load_plan
     from ...problem.instance import load
+    from ...problem.support import refuse
+    from ..report.page import FOLLOWS
     from ..serve.children import private_files
     from ..serve.desk import Desk
     from ..serve.folder import Folder
@@ -70,6 +72,8 @@ def command(
 
     instance = None if instance_path is None else load(instance_path)
     plan = None if plan_path is None else load_plan(plan_path)
+    if instance is not None:
+        refuse(instance, FOLLOWS)
     refuse_stranger(instance, plan)
     usual = PROJECT if instance_path is None else f"{Path(instance_path).stem}-served"
     place = Folder(folder or usual, instance_path)

@@ -25,6 +25,8 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan, reference
 from ...plan.routes import several
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.support import refuse
 from ..plot.courses import arcs_of
 from ..plot.segments import segments
 from ..plot.strands import DrawnArc
@@ -62,6 +64,9 @@ class Report:
     tanks: tuple[TankFlight, ...] | None
     trouble: str | None
     complaints: tuple[str, ...] = ()
+
+
+FOLLOWS = Follower("report", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
 
 
 def write_report(
@@ -147,6 +152,7 @@ def _found(
     flight: Flight | None,
     refined_flight: RefinedFlight | None,
 ) -> _Found:
+    refuse(instance, FOLLOWS)
     if refined is not None and refined.plan.sha256 != reference(plan).sha256:
         raise InputError(
             f"the refined plan was made of another plan (sha256 {refined.plan.sha256[:12]}…); "
