@@ -96,8 +96,6 @@ ENGINE = (
      "beams over sets", "the earliest time of\neach set and place"),
     ("all targets early, on\ngiven connections",
      "strings of targets taken out\nand put back", "all orders, of few targets"),
-    ("a limit of exceptions",
-     "plans without, then\nwith exceptions", "bounds without the limit"),
     ("one chaser",
      "beams, strings taken out\nand put back", "multipliers, then labels\nwhose memory grows"),
     ("several chasers",

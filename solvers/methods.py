@@ -2,35 +2,58 @@
 
 from __future__ import annotations
 
-from adr_opt.run.method_spec import ALL_RULES, EXCEPTIONS, MethodSpec, Practice
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, TOURS
+from adr_opt.run.method_spec import MethodSpec, Practice
+
+PLAYED = FIRST - {
+    "bodies without an orbit", "prizes that fall", "number of stations", "start orbits", "launches",
+    "late availability", "ends", "most targets",
+}  # fmt: skip
+"""What policies play: missions of :data:`adr_opt.learning.episodes.FOLLOWS`."""
 
 AUTO = MethodSpec(
-    "auto", "solvers.planners.auto:auto",
-    several=True, rules=ALL_RULES | {EXCEPTIONS}, starts=True, uses_cores=True,
-    shows_evidence=True, bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
-    orders_all=True, practice=Practice(more="solvers.labels.practice:practise"),
-)  # fmt: skip
+    "auto",
+    "solvers.planners.auto:auto",
+    follows=FIRST | CAMPAIGNS | TOURS | {"functions of time"},
+    starts=True,
+    uses_cores=True,
+    shows_evidence=True,
+    bounds_all_pairs=True,
+    on_demand=True,
+    orders_all=True,
+    practice=Practice(more="solvers.labels.practice:practise"),
+)
 
 EXACT = MethodSpec(
-    "exact", "solvers.planners.exact:exact",
-    several=True, rules=ALL_RULES, starts=True, uses_cores=True, shows_evidence=True,
-    bounds_all_pairs=True, functions=True, on_demand=True, tours=True,
+    "exact",
+    "solvers.planners.exact:exact",
+    follows=FIRST | CAMPAIGNS | TOURS | {"functions of time"},
+    starts=True,
+    uses_cores=True,
+    shows_evidence=True,
+    bounds_all_pairs=True,
+    on_demand=True,
     practice=Practice(rounds=12, more="solvers.labels.practice:practise"),
-)  # fmt: skip
+)
 
 GREEDY = MethodSpec(
-    "greedy", "solvers.planners.greedy:greedy", several=True, rules=ALL_RULES, on_demand=True
+    "greedy", "solvers.planners.greedy:greedy", follows=FIRST | CAMPAIGNS, on_demand=True
 )
 
 GREEDY_GUARDED = MethodSpec(
-    "greedy-guarded", "solvers.planners.greedy:greedy_guarded",
-    several=True, rules=ALL_RULES, on_demand=True,
-)  # fmt: skip
+    "greedy-guarded",
+    "solvers.planners.greedy:greedy_guarded",
+    follows=FIRST | CAMPAIGNS,
+    on_demand=True,
+)
 
 ORTOOLS = MethodSpec(
-    "ortools", "solvers.planners.ortools_windows:ortools",
-    several=True, starts=True, uses_cores=True,
-)  # fmt: skip
+    "ortools",
+    "solvers.planners.ortools_windows:ortools",
+    follows=FIRST | {"several chasers"},
+    starts=True,
+    uses_cores=True,
+)
 
 BEAM = MethodSpec("beam", "solvers.planners.beam:beam", on_demand=True, table_options=("policy",))
 
@@ -38,23 +61,33 @@ LOCAL_SEARCH = MethodSpec("local-search", "solvers.planners.local_search:local_s
 
 MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts")
 
-PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", uses_cores=True)
+PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", follows=PLAYED, uses_cores=True)
 
 CPSAT = MethodSpec(
-    "cpsat", "solvers.planners.cpsat:cpsat",
-    starts=True, uses_cores=True, practice=Practice(rounds=6, options={"evaluations": 4}),
-)  # fmt: skip
+    "cpsat",
+    "solvers.planners.cpsat:cpsat",
+    starts=True,
+    uses_cores=True,
+    practice=Practice(rounds=6, options={"evaluations": 4}),
+)
 
 MIP = MethodSpec(
-    "mip", "solvers.planners.mip:mip",
-    starts=True, uses_cores=True, practice=Practice(rounds=6, options={"evaluations": 4}),
-)  # fmt: skip
+    "mip",
+    "solvers.planners.mip:mip",
+    starts=True,
+    uses_cores=True,
+    practice=Practice(rounds=6, options={"evaluations": 4}),
+)
 
 LAGRANGIAN = MethodSpec(
-    "lagrangian", "solvers.bounds.lagrangian:lagrangian",
-    starts=True, uses_cores=True, shows_evidence=True, bounds_all_pairs=True,
+    "lagrangian",
+    "solvers.bounds.lagrangian:lagrangian",
+    starts=True,
+    uses_cores=True,
+    shows_evidence=True,
+    bounds_all_pairs=True,
     practice=Practice(rounds=12),
-)  # fmt: skip
+)
 
 ROUTING_BOUND = MethodSpec(
     "routing-bound", "solvers.bounds.routing_bound:routing_bound", starts=True

@@ -13,6 +13,8 @@ from ..judge.admit import Admitted, AnyPlan, admit
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
 from ..problem.instance import Instance
+from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ..problem.support import refuse
 
 SAME_S, SAME_M_S = 1.0, 0.01
 """Differences in times and in ΔV up to which legs count as equal."""
@@ -157,6 +159,9 @@ class Comparison(Shown):
         }
 
 
+FOLLOWS = Follower("compare", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+
+
 def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:
     """Compare plans of one instance, each with the first.
 
@@ -171,6 +176,7 @@ def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:
     InputError
         There is less than two, or one belongs to another instance.
     """
+    refuse(instance, FOLLOWS)
     if len(plans) < 2:
         raise InputError("there is nothing to compare with; give two plans or more")
     judged = dict[str, Plan]()

@@ -17,8 +17,9 @@ from ..mission.certified import certify_routes
 from ..mission.mission import Mission
 from ..mission.problem import Problem, problem_of
 from ..plan.plan import Leg, Plan
-from ..problem.instance import AnyInstance, Instance, instance_of
-from ..problem.tour_rules import refuse_tour_rules
+from ..problem.instance import AnyInstance, Instance
+from ..problem.rules import CAMPAIGNS, FIRST, Follower
+from ..problem.support import followed
 from ..run.legal_moves import why_illegal
 from .mending import Mending, Shortfall, mendings, missing
 
@@ -137,6 +138,9 @@ class PricedOrder(Shown):
         }
 
 
+FOLLOWS = Follower("price", FIRST | CAMPAIGNS | {"functions of time"})
+
+
 def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedOrder:
     """Time orders of bodies by the exact scheduler, each at least cost.
 
@@ -157,8 +161,7 @@ def price(instance: AnyInstance, orders: Asked, *, mend: bool = True) -> PricedO
         apart, or the time of legs is limited.
     """
     begun = now_s()
-    instance = instance_of(instance)
-    refuse_tour_rules(instance, "price")
+    instance = followed(instance, FOLLOWS)
     named = _by_chaser(instance, orders)
     _check(instance, named)
     # Only the bodies of the orders: their connections are what they are among all.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..common.clock import now_s
-from ..common.errors import InputError
 from ..common.stop import Stop
 from ..judge.admit import AnyPlan, admit
 from ..problem.instance import Instance
+from ..problem.rules import CAMPAIGNS, FIRST, Follower
 from ..problem.settings import KeepOutZone
-from ..problem.tour_rules import refuse_tour_rules
+from ..problem.support import refuse
 from .deviations import Deviations
 from .launch_windows import in_order
 from .remaining_instance import crossings, remaining_instance
@@ -20,6 +20,9 @@ from .restart_states import former_orders
 from .state import ChaserState, states_at
 
 DEFAULT_TIME_LIMIT_S = 2.0
+
+
+FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time"})
 
 
 def replan(  # noqa: PLR0913
@@ -93,13 +96,8 @@ def replan(  # noqa: PLR0913
         told of the flight cannot have been.
     """
     began = now_s()
+    refuse(instance, FOLLOWS)
     plan = admit(instance, plan).plan
-    refuse_tour_rules(instance, "replan")
-    if any(chaser.max_exceptions is not None for chaser in instance.chasers):
-        raise InputError(
-            "exceptions that were used so far are not counted yet: replan cannot plan on where "
-            "chasers[].max_exceptions is given; plan an instance of what is left"
-        )
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))

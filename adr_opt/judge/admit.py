@@ -17,6 +17,7 @@ from ..plan.certificate import Certificate
 from ..plan.plan import Plan
 from ..plan.refined_plan import RefinedPlan
 from ..problem.instance import AnyInstance, Instance, instance_of
+from ..problem.support import refuse
 from .check.verdict import check
 from .check.violation import Violation
 
@@ -161,10 +162,10 @@ def _violations(
     if isinstance(plan, RefinedPlan):
         return _of_refined(instance, plan, refined_from)
     from .verify.names import check_names  # what verifies is slow to import
-    from .verify.rules import refuse_unknown
+    from .verify.rules import FOLLOWS
 
     check_names(instance, plan)
-    refuse_unknown(instance)
+    refuse(instance, FOLLOWS)
     return ()
 
 

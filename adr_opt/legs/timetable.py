@@ -23,7 +23,9 @@ from ..kernels.tables import timetable_making as making
 from ..kernels.tables.on_demand import Source
 from ..kernels.tables.timetable_making import Pairs
 from ..problem.given import Costs, of_function, of_matrices, of_rows
-from ..problem.instance import AnyInstance, Instance, instance_of
+from ..problem.instance import AnyInstance, Instance
+from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ..problem.support import followed
 from .connection_finder import ConnectionFinder, estimate
 from .connections import CHOICES, AllConnections, Choice, Connections, Pairwise, weights_of
 from .corrections import NO_CORRECTIONS
@@ -37,6 +39,9 @@ SLICE_ENTRIES = 20_000
 
 SLICE_SAMPLES = 1_000_000
 """Number of matrix entries looked up at once, after which an interrupt is noticed."""
+
+
+FOLLOWS = Follower("a timetable", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
 
 
 class Timetable(Shown):
@@ -103,7 +108,7 @@ class Timetable(Shown):
         chaser: int | None = None,
         asked: Neighbours | None = None,
     ) -> None:
-        instance = instance_of(instance)
+        instance = followed(instance, FOLLOWS)
         if time_value_m_s_per_h is None:
             time_value_m_s_per_h = instance.time_value_m_s_per_h
         if not (math.isfinite(time_value_m_s_per_h) and time_value_m_s_per_h >= 0.0):

@@ -21,13 +21,19 @@ from ..legs.connection_finder import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
-from ..plan.cargo import loads_of, most_left_m_s, most_targets
+from ..plan.cargo import loads_of, most_left_m_s
 from ..problem.chasers import AtStation
-from ..problem.instance import AnyInstance, instance_of
+from ..problem.instance import AnyInstance
+from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower, most_targets
+from ..problem.support import followed
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
 
 Sequence = npt.NDArray[np.int64]
+
+
+FOLLOWS = Follower("planning", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+"""What planners are told of, by arrays and functions; what each follows is said by itself."""
 
 
 class Mission(Shown, Prizes):
@@ -79,7 +85,7 @@ class Mission(Shown, Prizes):
         connecting: ConnectionFinder | None = None,
         twin: Mission | None = None,
     ) -> None:
-        instance = instance_of(instance)
+        instance = followed(instance, FOLLOWS)
         super().__init__(instance)
         if not 0.0 <= margin < 1.0:
             raise InputError(f"margin = {margin!r}: must be a share of the tank, from 0 to below 1")

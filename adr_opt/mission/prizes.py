@@ -12,8 +12,8 @@ import numpy.typing as npt
 from ..common.constants import SLACK_S
 from ..common.tolerance import RELATIVE, ROUNDED, ROUNDING, common_step, rounded_down
 from ..kernels.rules.falls import Falls
-from ..plan.cargo import most_targets
 from ..problem.instance import Instance
+from ..problem.rules import most_targets
 
 GUARD, MOST_GUARD = 1e-9, 0.125
 """Excess of a safe bound over a computed one: a share of all worths, and its maximum in steps."""

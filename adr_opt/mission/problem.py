@@ -19,12 +19,13 @@ from ..legs.connection_finder import ConnectionFinder
 from ..legs.corrections import Corrections
 from ..legs.nearest_pairs import Neighbours
 from ..legs.timetable import Timetable
-from ..plan.cargo import loads_of
 from ..plan.station_limits import StationLimits, Use
 from ..problem.chasers import InOrbit
 from ..problem.drives import drive_of
-from ..problem.instance import AnyInstance, Instance, instance_of
-from .mission import Mission
+from ..problem.instance import AnyInstance, Instance
+from ..problem.rules import CAMPAIGNS, TOURS
+from ..problem.support import binding, followed
+from .mission import FOLLOWS, Mission
 from .prizes import Prizes
 
 Routes = tuple[tuple[int, ...], ...]
@@ -84,7 +85,7 @@ class Problem(Shown, Prizes):
         timetables: Sequence[Timetable] = (),
         missions: Sequence[Mission] = (),
     ) -> None:
-        instance = instance_of(instance)
+        instance = followed(instance, FOLLOWS)
         super().__init__(instance)
         self.limits = StationLimits(instance)
         self._threads = threads
@@ -148,18 +149,12 @@ class Problem(Shown, Prizes):
         """The mission of the only chaser, where a plan is a single route.
 
         None with several chasers, and where loads, what stations have, the expense of a chaser that
-        is used, the time of its launch or exceptions count as well. What is quicker with one chaser
-        is chosen by it.
+        is used, or the time of its launch count as well. What is quicker with one chaser is chosen
+        by it.
         """
-        instance = self.instance
-        counts = bool(self.limits) or instance.objective.cost == "expense"
-        counts |= instance.mission.mission_separation_s is not None
-        counts |= instance.transfer.max_leg_s is not None
-        counts |= self.limits_exceptions
-        if len(self.missions) > 1 or counts:
+        if any(binding(self.instance, CAMPAIGNS | TOURS)):
             return None
-        mission = self.missions[0]
-        return mission if loads_of(instance, mission.chaser, 0.0) is None else None
+        return self.missions[0]
 
     @cached_property
     def asks_for_least_end(self) -> bool:
@@ -171,22 +166,15 @@ class Problem(Shown, Prizes):
         instance, mission = self.instance, self.missions[0]
         given, chaser = instance.given, mission.chaser
         targets = len(instance.targets)
-        if len(self.missions) > 1 or given is None or self.limits or not targets:
-            return False
-        if given.functions is not None:
+        if self.alone is None or given is None or given.functions is not None or not targets:
             return False
         if instance.objective.cost != "duration" or self.connecting.corrections:
-            return False
-        if (
-            instance.transfer.max_leg_s is not None
-            or instance.mission.mission_separation_s is not None
-        ):
             return False
         all_required = all(target.required for target in instance.targets)
         most = targets if mission.most_targets is None else mission.most_targets
         if not all_required or most < targets:
             return False
-        if chaser.end != "anywhere" or loads_of(instance, chaser, self.margin) is not None:
+        if chaser.end != "anywhere":
             return False
         stations = [name in instance.station_names for name in given.names]
         if np.isin(given.destination, np.flatnonzero(stations)).any():
@@ -194,14 +182,6 @@ class Problem(Shown, Prizes):
         spent = chaser.tank.spent_m_s + mission.reserve_m_s
         dearest = float(given.cost.max(initial=0.0))
         return targets * dearest <= chaser.tank.delta_v_m_s - spent
-
-    @cached_property
-    def limits_exceptions(self) -> bool:
-        """Whether there are exceptions, and their number is limited for some chaser."""
-        given = self.instance.given
-        if given is None or given.exception is None:
-            return False
-        return any(chaser.max_exceptions is not None for chaser in self.instance.chasers)
 
     @cached_property
     def kind_of(self) -> tuple[int, ...]:
@@ -301,12 +281,6 @@ class Problem(Shown, Prizes):
 
     def _of(self, instance: Instance, connecting: ConnectionFinder, margin: float) -> Problem:
         return Problem(instance, threads=self._threads, margin=margin, connecting=connecting)
-
-    def without_limits_of_exceptions(self) -> Problem:
-        """The same problem with any number of exceptions: its bounds hold of this one, too."""
-        chasers = [chaser.replace(max_exceptions=None) for chaser in self.instance.chasers]
-        instance = self.instance.replace(chasers=chasers)
-        return Problem(instance, threads=self._threads, margin=self.margin)
 
     def use(self, mission: Mission, moves: Iterable[int], delta_vs: Iterable[float]) -> Use:
         """Use of station supplies by a chaser's moves with given ΔV [m/s]."""

@@ -8,6 +8,7 @@ from copy import copy
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,8 +20,6 @@ from ..kernels.rules.rules import Rules
 from ..legs.connection_finder import ConnectionFinder
 from ..legs.connections import Connections
 from ..problem.chasers import Chaser, TankByMass
-from .exceptions import Front as Front
-from .exceptions import by_exceptions
 from .prize_losses import PrizeLosses
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,6 +27,28 @@ IntArray = npt.NDArray[np.int64]
 
 PAIRS_KEPT = 2_000
 """Number of pairs whose connections are cached: about 50 kB each in a mission of a week."""
+
+
+class Front(NamedTuple):
+    """Undominated labels at the last body of an order.
+
+    Attributes
+    ----------
+    ready, left, cost : (labels,) float64
+        Since when the chaser is free there [s], ascending; ΔV left [m/s]; ΔV of all legs and tows
+        [m/s], or, where expenses count, what it has to carry at the start if it ends here [kg].
+    parent, taken : (labels,) int64
+        Label at the body before, and the connection taken from there.
+    spent : (labels,) float64
+        ΔV of all legs where expenses count masses, else empty [m/s].
+    """
+
+    ready: FloatArray
+    left: FloatArray
+    cost: FloatArray
+    parent: IntArray
+    taken: IntArray
+    spent: FloatArray = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -267,7 +288,7 @@ class Scheduler:
         if self._weighs:
             needed[0] = kits * self._chaser.kit_mass_kg
         ready = np.array([rules.ready])
-        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1), nothing)
+        return Front(ready, np.array([left]), needed, nothing, nothing, np.zeros(1))
 
     def extended(self, here: Front, i: int, j: int, aboard: int, *, refuelled: bool) -> Front:
         """The labels after a move.
@@ -282,21 +303,7 @@ class Scheduler:
         refuelled : bool
             Whether it has refuelled before.
         """
-        most, found = self._chaser.max_exceptions, self._flyable(i, j, here.ready)
-        if most is None:
-            return self._followed(here, (i, j), found, aboard, refuelled=refuelled)
-
-        def followed(labels: Front, found: Connections) -> Front:
-            return self._followed(labels, (i, j), found, aboard, refuelled=refuelled)
-
-        return by_exceptions(here, found, most, followed)
-
-    def _followed(
-        self, here: Front, pair: tuple[int, int], found: Connections, aboard: int, *,
-        refuelled: bool,
-    ) -> Front:  # fmt: skip
-        """The labels after a move by some connections, exceptions or not."""
-        rules, (i, j) = self._rules(), pair
+        rules, found = self._rules(), self._flyable(i, j, here.ready)
         loads = rules.loads
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)

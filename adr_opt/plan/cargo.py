@@ -14,6 +14,7 @@ from ..kernels.rules.loads import Loads, after_service
 from ..problem.chasers import Chaser, TankByMass
 from ..problem.drives import drive_of
 from ..problem.instance import Instance
+from ..problem.rules import most_targets
 from ..problem.services import SERVICES
 from .tows import removals_by_name, removals_of
 
@@ -21,15 +22,6 @@ NOTHING: Mapping[str, float] = MappingProxyType({})
 
 LEAST_SHARE = 1e-9
 """Lower limit of a mass relative to that without propellant, whatever a plan states."""
-
-
-def most_targets(instance: Instance, chaser: Chaser) -> int | None:
-    """Maximum number of targets of a chaser; ``None`` if unlimited."""
-    limits = [chaser.max_targets]
-    if all(target.service.takes_kit for target in instance.targets):
-        limits.append(chaser.kits)
-    known = [limit for limit in limits if limit is not None]
-    return min(known) if known else None
 
 
 def loads_of(instance: Instance, chaser: Chaser, margin: float) -> Loads | None:

@@ -34,26 +34,10 @@ MOST_STEPS_THAT_FALL = 2**26
 """Largest sum of all prizes, in steps, where prizes fall: one number holds losses and costs."""
 
 
-def check_falling_prizes(
-    targets: Sequence[Target], mission: MissionSettings, transfer: TransferSettings
-) -> None:
-    """Prizes that fall need a common step with all others, and not too many of them.
-
-    They are not planned yet where connections are functions of time, or missions are tours.
-    """
+def check_falling_prizes(targets: Sequence[Target]) -> None:
+    """Prizes that fall need a common step with all others, and not too many of them."""
     if all(target.prize_until is None for target in targets):
         return
-    functions = transfer.given is not None and transfer.given.functions is not None
-    for field, stated in (
-        ("transfer.given.functions", functions),
-        ("mission.mission_separation_s", mission.mission_separation_s is not None),
-        ("transfer.max_leg_s", transfer.max_leg_s is not None),
-    ):
-        if stated:
-            raise ValueError(
-                f"field {field}: prizes that fall with time (prize_until) are not planned with it "
-                "yet; leave one of them out"
-            )
     step = common_step(prize for target in targets for prize in target.prizes)
     total = math.fsum(target.greatest_prize for target in targets)
     if total and not 0.0 < total <= MOST_STEPS_THAT_FALL * step:
@@ -117,16 +101,6 @@ def check_separation(chasers: Sequence[Chaser], mission: MissionSettings) -> Non
             f"launches apart from earlier missions, but chasers[{there[0]}] starts in space; "
             'write its start "anywhere", or leave the separation out'
         )
-
-
-def check_exceptions(chasers: Sequence[Chaser], transfer: TransferSettings) -> None:
-    """Only given connections can be marked as exceptions."""
-    for number, chaser in enumerate(chasers):
-        if chaser.max_exceptions is not None and transfer.given is None:
-            raise ValueError(
-                f"field chasers[{number}].max_exceptions = {chaser.max_exceptions!r}: only given "
-                "connections have exceptions; name them in transfer.given, or leave it out"
-            )
 
 
 def check_thrust(

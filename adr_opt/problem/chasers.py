@@ -257,8 +257,7 @@ class Chaser(Record):
 
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
     ``expense`` counts where the objective says so; the field is in no file that does not state it.
-    Nor is ``max_exceptions``, the maximum number of given connections marked as exceptions that it
-    uses; None for no limit. With ``thrust_n`` all its transfers are of low thrust (docs/model.md
+    With ``thrust_n`` all its transfers are of low thrust (docs/model.md
     section 11), which is on for the share ``duty_cycle`` of the time at most; they stand in files
     where they are stated, too.
     """
@@ -272,13 +271,21 @@ class Chaser(Record):
     kits: Count | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
-    max_exceptions: Count | None = None
     thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
     duty_cycle: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
 
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "expense", "max_exceptions", "thrust_n", "duty_cycle")
+        return without(write(self), "expense", "thrust_n", "duty_cycle")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_no_exceptions(cls, given: Any) -> Any:
+        if isinstance(given, dict) and "max_exceptions" in given:
+            raise ValueError(
+                "max_exceptions: limits of exceptions were removed in 1.1; leave it out"
+            )
+        return given
 
     @model_validator(mode="after")
     def _can_thrust(self) -> Self:
@@ -349,6 +356,11 @@ class Chaser(Record):
     def priced(self) -> Expense:
         """Its expense; zero if none is stated."""
         return self.expense or NO_EXPENSE
+
+    @property
+    def starts_at_station(self) -> bool:
+        """Whether it starts at a station."""
+        return isinstance(self.start, AtStation)
 
     @property
     def is_launched(self) -> bool:

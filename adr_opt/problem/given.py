@@ -31,8 +31,8 @@ IntArray = npt.NDArray[np.int32]
 COLUMNS = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
 """Columns of a row."""
 
-EXCEPTION = "exception"
-"""Optional column: 1 for connections of which a chaser may use ``max_exceptions`` at most."""
+REMOVED = "exception"
+"""Column of a rule that is gone; what was limited by it must not be planned on without it."""
 
 Costs = Callable[[int, npt.NDArray[np.int64], float], tuple[npt.ArrayLike, npt.ArrayLike]]
 """Durations [s] and costs from an origin to some destinations at a departure [s]."""
@@ -57,8 +57,6 @@ class Given(Shown):
         What stands where others have a ΔV [m/s by convention].
     functions : Functions or None
         Of pairs whose arrivals are functions of time, and which have no connections.
-    exception : (connections,) bool or None
-        Which are exceptions; None if none is.
     """
 
     names: tuple[str, ...]
@@ -68,14 +66,11 @@ class Given(Shown):
     arrival: FloatArray
     cost: FloatArray
     functions: Functions | None = None
-    exception: npt.NDArray[np.bool_] | None = None
     _number: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         for array in (self.origin, self.destination, self.departure, self.arrival, self.cost):
             array.setflags(write=False)
-        if self.exception is not None:
-            self.exception.setflags(write=False)
         object.__setattr__(self, "_number", {name: at for at, name in enumerate(self.names)})
 
     @cached_property
@@ -111,16 +106,13 @@ class Given(Shown):
         """SHA-256 of the connections, independent of the file that holds them.
 
         That of the names as a JSON list and a line feed, and of the columns one after the other,
-        as little-endian numbers of 4 (origin, destination) and 8 bytes, in the order of the rows;
-        then, if there are any, which are exceptions, in bytes of 0 and 1.
+        as little-endian numbers of 4 (origin, destination) and 8 bytes, in the order of the rows.
         """
         digest = hashlib.sha256(json.dumps(self.names, ensure_ascii=False).encode() + b"\n")
         for numbers in (self.origin, self.destination):
             digest.update(numbers.astype("<i4").tobytes())
         for values in (self.departure, self.arrival, self.cost):
             digest.update(values.astype("<f8").tobytes())
-        if self.exception is not None:
-            digest.update(self.exception.astype("u1").tobytes())
         return digest.hexdigest()
 
     def _rows(self, origin: str, destination: str) -> slice:
@@ -135,10 +127,6 @@ class Given(Shown):
         """Departures, arrivals [s] and costs of a pair, in order; empty for unknown pairs."""
         rows = self._rows(origin, destination)
         return self.departure[rows], self.arrival[rows], self.cost[rows]
-
-    def exceptions_of(self, origin: str, destination: str) -> npt.NDArray[np.bool_] | None:
-        """Which connections of a pair are exceptions, in the order of :meth:`of_pair`."""
-        return None if self.exception is None else self.exception[self._rows(origin, destination)]
 
     def sizes(self, names: Sequence[str]) -> tuple[int, int]:
         """Maximum number of departures of a pair of bodies, and number of all connections."""
@@ -177,7 +165,7 @@ def among(
     made = _made(
         np.concatenate([given.origin[mine], become[given.origin[taken]]]),
         given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
-        known, "row {}".format, None if given.exception is None else given.exception[rows],
+        known, "row {}".format,
     )  # fmt: skip
     if given.functions is not None:
         made = made.with_functions(given.functions.among(names, starts))
@@ -197,9 +185,8 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     ----------
     columns : mapping of str to array
         The :data:`COLUMNS`, as a dictionary of arrays or a table of another library: bodies by name
-        or number, times since the epoch [s], costs; and :data:`EXCEPTION`,
-        if there is one, of 0 and 1. Others are not looked at. A row whose arrival and cost are both
-        NaN is no connection.
+        or number, times since the epoch [s], costs. Others are not looked at. A row whose arrival
+        and cost are both NaN is no connection.
     names : sequence of str
         The bodies, in the order of their numbers.
 
@@ -207,7 +194,7 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     ------
     InputError
         A column is missing or of another length, a body is unknown, or a number is not finite,
-        negative or too large, or an arrival not after its departure.
+        negative or too large, or an arrival not after its departure; or there are exceptions.
     """
     found: dict[str, npt.NDArray[Any]] = {}
     for name in COLUMNS:
@@ -221,7 +208,12 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
             raise InputError(f"column {name} must have one value for each row")
     ends = [_numbers(found[name], name, names) for name in COLUMNS[:2]]
     times = [_floats(found[name], name, of_time=name in COLUMNS[2:4]) for name in COLUMNS[2:]]
-    exception = _exceptions(columns, found["origin"].size)
+    try:
+        columns[REMOVED]
+    except Exception:  # each library has its own for a column that is not there
+        pass
+    else:
+        refuse_exceptions([REMOVED])
     lacks_arrival, lacks_cost = np.isnan(times[1]), np.isnan(times[2])
     alone = np.flatnonzero(lacks_arrival != lacks_cost)
     if alone.size:
@@ -233,10 +225,7 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     rows = np.flatnonzero(~lacks_arrival)
     origin, destination = (values[rows] for values in ends)
     departure, arrival, cost = (values[rows] for values in times)
-    return _made(
-        origin, destination, departure, arrival, cost, names, lambda at: f"row {rows[at]}",
-        None if exception is None else exception[rows],
-    )  # fmt: skip
+    return _made(origin, destination, departure, arrival, cost, names, lambda at: f"row {rows[at]}")
 
 
 def _half(where: str, missing: str, stated: str) -> str:
@@ -247,27 +236,18 @@ def _half(where: str, missing: str, stated: str) -> str:
     )
 
 
-def _exceptions(columns: Any, rows: int) -> npt.NDArray[np.bool_] | None:
-    """The optional column of exceptions; None where there is none.
+def refuse_exceptions(columns: Sequence[str]) -> None:
+    """Refuse rows with a column of exceptions, whose number was limited once.
 
     Raises
     ------
     InputError
-        It has another length, or holds anything but 0 and 1.
     """
-    try:
-        found = np.asarray(columns[EXCEPTION])
-    except Exception:  # each library has its own for a column that is not there
-        return None
-    if found.ndim != 1 or found.size != rows:
-        raise InputError(f"column {EXCEPTION} must have one value for each row")
-    values = found if found.dtype.kind == "b" else _floats(found, EXCEPTION)
-    wrong = np.flatnonzero((values != 0) & (values != 1))
-    if wrong.size:
+    if REMOVED in columns:
         raise InputError(
-            f"row {wrong[0]}: {EXCEPTION} = {float(values[wrong[0]])!r}; must be 0 or 1"
+            f"column {REMOVED}: limits of exceptions were removed in 1.1; leave out the column and "
+            "the rows that must not be used"
         )
-    return values.astype(np.bool_)
 
 
 def of_matrices(
@@ -477,11 +457,8 @@ def _made(
     cost: FloatArray,
     names: Sequence[str],
     where: Callable[[int], str],
-    exception: npt.NDArray[np.bool_] | None = None,
 ) -> Given:
     """Validated connections in order; ``where`` locates a row in errors."""
-    if exception is not None and not exception.any():
-        exception = None
 
     def refuse(wrong: npt.NDArray[np.bool_], told: Callable[[int], str]) -> None:
         if wrong.any():
@@ -518,14 +495,11 @@ def _made(
     # Most often rows are in order but for that of the names, which takes far less time.
     pair = i.astype(np.int64) * len(kept) + j
     order = np.argsort(pair, kind="stable")
-    columns: tuple[npt.NDArray[Any], ...] = pair, departure, arrival, cost
-    if exception is not None:
-        columns = *columns, exception
+    columns = pair, departure, arrival, cost
     if not _are_in_order(*(column[order] for column in columns)):
         order = np.lexsort(columns[::-1])
     return Given(
-        tuple(kept), i[order], j[order], departure[order], arrival[order], cost[order],
-        exception=None if exception is None else exception[order],
+        tuple(kept), i[order], j[order], departure[order], arrival[order], cost[order]
     )  # fmt: skip
 
 

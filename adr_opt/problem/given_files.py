@@ -19,7 +19,7 @@ import numpy.typing as npt
 from ..common.errors import InputError, MissingExtra
 from ..common.files import write_whole
 from ..common.memory import available_bytes
-from .given import COLUMNS, EXCEPTION, Given, of_matrices, of_rows
+from .given import COLUMNS, Given, of_matrices, of_rows, refuse_exceptions
 from .given_units import cost_factor, time_factor
 from .settings import GivenFile
 
@@ -108,13 +108,9 @@ def write_given(path: str | os.PathLike[str], given: Given) -> None:
         ),
         *(pa.array(values) for values in (given.departure, given.arrival, given.cost)),
     ]
-    columns = list(COLUMNS)
-    if given.exception is not None:
-        columns.append(EXCEPTION)
-        arrays.append(pa.array(given.exception.astype(np.int8)))
     fields = [
         pa.field(name, array.type, nullable=False, metadata={"units": UNITS.get(name, "1")})
-        for name, array in zip(columns, arrays, strict=True)
+        for name, array in zip(COLUMNS, arrays, strict=True)
     ]
     table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
 
@@ -140,7 +136,8 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
         with path.open("rb") as source:
             file = pq.ParquetFile(source)
             fields = file.schema_arrow
-            there = [name for name in (*COLUMNS, EXCEPTION) if name in fields.names]
+            refuse_exceptions(fields.names)
+            there = [name for name in COLUMNS if name in fields.names]
             doubled = [name for name in there if fields.names.count(name) > 1]
             kinds = {name: fields.field(name).type for name in there if name not in doubled}
             if not doubled:
@@ -172,9 +169,6 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
         if pa.types.is_dictionary(column.type):
             column = column.cast(column.type.value_type)
         values = column.to_numpy()
-        if name == EXCEPTION:
-            columns[name] = values
-            continue
         if values.dtype.kind != "m":  # a duration says itself what it counts in
             values = values.astype(np.float64) * _factor(name, field.metadata or {})
         columns[name] = values
@@ -189,11 +183,10 @@ def _refuse_kind(name: str, kind: Any) -> None:
         wanted = "names of bodies"
         fits = [types.is_string(inner), types.is_large_string(inner), types.is_string_view(inner)]
     else:
-        wanted = "numbers" if name in (COST, EXCEPTION) else "numbers or durations"
+        wanted = "numbers" if name == COST else "numbers or durations"
         fits = [
             types.is_integer(inner), types.is_floating(inner), types.is_decimal(inner),
-            types.is_duration(inner) and name not in (COST, EXCEPTION),
-            types.is_boolean(inner) and name == EXCEPTION,
+            types.is_duration(inner) and name != COST,
         ]  # fmt: skip
     if not any(fits) and not types.is_null(inner):  # of no rows many programs know no type
         raise InputError(f"column {name} holds {_cut(str(kind))}; it must hold {wanted}")

@@ -24,7 +24,6 @@ from ..common.records import Name, Record, without
 from ..common.tolerance import check_prizes
 from .agreement import (
     check_decay,
-    check_exceptions,
     check_expense,
     check_falling_prizes,
     check_names,
@@ -101,9 +100,8 @@ class InstanceFile(Record):
             chain.from_iterable(target.prizes for target in self.targets),
             sum(target.required for target in self.targets),
         )
-        check_falling_prizes(self.targets, self.mission, self.transfer)
+        check_falling_prizes(self.targets)
         check_expense(self.chasers, self.objective)
-        check_exceptions(self.chasers, self.transfer)
         check_thrust(
             self.chasers, self.transfer, zones=bool(self.keep_out_zones),
             drifts=self.dynamics == "j2",

@@ -22,7 +22,6 @@ from ..problem.instance import Instance
 from ..problem.least_time import too_short
 from . import by_masses
 from .method_call import is_tour, method_of, prepare, refuse_unable, spec_of, warm_up
-from .method_spec import EXCEPTIONS
 from .methods import BOUNDS, PLANNERS
 from .run_options import (
     DEFAULT_BOUND,
@@ -266,14 +265,6 @@ def _run(
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     known, prover = spec_of(method, group), None
-    if group == BOUNDS and whole.limits_exceptions and EXCEPTIONS not in known.rules:
-        return _of_all_exceptions(
-            lambda free: run(
-                group, free, method, replace(wanted, start=None), stop=stop, progress=progress,
-                building=building, sizing=sizing,
-            ),
-            whole,
-        )  # fmt: skip
     refuse_unable(whole, known)
     if bound is not None:
         prover = spec_of(bound, BOUNDS)
@@ -325,17 +316,6 @@ def _run(
         proving = proving.beginning_from(whole, destinations, repair)
     result = together(whole, prepared, proving, AnyOf(*criteria), progress, limits)
     return _beyond_the_model(whole, result)
-
-
-def _of_all_exceptions(bounded: Callable[[Problem], Result], problem: Problem) -> Result:
-    """The bound of a problem by that of any number of exceptions, whose plans may use too many."""
-    result = bounded(problem.without_limits_of_exceptions())
-    infeasible = result.status == "infeasible"
-    return replace(
-        result, sequence=None, plan=None, objective=-math.inf, routes=(),
-        status="infeasible" if infeasible else "unknown",
-        notes=(*result.notes, "the bound holds for any number of exceptions"),
-    )  # fmt: skip
 
 
 def _announce(instance: Instance, sizing: Callable[[Size], None]) -> None:

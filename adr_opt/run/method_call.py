@@ -16,12 +16,12 @@ from ..mission.build_legs import APPROXIMATE
 from ..mission.certified import certify_routes
 from ..mission.problem import Problem
 from ..mission.result import Result, noted
-from ..mission.tours import tour_obstacle
-from ..plan.cargo import loads_of, what_counts
-from ..problem.tour_rules import tour_rule
+from ..problem import support
+from ..problem.instance import Instance
+from ..problem.tours import tour_obstacle
 from ..sources.generator import LARGEST_SEED
 from .legal_moves import legal_beginning
-from .method_spec import EXCEPTIONS, EXPENSE, LOADS, STATIONS, MethodSpec, named
+from .method_spec import MethodSpec, named
 from .methods import BOUNDS, PLANNERS, Planner, adapted, names, options_of, spec
 from .warm_up import USUAL, PracticeKind, PracticeStop
 
@@ -129,7 +129,7 @@ class Prepared:
     ) -> Result:
         """The result of a method that ran out of time, or that of :data:`FALLBACK` if better."""
         fallback = spec(FALLBACK)
-        if not _rules_of(problem) <= fallback.rules:
+        if not support.follows_all(problem.instance, fallback.follows):
             return result
         quick = _loaded(fallback)(
             given_to(problem, fallback), seed=result.seed, stop=stop, progress=silent
@@ -248,16 +248,16 @@ def _installed(name: str, group: str, taken: Callable[[MethodSpec], Taken]) -> T
         ) from error
 
 
-def _others(group: str, able: Callable[[MethodSpec], bool]) -> str:
+def _others(group: str, can: Callable[[MethodSpec], bool]) -> str:
     """End of a sentence that lists the methods with an ability."""
-    found = [name for name in names(group) if _can(name, group, able)]
+    found = [name for name in names(group) if _can(name, group, can)]
     return f", or use one of: {', '.join(found)}" if found else ""
 
 
-def _can(name: str, group: str, able: Callable[[MethodSpec], bool]) -> bool:
+def _can(name: str, group: str, ability: Callable[[MethodSpec], bool]) -> bool:
     """Whether an installed method can be called and has an ability."""
     try:
-        return able(spec(name, group))
+        return ability(spec(name, group))
     except (ImportError, AttributeError, InputError):
         return False  # cannot be recommended; asked for by name, it says why
 
@@ -269,111 +269,28 @@ def given_to(problem: Problem, method: MethodSpec) -> Any:
 
 def is_tour(problem: Problem, method: MethodSpec) -> bool:
     """Whether a method plans a problem as a tour through time."""
-    return method.tours and tour_obstacle(problem) is None
-
-
-def _refuse_no_tour(problem: Problem, method: MethodSpec) -> None:
-    """Refuse rules that are planned with in tours alone, where there is none.
-
-    Raises
-    ------
-    InputError
-        Such a rule is set.
-    """
-    rule, obstacle = tour_rule(problem.instance), tour_obstacle(problem)
-    if rule is None:
-        return
-    name = problem.instance.name
-    if obstacle is not None:
-        raise InputError(
-            f"field {rule}: planned with only in tours through time, and {name!r} is none: "
-            f"{obstacle}; see docs/campaigns.md, or leave it out"
-        )
-    if not method.tours:
-        raise InputError(
-            f"method {method.name!r} does not support {rule}, which {name!r} sets; use auto"
-        )
+    return method.tours and tour_obstacle(problem.instance) is None
 
 
 def refuse_unable(problem: Problem, method: MethodSpec) -> None:
-    """Refuse a method that does not support a rule of a problem.
+    """Refuse a problem that sets what a method does not follow; say which methods do.
 
     Raises
     ------
     InputError
-        It plans for one chaser, and there are several; or does not know a rule that counts.
     """
-    _refuse_no_tour(problem, method)
-    if problem.missions[0].has_functions:
-        _refuse_functions(problem, method)
-    if problem.alone is not None:
-        return
-    counts = _rules_of(problem)
+    if not support.follows_all(problem.instance, method.follows):
+        support.refuse(problem.instance, method.follower, able=able(problem.instance))
 
-    def able(other: MethodSpec) -> bool:
-        return other.several and counts <= other.rules
 
-    if able(method):
-        return
-    others = ", ".join(
-        f"{other} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else other
+def able(instance: Instance) -> list[str]:
+    """Installed methods that follow all rules of an instance."""
+    return [
+        f"{name} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else name
         for group in (PLANNERS, BOUNDS)
-        for other in names(group)
-        if _can(other, group, able)
-    )
-    instance = problem.instance
-    chasers = len(instance.chasers)
-    why = f"is for one chaser, and {instance.name!r} has {chasers}"
-    if method.several or chasers == 1:
-        unknown = sorted(counts - method.rules)
-        word = what_counts(instance) if unknown[0] == LOADS else unknown[0]
-        why = f"does not support {word}, {_NEED[unknown[0]].format(instance.name)}"
-    raise InputError(f"method {method.name!r} {why}; use one of: {others}")
-
-
-def _refuse_functions(problem: Problem, method: MethodSpec) -> None:
-    """Refuse functions of time for a method without them, or for other missions than it plans.
-
-    Raises
-    ------
-    InputError
-    """
-    name = problem.instance.name
-    if not method.functions:
-        able = [
-            other for other in names(PLANNERS) if _can(other, PLANNERS, lambda it: it.functions)
-        ]
-        raise InputError(
-            f"method {method.name!r} plans on lists of connections, and arrivals of {name!r} are "
-            f"functions of time; use one of: {', '.join(able)}"
-        )
-    if problem.alone is None:
-        raise InputError(
-            f"arrivals of {name!r} are functions of time, which are planned for one chaser without "
-            "loads, limited stations or expense; give connections in place of functions"
-        )
-
-
-_NEED = {
-    LOADS: "and those of {!r} matter",
-    STATIONS: "and {!r} has some",
-    EXPENSE: "the cost of {!r}",
-    EXCEPTIONS: "and a chaser of {!r} has one",
-}
-"""Reasons why a rule applies to an instance."""
-
-
-def _rules_of(problem: Problem) -> frozenset[str]:
-    """Rules of a problem that not every method supports."""
-    instance = problem.instance
-    loads = [loads_of(instance, chaser, problem.margin) for chaser in instance.chasers]
-    counts = {
-        LOADS: any(each is not None for each in loads),
-        STATIONS: bool(problem.limits),
-        EXPENSE: instance.objective.cost == "expense",
-        EXCEPTIONS: problem.limits_exceptions,
-    }
-    return frozenset(word for word, does in counts.items() if does)
+        for name in names(group)
+        if _can(name, group, lambda other: support.follows_all(instance, other.follows))
+    ]
 
 
 def warm_up(

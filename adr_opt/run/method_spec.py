@@ -7,13 +7,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
-LOADS, STATIONS, EXPENSE = "kits", "stations with limited supplies", "expense"
-"""Rules of campaigns that not every method supports."""
-
-EXCEPTIONS = "max_exceptions"
-"""Rule of given connections that few methods support."""
-
-ALL_RULES = frozenset({LOADS, STATIONS, EXPENSE})
+from ..problem.rules import FIRST, TOURS, Follower, check_words
 
 
 @dataclass(frozen=True)
@@ -54,13 +48,11 @@ class MethodSpec:
     name : str
     function : str or callable
         Where the method is, ``"package.module:function"``, imported by :meth:`load`.
-    several : bool
-        Whether it plans for several chasers. It is given an
-        :class:`adr_opt.mission.problem.Problem` then, with one start route for each chaser, and
-        otherwise the :class:`adr_opt.mission.mission.Mission` of the only chaser, with its route.
-    rules : frozenset of str
-        Of :data:`ALL_RULES` and :data:`EXCEPTIONS` those that it plans with, where it plans for
-        several chasers.
+    follows : frozenset of str
+        Words of :data:`adr_opt.problem.rules.RULES`: instances with other rules are refused. With
+        "several chasers" it is given an :class:`adr_opt.mission.problem.Problem`, with one start
+        route for each chaser, and otherwise the :class:`adr_opt.mission.mission.Mission` of the
+        only chaser, with its route. By default what every method of 1.0 followed.
     starts : bool
         Whether it can begin from a known plan.
     uses_cores : bool
@@ -69,10 +61,6 @@ class MethodSpec:
         Whether its results say what their bounds rest on, so that certificates can be made.
     bounds_all_pairs : bool
         Whether its bounds hold of all pairs of bodies, whatever the timetable has.
-    tours : bool
-        Whether it plans tours through time (:mod:`adr_opt.mission.tours`), without a timetable.
-    functions : bool
-        Whether it plans where arrivals are functions of time.
     on_demand : bool
         Whether it looks up what is chosen of few pairs, and needs no table of them all.
     orders_all : bool
@@ -85,18 +73,33 @@ class MethodSpec:
 
     name: str
     function: str | Callable[..., Any]
-    several: bool = False
-    rules: frozenset[str] = frozenset()
+    follows: frozenset[str] = FIRST
     starts: bool = False
     uses_cores: bool = False
     shows_evidence: bool = False
     bounds_all_pairs: bool = False
-    tours: bool = False
-    functions: bool = False
     on_demand: bool = False
     orders_all: bool = False
     table_options: tuple[str, ...] = ()
     practice: Practice = field(default_factory=Practice)
+
+    def __post_init__(self) -> None:
+        check_words(f"method {self.name!r}", self.follows)
+
+    @property
+    def follower(self) -> Follower:
+        """The method as one that follows rules."""
+        return Follower(f"method {self.name!r}", self.follows)
+
+    @property
+    def several(self) -> bool:
+        """Whether it plans for several chasers, and takes an adr_opt.mission.problem.Problem."""
+        return "several chasers" in self.follows
+
+    @property
+    def tours(self) -> bool:
+        """Whether it plans tours through time (:mod:`adr_opt.problem.tours`), with no timetable."""
+        return self.follows >= TOURS
 
     def load(self) -> Any:
         """The method itself, imported.

@@ -6,14 +6,12 @@
     python bench/outside/run.py gtoc9 --data DIR --fly-all FILE [--plan FILE]
     python bench/outside/run.py gtoc9 --data DIR --flown FILE
     python bench/outside/run.py optw --data DIR
-    python bench/outside/run.py kttsp --data DIR --solution FILE --time-limit SECONDS --cells FILE
     python bench/outside/run.py odrc --data DIR
     python bench/outside/run.py tdtsptw --data DIR [--time-limit S --cells FILE]
 
 DIR is the folder of all data, or that of the benchmark; without --data, what ADR_OPT_EXTERNAL_DATA
-names. Published solutions are scored again. Of kttsp nothing is planned or proven with a time limit
-of 0, and no round of the proof begins after it; the proof is kept in --cells, and gone on with.
-So are the results of tdtsptw, whose time limit is that of each instance.
+names. Published solutions are scored again. The time limit of tdtsptw is that of each instance; its
+results are kept in --cells, and gone on with.
 Every row is printed as soon as it is known, and with --out FILE it is there, too.
 Exit status 0: done; 2: the call or a file is wrong, in one sentence, before any work starts; 130:
 interrupted, what is printed is kept.
@@ -35,7 +33,6 @@ from machine import heading
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import check_writable
 from outside.gtoc9 import known as of_gtoc9
-from outside.kttsp import known as of_kttsp
 from outside.odrc import known as of_odrc
 from outside.optw import known as of_optw
 from outside.tdtsptw import known as of_tdtsptw
@@ -43,9 +40,7 @@ from outside.telling import Doing, silent, tell
 
 DONE, WRONG, INTERRUPTED = 0, 2, 130
 
-FOLDERS = {
-    "gtoc9": "gtoc9", "optw": "optw", "kttsp": "kttsp", "odrc": "mcrdv", "tdtsptw": "tdtsptw",
-}  # fmt: skip
+FOLDERS = {"gtoc9": "gtoc9", "optw": "optw", "odrc": "mcrdv", "tdtsptw": "tdtsptw"}
 """Folders of the data within the common folder."""
 
 
@@ -74,32 +69,21 @@ def of_gtoc9_report(folder: Path, parsed: argparse.Namespace, doing: Doing) -> I
 def report(
     name: str,
     folder: Path,
-    solution: Path | None,
     time_limit_s: float | None = None,
     cells: Path | None = None,
-    write: Path | None = None,
     doing: Doing = silent,
     count: int | None = None,
 ) -> Iterator[str]:
     """What is known of a benchmark, in Markdown, line by line."""
-    takes_time = name in ("kttsp", "tdtsptw")
-    if time_limit_s is not None and not (takes_time and time_limit_s >= 0.0):
-        raise InputError(
-            f"--time-limit {time_limit_s:g}: only kttsp and tdtsptw take one, of 0 or more"
-        )
+    if time_limit_s is not None and not (name == "tdtsptw" and time_limit_s >= 0.0):
+        raise InputError(f"--time-limit {time_limit_s:g}: only tdtsptw takes one, of 0 or more")
     if count is not None and not (name == "tdtsptw" and count > 0):
         raise InputError(f"--draw {count}: only instances of tdtsptw are drawn, one or more")
-    if name == "kttsp":
-        return of_kttsp.report(folder, solution, time_limit_s, cells, write, doing)
-    if name == "tdtsptw" and write is None and solution is None:
+    if name == "tdtsptw":
         limit_s = of_tdtsptw.TIME_LIMIT_S if time_limit_s is None else time_limit_s
         return of_tdtsptw.report(folder, limit_s, cells, doing, count)
     if cells is not None:
-        raise InputError(f"--cells {cells}: only kttsp and tdtsptw keep any")
-    if write is not None:
-        raise InputError(f"--write {write}: only tours of kttsp are written")
-    if solution is not None:
-        raise InputError(f"--solution {solution}: only solutions of kttsp can be scored so far")
+        raise InputError(f"--cells {cells}: only tdtsptw keeps any")
     return {"gtoc9": of_gtoc9, "optw": of_optw, "odrc": of_odrc}[name].report(folder, doing=doing)
 
 
@@ -111,16 +95,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("name", choices=list(FOLDERS))
     given = os.environ.get("ADR_OPT_EXTERNAL_DATA")
     parser.add_argument("--data", type=Path, default=Path(given) if given else None)
-    parser.add_argument("--solution", type=Path, help="of kttsp, as it is submitted")
     parser.add_argument(
         "--time-limit",
         type=float,
         metavar="SECONDS",
-        help="of the proof of kttsp; of each instance of tdtsptw",
+        help="of each instance of tdtsptw",
     )
-    parser.add_argument(
-        "--cells", type=Path, metavar="FILE", help="of the proof of kttsp, or results of tdtsptw"
-    )
+    parser.add_argument("--cells", type=Path, metavar="FILE", help="of the results of tdtsptw")
     parser.add_argument(
         "--draw", type=int, metavar="N",
         help="of tdtsptw: N of the largest with a known end and N without, instead of all",
@@ -142,7 +123,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--step", type=float, default=0.1, metavar="DAYS",
         help="of gtoc9: grid of the connections of that instance [%(default)g d]",
     )  # fmt: skip
-    parser.add_argument("--write", type=Path, help="of kttsp: where our plan is written")
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep there what is printed")
     parsed = parser.parse_args(arguments)
     try:
@@ -153,11 +133,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             check_writable(parsed.out)
 
         def lines(doing: Doing) -> Iterator[str]:
-            if parsed.name == "gtoc9" and parsed.solution is None and parsed.cells is None:
+            if parsed.name == "gtoc9" and parsed.cells is None:
                 return of_gtoc9_report(folder, parsed, doing)
             return report(
-                parsed.name, folder, parsed.solution, parsed.time_limit, parsed.cells,
-                parsed.write, doing, parsed.draw,
+                parsed.name, folder, parsed.time_limit, parsed.cells, doing, parsed.draw
             )  # fmt: skip
 
         tell(lines, heading(), parsed.out)

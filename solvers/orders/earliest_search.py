@@ -56,7 +56,7 @@ class Cooling(NamedTuple):
 
 
 @kernel
-def _recreate(legs, course, start, length, deadline, missed, scratch, rng):
+def _recreate(legs, course, start, length, deadline, missed, rng):
     """Put missing targets in as far as they fit; returns how many are visited."""
     order = course.order
     total = order.size - length
@@ -73,7 +73,7 @@ def _recreate(legs, course, start, length, deadline, missed, scratch, rng):
     for place in range(total):
         j = wanted[place]
         position = earliest_order.best_position(
-            legs, course, start, length, j, deadline, PASSED_OVER, scratch, rng
+            legs, course, start, length, j, deadline, PASSED_OVER, rng
         )
         if position < 0:
             continue
@@ -82,10 +82,8 @@ def _recreate(legs, course, start, length, deadline, missed, scratch, rng):
             source += 1
         earliest_order.insert(course, source, position)
         length += 1
-        earliest_order.time_forth(legs, course, start, length, position, position + 1, scratch[0])
-        earliest_order.time_back(
-            legs, course, start, length, position + 1, position, deadline, scratch[0]
-        )
+        earliest_order.time_forth(legs, course, start, length, position, position + 1)
+        earliest_order.time_back(legs, course, start, length, position + 1, position, deadline)
     return length
 
 
@@ -99,16 +97,16 @@ def _burden(order, length, missed):
 
 
 @kernel
-def _value(legs, course, start, scratch, spare):
+def _value(legs, course, start, spare):
     """End of an order of all targets, less what its mean slack is worth [s]."""
-    order, most = course.order, legs.exceptions
-    end = course.early[order[order.size - 1], most]
+    order = course.order
+    end = course.early[order[order.size - 1]]
     if spare == 0.0:
         return end
-    earliest_order.time_back(legs, course, start, order.size, order.size, -1, end, scratch[0])
+    earliest_order.time_back(legs, course, start, order.size, order.size, -1, end)
     total = 0.0
     for j in order:
-        total += earliest_order.slack(legs, course.early[j], course.late[j])
+        total += course.late[j] - course.early[j]
     return end - spare * total / order.size
 
 
@@ -146,20 +144,19 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
         Targets visited by the last order accepted.
     """
     legs, near = borrowed(legs), borrowed(near)
-    targets, most = order.size, legs.exceptions
-    scratch, shape = np.empty((2, most + 1)), (legs.bodies, most + 1)
-    here = earliest_order.new_order(order, start, ready, shape)
-    there = earliest_order.new_order(order, start, ready, shape)
-    earliest_order.time_forth(legs, here, start, length, 0, length, scratch[0])
-    while length > 0 and not here.early[here.order[length - 1], most] <= annealing.latest:
+    targets = order.size
+    here = earliest_order.new_order(order, start, ready, legs.bodies)
+    there = earliest_order.new_order(order, start, ready, legs.bodies)
+    earliest_order.time_forth(legs, here, start, length, 0, length)
+    while length > 0 and not here.early[here.order[length - 1]] <= annealing.latest:
         length -= 1
     earliest_order.number(here, length)
-    end = here.early[here.order[length - 1], most] if length > 0 else ready
+    end = here.early[here.order[length - 1]] if length > 0 else ready
     best, best_end = here.order[:length].copy(), end
     deadline, later, since = annealing.latest, 0.0, RENEWED
     value = math.inf
     if length == targets:
-        value = _value(legs, here, start, scratch, annealing.spare)
+        value = _value(legs, here, start, annealing.spare)
     for iteration in range(annealing.iterations):
         if halt[0]:
             break
@@ -171,19 +168,19 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
             if length == targets:
                 later = -allowed * math.log(1.0 - rng.random())
                 deadline = min(end + MORE * later, annealing.latest)
-            earliest_order.time_back(legs, here, start, length, length, -1, deadline, scratch[0])
+            earliest_order.time_back(legs, here, start, length, length, -1, deadline)
             earliest_order.copy_order(here, there)
         size, first, last = length, 0, 0
         if length > 0:
             size, first, last = ruin(there.order, length, near, rng)
         earliest_order.number(there, size)
-        earliest_order.time_forth(legs, there, start, size, first, last, scratch[0])
-        earliest_order.time_back(legs, there, start, size, last, first, deadline, scratch[0])
+        earliest_order.time_forth(legs, there, start, size, first, last)
+        earliest_order.time_back(legs, there, start, size, last, first, deadline)
         taken = False
-        if earliest_order.slack(legs, there.early[start], there.late[start]) >= 0.0:
-            size = _recreate(legs, there, start, size, deadline, missed, scratch, rng)
+        if there.late[start] >= there.early[start]:
+            size = _recreate(legs, there, start, size, deadline, missed, rng)
             if size == targets:
-                new = _value(legs, there, start, scratch, annealing.spare)
+                new = _value(legs, there, start, annealing.spare)
                 taken = new <= value + later or length < targets
                 if taken:
                     value = new
@@ -193,7 +190,7 @@ def search(legs, start, ready, order, length, near, missed, annealing, rng, halt
             missed[there.order[p]] += 1.0
         if taken:
             length, since = size, RENEWED if size == targets else since
-            end = there.early[there.order[length - 1], most]
+            end = there.early[there.order[length - 1]]
             earliest_order.copy_order(there, here)
             if length > best.size or (length == best.size and end < best_end):
                 best, best_end = here.order[:length].copy(), end

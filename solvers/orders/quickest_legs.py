@@ -1,9 +1,9 @@
 """The quickest connections of each pair: who is ready later arrives no earlier.
 
 Where the end of the mission alone counts and no tank runs dry, the earliest arrival at a body makes
-all others there superfluous, except those with fewer exceptions used. So of a pair those
-connections are kept that end earlier than all that depart later, and those of exceptions apart.
-Both times then rise with the place of a connection, and either is looked up by halving.
+all others there superfluous. So of a pair those connections are kept that end earlier than all
+that depart later. Both times then rise with the place of a connection, and either is looked up by
+halving.
 """
 
 from __future__ import annotations
@@ -22,18 +22,14 @@ from adr_opt.mission.mission import Mission
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-USUAL, EXCEPTION = 0, 1
-"""Classes of connections."""
-
 
 class QuickestLegs(NamedTuple):
-    """Undominated connections of all pairs, by class, origin and destination.
+    """Undominated connections of all pairs, by origin and destination.
 
     Attributes
     ----------
-    first : (2 · bodies² + 1,) int64
-        Place of the first connection of each class and pair: (class · bodies + origin) · bodies +
-        destination.
+    first : (bodies² + 1,) int64
+        Place of the first connection of each pair: origin · bodies + destination.
     departure, end : (connections,) float64
         Departure, and end of the service at the destination; both rise within a pair [s].
     into : (pairs,) int64
@@ -41,8 +37,6 @@ class QuickestLegs(NamedTuple):
     into_first : (bodies + 1,) int64
         Place of the first of each destination.
     bodies : int
-    exceptions : int
-        How many a route may use.
     """
 
     first: IntArray
@@ -51,7 +45,6 @@ class QuickestLegs(NamedTuple):
     into: IntArray
     into_first: IntArray
     bodies: int
-    exceptions: int
 
 
 @kernel
@@ -70,10 +63,8 @@ def quickest_legs(
     ends: tuple[npt.NDArray[np.integer], npt.NDArray[np.integer]],
     departure: FloatArray,
     end: FloatArray,
-    exception: npt.NDArray[np.bool_],
     *,
     bodies: int,
-    exceptions: int,
 ) -> QuickestLegs:
     """The table of some connections, in any order.
 
@@ -83,60 +74,51 @@ def quickest_legs(
         Origins and destinations.
     departure, end : (connections,) float64
         [s].
-    exception : (connections,) bool
-    bodies, exceptions : int
+    bodies : int
     """
-    pair = (exception.astype(np.int64) * bodies + ends[0]) * bodies + ends[1]
+    pair = ends[0].astype(np.int64) * bodies + ends[1]
     # Of those that leave together the first is the earliest: the others are dropped by it.
     order = np.lexsort((-end, departure, pair))
     pair, departure, end = pair[order], departure[order], end[order]
     kept = np.empty(pair.size, dtype=np.bool_)
     _sift(pair, departure, end, kept)
     pair, departure, end = pair[kept], departure[kept], end[kept]
-    first = np.searchsorted(pair, np.arange(2 * bodies**2 + 1))
-    joined = np.unique(pair % bodies * bodies + pair // bodies % bodies)
+    first = np.searchsorted(pair, np.arange(bodies**2 + 1))
+    joined = np.unique(pair % bodies * bodies + pair // bodies)
     into_first = np.searchsorted(joined, np.arange(bodies + 1) * bodies)
-    return QuickestLegs(first, departure, end, joined % bodies, into_first, bodies, exceptions)
+    return QuickestLegs(first, departure, end, joined % bodies, into_first, bodies)
 
 
 def quickest_legs_of(mission: Mission) -> QuickestLegs:
-    """The table of a mission over given connections, without looking at its timetable.
-
-    Where the number of exceptions is not limited, none counts as one.
-    """
+    """The table of a mission over given connections, without looking at its timetable."""
     instance, rules = mission.instance, mission.rules
     given, bodies = instance.given, rules.service.size
     assert given is not None
     number = {name: body for body, name in enumerate(instance.names)}
     bodies_of = np.array([number[name] for name in given.names], dtype=np.int64)
-    most = mission.chaser.max_exceptions
-    exception = given.exception
-    if most is None or exception is None:
-        most, exception = 0, np.zeros(given.departure.size, dtype=np.bool_)
-    most = min(most, bodies - rules.first_target)
     origin, destination = bodies_of[given.origin], bodies_of[given.destination]
     end = service_ends(given.arrival, rules.opens[destination], rules.service[destination])
     closes = np.minimum(rules.closes, rules.duration)
     wanted = (end <= closes[destination]) & (destination >= rules.first_target)
-    columns = origin, destination, given.departure, end, exception
+    columns = origin, destination, given.departure, end
     kept = tuple(column[wanted] for column in columns)
     if mission.chaser.is_launched:
         first = mission.connecting.found(rules.start, rules.first_target)
         since = np.full(bodies - rules.first_target, float(first.departure[0]))
         to = np.arange(rules.first_target, bodies)
         ends = service_ends(since, rules.opens[to], rules.service[to])
-        launches = np.full(to.size, rules.start), to, since, ends, np.zeros(to.size, np.bool_)
+        launches = np.full(to.size, rules.start), to, since, ends
         there = ends <= closes[to]
         kept = tuple(
             np.concatenate([some, more[there]]) for some, more in zip(kept, launches, strict=True)
         )
-    return quickest_legs(kept[:2], *kept[2:], bodies=bodies, exceptions=most)
+    return quickest_legs(kept[:2], *kept[2:], bodies=bodies)
 
 
 @inlined
-def arrives(legs, kind, i, j, ready):
+def arrives(legs, i, j, ready):
     """Earliest end at a body, from a ready time at another; +inf for none [s]."""
-    pair = (kind * legs.bodies + i) * legs.bodies + j
+    pair = i * legs.bodies + j
     low, last = legs.first[pair], legs.first[pair + 1]
     high, earliest = last, earliest_taken(ready)
     while low < high:
@@ -149,9 +131,9 @@ def arrives(legs, kind, i, j, ready):
 
 
 @inlined
-def leaves(legs, kind, i, j, latest):
+def leaves(legs, i, j, latest):
     """Latest ready time at a body, to end by a time at another; −inf for none [s]."""
-    pair = (kind * legs.bodies + i) * legs.bodies + j
+    pair = i * legs.bodies + j
     begin = low = legs.first[pair]
     high = legs.first[pair + 1]
     while low < high:
@@ -166,24 +148,18 @@ def leaves(legs, kind, i, j, latest):
 @inlined
 def has_leg(legs, i, j):
     """Whether some connection leads from one body to another."""
-    usual = i * legs.bodies + j
-    special = (legs.bodies + i) * legs.bodies + j
-    return (
-        legs.first[usual] < legs.first[usual + 1]
-        or legs.first[special] < legs.first[special + 1]
-    )  # fmt: skip
+    pair = i * legs.bodies + j
+    return legs.first[pair] < legs.first[pair + 1]
 
 
 @kernel
-def shortest(legs, extra):
-    """Least time from departure to end of each pair; an exception counts ``extra`` more [s]."""
+def shortest(legs):
+    """Least time from departure to end of each pair [s]."""
     bodies = legs.bodies
     least = np.full((bodies, bodies), np.inf)
-    for kind in range(2):
-        for i in range(bodies):
-            for j in range(bodies):
-                pair = (kind * bodies + i) * bodies + j
-                for c in range(legs.first[pair], legs.first[pair + 1]):
-                    taken = legs.end[c] - legs.departure[c] + kind * extra
-                    least[i, j] = min(least[i, j], taken)
+    for i in range(bodies):
+        for j in range(bodies):
+            pair = i * bodies + j
+            for c in range(legs.first[pair], legs.first[pair + 1]):
+                least[i, j] = min(least[i, j], legs.end[c] - legs.departure[c])
     return least

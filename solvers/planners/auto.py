@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import partial
 
 from adr_opt.common.options import option
 from adr_opt.common.progress import Progress
@@ -12,12 +11,12 @@ from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
-from adr_opt.mission.tours import tour_obstacle
+from adr_opt.problem.tours import tour_obstacle
 
 from ..beams.beams import USUAL
 from ..proof.proof import ProofOptions
 from ..tours import planners as tours
-from . import few_exceptions, least_end, many_routes, one_route, timed_sets
+from . import least_end, many_routes, one_route, timed_sets
 from .many_routes import Goals
 
 
@@ -49,8 +48,7 @@ def auto(
     or limits of stations count :func:`.many_routes.plan`. Ends when the incumbent meets the bound,
     or when ``stop`` says so. The same seed and the same number of iterations (rounds) give the same
     plan; ``jobs`` does not change it. Where all targets of given connections are to be done as
-    early as possible, see :func:`.least_end.plan`, and otherwise where exceptions are limited
-    :func:`.few_exceptions.plan`.
+    early as possible, see :func:`.least_end.plan`.
 
     Parameters
     ----------
@@ -58,7 +56,7 @@ def auto(
         A plan to begin from: bodies in order, for each chaser.
     """
     problem = problem_of(problem)
-    if tour_obstacle(problem) is None:
+    if tour_obstacle(problem.instance) is None:
         return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:
         return timed_sets.plan(
@@ -69,11 +67,6 @@ def auto(
         return least_end.plan(
             "auto", problem, seed=seed, stop=stop, progress=progress,
             start=None if start is None else next(iter(start)), cores=options.cores,
-        )  # fmt: skip
-    if problem.limits_exceptions:
-        return few_exceptions.plan(
-            "auto", problem, seed=seed, stop=stop, progress=progress, start=start,
-            planner=partial(auto, options=options),
         )  # fmt: skip
     if problem.alone is not None:
         return one_route.plan(

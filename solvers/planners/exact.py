@@ -22,7 +22,7 @@ from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
-from adr_opt.mission.tours import tour_obstacle
+from adr_opt.problem.tours import tour_obstacle
 
 from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
@@ -83,7 +83,7 @@ def exact(
             "option cost: the least ΔV or expense is not proven yet where prizes fall with time; "
             "leave it out"
         )
-    if tour_obstacle(problem) is None:
+    if tour_obstacle(problem.instance) is None:
         return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:
         return timed_sets.plan(

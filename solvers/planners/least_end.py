@@ -1,4 +1,4 @@
-"""Planning the earliest end of all targets, over given connections and with limited exceptions.
+"""Planning the earliest end of all targets, over given connections.
 
 Few targets are put in order over all their sets, which is a proof. Of more, two orders are annealed
 beside each other (:mod:`solvers.orders.earliest_search`) in rounds, each longer than the one
@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.common.constants import DAY_S
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.problem import Problem
@@ -44,9 +43,6 @@ HEATS = 1.0, 0.3, 3.0
 
 SPARE = 0.2
 """What a second of mean slack is worth, in seconds of the end."""
-
-EXCEPTION_DAYS = 1.0
-"""Days by which an exception makes two targets farther apart, for the choice of neighbours."""
 
 Order = npt.NDArray[np.int64]
 
@@ -143,7 +139,7 @@ def plan(
             certificate.lower(-math.inf)
         cost_bound = float(end) if order.size else None
         return certificate.result(method, seed=seed, counters=counters, cost_bound=cost_bound)
-    apart = shortest(legs, EXCEPTION_DAYS * DAY_S)
+    apart = shortest(legs)
     apart = np.minimum(apart, apart.T)
     np.fill_diagonal(apart, 0.0)
     near = np.argsort(apart[:, rules.first_target :], axis=1, kind="stable") + rules.first_target

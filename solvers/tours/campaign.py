@@ -101,7 +101,7 @@ class Campaign:
     Parameters
     ----------
     problem : Problem
-        :func:`adr_opt.mission.tours.tour_obstacle` knows of none.
+        :func:`adr_opt.problem.tours.tour_obstacle` knows of none.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -269,7 +269,7 @@ def plan_tours(
     Parameters
     ----------
     problem : Problem
-        :func:`adr_opt.mission.tours.tour_obstacle` knows of none.
+        :func:`adr_opt.problem.tours.tour_obstacle` knows of none.
     seed : int
     stop : Stop
         Asked once a generation.

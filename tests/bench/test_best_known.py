@@ -381,7 +381,7 @@ def test_campaigns_are_solved(
     there = ["--folder", str(folder)]
     arguments = [*there, "solve", "--time-limit", "20"]
     assert script.main([*arguments, name]) == 2
-    assert "'lagrangian' is for one chaser" in capsys.readouterr().err
+    assert "'lagrangian' does not follow several chasers" in capsys.readouterr().err
     alone = certify_routes(
         Problem(made), "hand", [(), (1,), ()], seed=0, runtime_s=0.0, upper_bound=8.0
     ).plan

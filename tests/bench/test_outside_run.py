@@ -41,11 +41,6 @@ def script():
             marks=[*external("mcrdv"), pytest.mark.slow],
         ),
         pytest.param(
-            "kttsp --time-limit 0", "kttsp", "*",
-            ("49 targets", "| small | 111.9600 | – | 111.7560"),
-            marks=external("kttsp"),
-        ),
-        pytest.param(
             "optw", "optw", "*tt?0.TXT 20.4.2.TXT 50.4.1.TXT optima.csv",
             ("| 20.4.2 | 299 | 299 | 299 | 299 |", "| 50.4.1 | 498 | – | 498 | 498 |",
              "Of the 2 that CPLEX proved, 2 have the same score", "2 of 2 proven"),
@@ -74,11 +69,9 @@ def test_wrong_calls_are_refused(script, capsys, tmp_path, monkeypatch):
     calls = (
         (["gtoc9"], "no folder given"),
         (["odrc", "--data", str(tmp_path / "nowhere")], "no such folder"),
-        (["kttsp", "--data", str(tmp_path)], "no such file"),
-        (["optw", "--data", str(tmp_path), "--solution", "it"], "only solutions of kttsp"),
-        (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "and tdtsptw take one"),
-        (["kttsp", "--data", str(tmp_path), "--time-limit", "-1"], "of 0 or more"),
-        (["kttsp", "--data", str(tmp_path), "--draw", "3"], "only instances of tdtsptw are drawn"),
+        (["odrc", "--data", str(tmp_path), "--time-limit", "9"], "only tdtsptw takes one"),
+        (["tdtsptw", "--data", str(tmp_path), "--time-limit", "-1"], "of 0 or more"),
+        (["optw", "--data", str(tmp_path), "--draw", "3"], "only instances of tdtsptw are drawn"),
         (["tdtsptw", "--data", str(tmp_path), "--draw", "0"], "one or more"),
     )
     for arguments, sentence in calls:
@@ -164,7 +157,7 @@ def test_what_judges_shares_nothing_with_planners():
     judges = [
         path for name in ("scoring", "subsets") for path in BENCH.glob(f"outside/*/{name}.py")
     ]
-    assert len(judges) == 7
+    assert len(judges) == 6
     for path in judges:
         text = path.read_text(encoding="utf-8")
         assert "solvers" not in text

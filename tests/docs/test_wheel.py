@@ -254,7 +254,8 @@ def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) 
     for method in dict.fromkeys((*names(PLANNERS), *names(BOUNDS))):
         groups = [group for group in (PLANNERS, BOUNDS) if method in names(group)]
         able = spec_of(method, groups[0])
-        fields = [*one, *(several[:1] if able.several else []), *(several if able.rules else [])]
+        carries = several if "tows" in able.follows else []
+        fields = [*one, *(several[:1] if able.several else []), *carries]
         ran = subprocess.run(
             [sys.executable, "-c", where + PLANS, " ".join([method, *groups]), json.dumps(fields)],
             capture_output=True, text=True,

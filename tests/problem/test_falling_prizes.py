@@ -66,8 +66,10 @@ def test_what_cannot_plan_them_says_so(tmp_path):
     instance = adr_opt.generate("tiny", 0)
     falls = tuple(each.replace(prize_until=((9000.0, 2.0),)) for each in instance.targets)
     instance = instance.replace(targets=falls)
-    with pytest.raises(InputError, match="max_leg_s"):
-        instance.replace(transfer=instance.transfer.replace(max_leg_s=1e5))
+    toured = instance.replace(transfer=instance.transfer.replace(max_leg_s=1e5))
+    for method in ("auto", "greedy"):
+        with pytest.raises(InputError, match=r"longest leg|prizes that fall beyond"):
+            adr_opt.solve(toured, method)
     with pytest.raises(InputError, match="option cost"):
         adr_opt.solve(instance, "exact", cost=True)
     with pytest.raises(InputError, match="prizes that fall"):

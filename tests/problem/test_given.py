@@ -30,6 +30,7 @@ from toy_roads import (
 import adr_opt
 from adr_opt.kernels.legs.given_connections import sifted
 from adr_opt.problem.given import COLUMNS, among, of_rows
+from adr_opt.problem.instance import instance_of
 from adr_opt.problem.settings import KeepOutZone, MissionSettings, TransferSettings
 
 
@@ -141,6 +142,7 @@ def test_a_function_may_offer_choices() -> None:
         (lambda rows: rows["arrival_s"].__setitem__(0, 0.0), "takes 0.0 s"),
         (lambda rows: rows["destination"].__setitem__(0, "depot"), "ends where it begins"),
         (lambda rows: rows["delta_v_m_s"].__setitem__(0, "dear"), "must be numbers"),
+        (lambda rows: rows.update(exception=[0] * 132), "exceptions were removed in 1.1"),
     ],
 )
 def test_rows_that_cannot_be_planned_on_are_refused(
@@ -258,3 +260,11 @@ def test_bodies_of_given_connections_do_not_go_unseen() -> None:
     there = adr_opt.Timetable.from_connections(own, row).instance
     with pytest.raises(adr_opt.InputError, match=r"'van' is one of their bodies, and would go"):
         there.replace(chasers=(own.chaser.replace(name="lorry"),))
+
+
+def test_a_limit_of_exceptions_is_refused() -> None:
+    """A file with the limit that 1.1 removed is refused in a sentence that says so."""
+    content = roads().model_dump(mode="json")
+    content["chasers"][0]["max_exceptions"] = None
+    with pytest.raises(adr_opt.InputError, match=r"chasers\[0\].*removed in 1\.1; leave it out"):
+        instance_of(content)

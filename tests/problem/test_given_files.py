@@ -95,6 +95,8 @@ def test_files_that_are_missing_or_others_are_refused(cli: Cli, tmp_path: Path) 
         cli("solve", "my.json"),
         "row 0, 'depot' to 'mill': delta_v_m_s is missing and arrival_s is not",
     )
+    parquet.write_table(pa.table(as_rows() | {"exception": [False] * 132}), "roads.parquet")
+    refused(cli("solve", "my.json"), "roads.parquet: column exception: limits of exceptions were")
     for content in (there, None):
         if content is None:
             # From another program, with a column more and texts as they are.

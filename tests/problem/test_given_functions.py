@@ -166,8 +166,8 @@ def test_other_methods_and_listings_are_refused_in_a_sentence(cli: Cli, tmp_path
     """What needs lists of connections says so, and names the methods that do not."""
     saved()
     for method in ("greedy", "beam", "cpsat", "mip", "local-search", "mcts", "ortools"):
-        said = "functions of time; use one of: auto, exact"
-        refused(cli("solve", "my.json", "--method", method), said)
+        said = "does not follow functions of time", "use one of: auto, exact"
+        refused(cli("solve", "my.json", "--method", method), *said)
     refused(cli("bound", "my.json", "--method", "lagrangian"), "functions of time")
     refused(cli("matrix", "my.json", "--at", 0, "--out", "m.npz"), "function of time")
 

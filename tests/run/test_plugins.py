@@ -13,6 +13,7 @@ import pytest
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certified import certify, certify_routes
+from adr_opt.problem.rules import FIRST
 from adr_opt.run import front, methods
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.testing import CASES, PlannerFault, validate_planner
@@ -22,6 +23,7 @@ ROOT = Path(__file__).parents[2]
 PLUGINS = '''
 """Planners that are wrong, and one that notes what it is called with."""
 
+from adr_opt.problem.rules import FIRST
 from adr_opt.run.method_spec import MethodSpec, Practice
 from adr_opt.mission.certified import certify, certify_routes
 
@@ -62,7 +64,9 @@ def several(problem, *, seed, stop, progress, walks=100):
                           runtime_s=0.0)
 
 
-SEVERAL = MethodSpec("several", "plugins_of_others:several", several=True)
+SEVERAL = MethodSpec(
+    "several", "plugins_of_others:several", follows=FIRST | {"several chasers"}
+)
 '''
 
 NAMES = ("forgets", "other", "a_list", "noting", "modest", "several")
@@ -274,7 +278,7 @@ def test_a_planner_of_several_chasers_is_tried_with_them() -> None:
         routes = [(1,)] * len(problem.missions)
         return certify_routes(problem, "wrong", routes, seed=seed, runtime_s=0.0)
 
-    several = MethodSpec("wrong", wrong, several=True)
+    several = MethodSpec("wrong", wrong, follows=FIRST | {"several chasers"})
     with pytest.raises(PlannerFault, match="practice campaign: "):
         validate_planner(several, cases=["practice campaign"])
 

@@ -42,9 +42,11 @@ def test_methods_for_one_chaser_say_so(instance: Instance) -> None:
             if name in ABLE:
                 assert call(instance, name, iterations=2).status in ("optimal", "feasible")
                 continue
-            with pytest.raises(adr_opt.InputError, match=r"is for one chaser.* has 2; use one of"):
+            with pytest.raises(
+                adr_opt.InputError, match=r"does not follow several chasers.*; use one of"
+            ):
                 call(instance, name)
-    with pytest.raises(adr_opt.InputError, match="'lagrangian' is for one chaser"):
+    with pytest.raises(adr_opt.InputError, match="'lagrangian' does not follow several"):
         adr_opt.solve(instance, "auto", bound="lagrangian")
 
 
@@ -52,7 +54,10 @@ def test_the_command_line_says_so_too(cli: Cli, instance: Instance) -> None:
     """`solve` and `bound` with such a method are one sentence and exit 2."""
     with open("two.json", "w", encoding="utf-8") as file:
         file.write(instance.to_json())
-    sentence = ("is for one chaser", "auto, exact, greedy, greedy-guarded, ortools")
+    sentence = (
+        "does not follow several chasers (field chasers)",
+        "auto, exact, greedy, greedy-guarded, ortools",
+    )
     refused(cli("solve", "two.json", "--method", "beam"), "'beam'", *sentence)
     refused(cli("bound", "two.json", "--method", "lagrangian"), "'lagrangian'", *sentence)
     refused(cli("solve", "two.json", "--bound", "lagrangian"), "'lagrangian'", *sentence)

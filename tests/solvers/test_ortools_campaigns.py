@@ -68,8 +68,8 @@ def test_launches_are_planned_and_kits_refused() -> None:
         campaign = Problem(instance)
         if any(mission.rules.loads is not None for mission in campaign.missions):
             said = (
-                r"'ortools' does not support kits.*"
-                r"auto, exact, greedy, greedy-guarded, exact \(bounds\)$"
+                r"'ortools' does not follow (kits|tanks not full by mass).*"
+                r"auto, exact, greedy, greedy-guarded, exact \(bounds\), or leave it out$"
             )
             with pytest.raises(InputError, match=said):
                 adr_opt.solve(campaign, "ortools", iterations=1)

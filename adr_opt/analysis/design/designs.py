@@ -11,6 +11,8 @@ from itertools import product
 from ...common.errors import InputError
 from ...problem.chasers import Chaser, TankByMass
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.support import refuse
 from ..trade.axes import KINDS, MOST_POINTS, Axis, with_drive
 
 MOST_LAUNCHES = 200
@@ -159,13 +161,15 @@ def _with_masses(instance: Instance, dry_mass_kg: float | None, isp_s: float | N
     return _each(instance, chasers)
 
 
+SEPARATED = Follower(
+    "vary separation", FIRST | CAMPAIGNS | {"functions of time"}, "vary launches instead"
+)
+"""Launches at intervals, not at times of the plan's choice."""
+
+
 def _separated(instance: Instance, separation_s: float) -> Instance:
     """Each chaser available, or launched, as long after the one before it."""
-    if instance.mission.mission_separation_s is not None:
-        raise InputError(
-            "vary separation: the launches of this instance have times of the plan's choice "
-            "(mission_separation_s), not intervals; vary launches instead"
-        )
+    refuse(instance, SEPARATED)
     first_s = instance.chasers[0].available_s[0]
     made = _each(
         instance,

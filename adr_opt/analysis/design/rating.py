@@ -11,6 +11,8 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.support import refuse
 from ...sources.worth import SetWorths
 
 
@@ -77,6 +79,13 @@ class Rating:
         return self.worths.of_set(chosen)
 
 
+FOLLOWS = Follower(
+    "a comparison of designs",
+    (FIRST | CAMPAIGNS | TOURS | {"functions of time"}) - {"prizes that fall"},
+)
+"""Designs are compared by worths of one time."""
+
+
 def rating_of(instance: Instance, worths: SetWorths | None) -> tuple[Instance, Rating]:
     """The instance without targets whose worth is not known, and the rating of the others.
 
@@ -85,12 +94,7 @@ def rating_of(instance: Instance, worths: SetWorths | None) -> tuple[Instance, R
     InputError
         No target has a worth, one without is required, or prizes fall with time.
     """
-    for target in instance.targets:
-        if target.prize_until is not None:
-            raise InputError(
-                f"{target.name!r} has a prize_until, but designs are compared by worths of one "
-                "time; leave it out"
-            )
+    refuse(instance, FOLLOWS)
     if worths is None:
         return instance, Rating(None)
     known = set(worths.names)

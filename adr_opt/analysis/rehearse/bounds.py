@@ -21,13 +21,14 @@ from ...common.errors import InputError
 from ...common.stop import MaxRuntime, Stop
 from ...mission.problem import Problem
 from ...problem.instance import Instance
+from ...problem.support import refuse
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from ...run.front import bound, solve
 from ...run.method_call import spec_of
 from ...run.methods import BOUNDS
 from .elsewhere import check_worlds, elsewhere, is_over
-from .ground import Ground, refuse
+from .ground import FOLLOWS, Ground
 from .known_world import known_problem, refuse_bounds
 from .rehearsals import Rehearsals, share, summary
 from .rows_file import EXACT, RowsFile
@@ -254,7 +255,7 @@ def prepared(
     InputError
         Something does not fit the instance, or the file; the bound is unknown.
     """
-    refuse(setting.instance)
+    refuse(setting.instance, FOLLOWS)
     refuse_bounds(setting.instance, setting.uncertainty)
     spec_of(setting.method, BOUNDS)
     _check_price(setting)

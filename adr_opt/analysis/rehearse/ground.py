@@ -9,17 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import HOUR_S, SLACK_M_S, SLACK_S
-from ...common.errors import InputError
 from ...kernels.legs.connections import best_from
 from ...kernels.rules.loads import Loads
 from ...kernels.tables.timetable_making import ServiceLimits
 from ...legs.connection_finder import ConnectionFinder
 from ...legs.service_limits import limits_of, removal_times
-from ...plan.cargo import loads_of, most_left_m_s, most_targets
+from ...plan.cargo import loads_of, most_left_m_s
 from ...plan.leg_kinds import leg_kinds
 from ...plan.plan import Leg
 from ...problem.instance import Instance
-from ...problem.tour_rules import refuse_tour_rules
+from ...problem.rules import CAMPAIGNS, FIRST, SUPPLIES, Follower, most_targets
+from ...problem.support import refuse
 from ...problem.uncertainty import LognormalFactor, Uncertainty
 
 FloatArray = npt.NDArray[np.float64]
@@ -97,6 +97,10 @@ class ChaserLimits(NamedTuple):
     is_launched: bool
 
 
+FOLLOWS = Follower("rehearse", (FIRST | CAMPAIGNS) - SUPPLIES - {"low thrust", "prizes that fall"})
+"""What rehearsals and robust plans follow."""
+
+
 class Ground:
     """Everything about an instance that rehearsals share.
 
@@ -120,7 +124,7 @@ class Ground:
     """
 
     def __init__(self, instance: Instance, *, cores: int = 0) -> None:
-        refuse(instance)
+        refuse(instance, FOLLOWS)
         self.cores = cores
         self.instance, self.names = instance, instance.names
         self.number = {name: body for body, name in enumerate(self.names)}
@@ -220,26 +224,3 @@ def hop_of(j: int, rows: Rows, row: int) -> Hop:
         j, float(rows.departure[row]), float(rows.arrival[row]), float(rows.delta_v[row]),
         int(rows.family[row]), int(rows.revolutions[row]),
     )  # fmt: skip
-
-
-def refuse(instance: Instance) -> None:
-    """Refuse an instance with a rule that rehearsals do not follow.
-
-    Raises
-    ------
-    InputError
-        It has one.
-    """
-    refuse_tour_rules(instance, "rehearse")
-    for wrong, what in (
-        (any(chaser.max_exceptions is not None for chaser in instance.chasers),
-         "chasers[].max_exceptions"),
-        (instance.has_low_thrust, "chasers[].thrust_n"),
-        (any(target.prize_until is not None for target in instance.targets),
-         "targets[].prize_until"),
-        (any(station.is_limited for station in instance.stations), "limited stations"),
-        (instance.given is not None and instance.given.functions is not None,
-         "functions of time as connections"),
-    ):  # fmt: skip
-        if wrong:
-            raise InputError(f"rehearse does not follow {what} yet, which {instance.name!r} has")

@@ -14,12 +14,13 @@ from ...common.stop import Stop
 from ...judge.admit import AnyPlan, admit, admit_made
 from ...plan.plan import Plan
 from ...problem.instance import Instance
+from ...problem.support import refuse
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from ...run.front import solve
 from .elsewhere import check_worlds, elsewhere, is_over
 from .flight import FlownMission, rehearsed
-from .ground import Ground, refuse
+from .ground import FOLLOWS, Ground
 from .intended import Intended, intended
 from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
@@ -142,7 +143,7 @@ def setting_of(
     InputError
         Something does not fit the instance.
     """
-    refuse(instance)
+    refuse(instance, FOLLOWS)
     uncertainty = uncertainty.of(instance)
     policy_of(policy)
     if plan is None:

@@ -24,12 +24,13 @@ from ...mission.problem import Problem
 from ...mission.result import Result
 from ...plan.plan import Plan
 from ...plan.routes import routes_of
-from ...problem.instance import AnyInstance, Instance, instance_of
+from ...problem.instance import AnyInstance, Instance
+from ...problem.support import followed
 from ...problem.uncertainty import Uncertainty
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import PLANNERS
 from ..departures import plan_of
-from ..rehearse.ground import Ground
+from ..rehearse.ground import FOLLOWS, Ground
 from ..rehearse.intended import Intended, intended
 from ..rehearse.sampling import Setting, flown_in
 from ..rehearse.tries import common_share, mean_worths
@@ -98,7 +99,7 @@ def robust(  # noqa: PLR0913
     """
     if not 0.5 <= confidence < 1.0:
         raise InputError(f"confidence = {confidence!r}: must be at least 0.5 and below 1")
-    instance = instance_of(instance)
+    instance = followed(instance, FOLLOWS)
     uncertainty = uncertainty.of(instance)
     wanted = RunOptions(time_limit, seed, None, jobs=jobs, bound=bound, options=method_options)
     return _Search(instance, uncertainty, confidence, method, wanted, stop).run(progress)

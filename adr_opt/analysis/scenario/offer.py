@@ -16,6 +16,8 @@ from ...problem.chasers import InOrbit
 from ...problem.frame import Frame
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
+from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.support import refuse
 from ...sources.worth.lifetimes import YEAR_S
 from ...sources.worth.prizes import usual_unit
 from ...sources.worth.worth import worth_of
@@ -41,6 +43,20 @@ class Offer(NamedTuple):
     unit: float
 
 
+FOLLOWS = Follower(
+    "--campaign",
+    (FIRST | CAMPAIGNS)
+    - {
+        "given connections",
+        "bodies without an orbit",
+        "ephemerides",
+        "keep-out zones",
+        "fixed planes",
+    },
+)
+"""Campaigns of later years are planned by the model, on what is there then."""
+
+
 def check_template(template: Instance) -> None:
     """Refuse an instance of which no campaigns of later years can be made.
 
@@ -48,22 +64,7 @@ def check_template(template: Instance) -> None:
     ------
     InputError
     """
-    for field, is_set, cure in (
-        ("transfer.given", template.transfer.given is not None, "leave connections to the model"),
-        ("ephemerides", template.ephemerides is not None, "import without ephemerides"),
-        ("keep_out_zones", bool(template.keep_out_zones), "leave zones out"),
-        ("dynamics", template.dynamics != "j2", 'write "j2": planes drift for years'),
-        ("transfer.max_leg_s", template.transfer.max_leg_s is not None, "leave it out"),
-        (
-            "mission.mission_separation_s",
-            template.mission.mission_separation_s is not None,
-            "leave it out",
-        ),
-    ):
-        if is_set:
-            raise InputError(
-                f"--campaign {template.name!r}: field {field} makes no sense in later years; {cure}"
-            )
+    refuse(template, FOLLOWS)
     if not template.targets:
         raise InputError(
             f"--campaign {template.name!r}: no target says whether objects are visited, get a kit "

@@ -25,6 +25,8 @@ from ...common.files import write_text
 from ...common.stop import Stop
 from ...mission.problem import Problem, problem_of
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.support import refuse
 from ...run.front import solve
 from .axes import Axis, PointLimits, tanks_of
 from .points import Point, Routes, Tradeoff
@@ -70,6 +72,16 @@ class Ending:
         return {**asdict(self), "routes": [list(route) for route in self.routes]}
 
 
+FOLLOWS = Follower(
+    "a frontier",
+    (FIRST | CAMPAIGNS | TOURS | {"functions of time"})
+    - {"cost", "expense", "prizes that fall", "limited propellant"},
+    "leave it or the frontier out",
+)
+"""A frontier is one of ΔV against the last day: whoever is done sooner may neither collect less nor
+take more of what others need."""
+
+
 def check_frontier(instance: Instance, axes: Sequence[Axis] = ()) -> None:
     """Refuse instances without a frontier of ΔV against the last day.
 
@@ -85,22 +97,7 @@ def check_frontier(instance: Instance, axes: Sequence[Axis] = ()) -> None:
                 f"vary {axis.kind}: a frontier is one of chasers with the same drive; leave the "
                 "frontier out"
             )
-    if instance.objective.cost != "delta-v":
-        raise InputError(
-            f'objective.cost = "{instance.objective.cost}": a frontier is one of ΔV against the '
-            'last day; write "delta-v", or leave the frontier out'
-        )
-    if any(target.prize_until is not None for target in instance.targets):
-        raise InputError(
-            "prizes fall with time (prize_until), so that a chaser that is done later collects "
-            "less; leave them or the frontier out"
-        )
-    for station in instance.stations:
-        if station.max_propellant_kg is not None:
-            raise InputError(
-                f"{station.name!r} limits propellant, and a chaser that is done sooner takes more "
-                "of it; leave the limit or the frontier out"
-            )
+    refuse(instance, FOLLOWS)
 
 
 def frontier(

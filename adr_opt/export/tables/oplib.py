@@ -23,7 +23,7 @@ from ...common.constants import STATION
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
 from ...mission.mission import Mission
-from .weights import LARGEST, comment, edges, refuse_falling, slug, whole_weights
+from .weights import LARGEST, comment, edges, slug, whole_weights
 
 FINEST_SCORES = 1000.0
 
@@ -58,7 +58,6 @@ def write(
         The prizes or the weights do not fit into 31 bits.
     """
     instance = mission.instance
-    refuse_falling(instance)
     is_duration = quantity == "duration"
     limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
     service = np.array(mission.rules.service) if is_duration else None

@@ -22,7 +22,7 @@ from pathlib import Path
 from ...common.errors import InputError
 from ...legs.matrices import Matrices
 from ...mission.mission import Mission
-from .weights import comment, edges, refuse_falling, slug, whole_weights
+from .weights import comment, edges, slug, whole_weights
 
 LARGEST_PRIZES = 2**44
 """Largest sum of prizes, as of distances in PyVRP: beyond it sums may overflow."""
@@ -42,7 +42,6 @@ def write(
     targets = len(instance.targets)
     if targets == 0:
         raise InputError(f"{instance.name!r} has no target: a .vrp file needs at least one")
-    refuse_falling(instance)
     is_duration = quantity == "duration"
     limit = instance.mission.duration_s if is_duration else instance.chaser.tank.delta_v_m_s
     weights = whole_weights(matrices, quantity, scale, limit)

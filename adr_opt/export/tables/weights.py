@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...legs.matrices import FloatArray, Matrices
-from ...plan.cargo import loads_of, what_counts
 from ...problem.instance import Instance
 
 UNITS = {"delta_v": "m/s", "duration": "s"}
@@ -52,15 +50,6 @@ class WeightMatrix:
     departure: float
     choice: str
     has_service: bool = False
-
-
-def refuse_falling(instance: Instance) -> None:
-    """Raise :class:`InputError` where prizes fall with time, for which formats have no field."""
-    if any(target.prize_until is not None for target in instance.targets):
-        raise InputError(
-            f"{instance.name!r} has prizes that fall with time, which this format cannot hold; "
-            "leave prize_until out, or write the connections"
-        )
 
 
 def check_quantity(quantity: str) -> None:
@@ -163,29 +152,6 @@ def _nodes(instance: Instance) -> str:
         return f"node 1 is {before}, then the targets in order"
     start = ", the last of these the start" if first > stations else ""
     return f"nodes 1 to {first} are the stations in order{start}, then the targets in order"
-
-
-def check_one_depot(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` if a mission does not begin at its only station."""
-    if instance.first_target != 1 or not instance.stations:
-        raise InputError(
-            f"{path}: a {path.suffix.lower()} file holds one depot, where the chaser starts and "
-            f"refuels, which is not so in {instance.name!r}; write .npz, .nc or .tsp"
-        )
-
-
-def check_no_kits(instance: Instance, path: Path) -> None:
-    """Raise :class:`InputError` if kits, tows or exceptions matter, which files cannot hold."""
-    if instance.chaser.max_exceptions is not None:
-        raise InputError(
-            f"{path}: a {path.suffix.lower()} file has no exceptions, and those of "
-            f"{instance.name!r} are limited; write transfers alone, as .npz, .nc or .parquet"
-        )
-    if loads_of(instance, instance.chaser, 0.0) is not None:
-        raise InputError(
-            f"{path}: a {path.suffix.lower()} file has no {what_counts(instance)}, and those of "
-            f"{instance.name!r} count; write transfers alone, as .npz, .nc or .parquet"
-        )
 
 
 def edges(weights: WeightMatrix) -> list[str]:

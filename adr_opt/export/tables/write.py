@@ -14,8 +14,10 @@ from ...legs.connections import Choice
 from ...legs.matrices import FloatArray, Matrices
 from ...mission.mission import Mission
 from ...problem.instance import Instance
+from ...problem.rules import FIRST, SUPPLIES, TOURS, Follower
+from ...problem.support import refuse
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
-from .weights import check_no_kits, check_one_depot, check_quantity, check_scale
+from .weights import check_quantity, check_scale
 
 SAMPLED = (".npz", ".nc")
 """Formats of matrices at any number of departures."""
@@ -29,6 +31,21 @@ ONE_DEPOT = (".vrp", ".oplib")
 
 Building = Callable[[float], None]
 """Callback for the share of the timetable that is built."""
+
+
+MODEL_FILES = Follower(
+    "a file of the model", FIRST | SUPPLIES | TOURS | {"expense", "functions of time"},
+    "write transfers alone, as .npz, .nc or .parquet",
+)  # fmt: skip
+"""Files of the exact network of one chaser, whose legs have no masses."""
+
+DEPOT_FILES = Follower(
+    "a file with one depot",
+    MODEL_FILES.follows
+    - {"number of stations", "start orbits", "launches", "prizes that fall"},
+    "write transfers alone, as .npz, .nc or .parquet",
+)  # fmt: skip
+"""Files of one depot, where the chaser starts and refuels, and of prizes that stay."""
 
 
 def whole_suffixes() -> tuple[str, ...]:
@@ -119,8 +136,7 @@ def write_matrix(
 
     mission = _mission(instance_or_mission)
     if suffix in ONE_DEPOT:
-        check_one_depot(mission.instance, Path(path))
-        check_no_kits(mission.instance, Path(path))
+        refuse(mission.instance, DEPOT_FILES)
     _build(mission, building)
     matrices = mission.timetable.matrices(times, choose)
 
@@ -179,7 +195,7 @@ def write_timetable(
     check_writable(path)
     mission = _mission(instance_or_mission)
     if write_model is not None:
-        check_no_kits(mission.instance, Path(path))
+        refuse(mission.instance, MODEL_FILES)
     _build(mission, building)
 
     def write(temporary: Path) -> None:

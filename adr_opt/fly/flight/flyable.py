@@ -6,9 +6,25 @@ from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
+from ...problem.support import refuse
 
 TIME_TOLERANCE_S = 1e-3
 """Tolerance between the last burn and the stated arrival [s]."""
+
+
+REFINED = Follower(
+    "flying",
+    FIRST - {"given connections", "bodies without an orbit"} | CAMPAIGNS | TOURS
+    | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
+    "its plans have no trajectory",
+)  # fmt: skip
+"""Who flies refined plans, and who refines."""
+
+FLOWN = Follower(
+    "flying plans", REFINED.follows - {"low thrust"},
+    "their plans have no burns: refine the plan, and take the refined one",
+)  # fmt: skip
 
 
 def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
@@ -18,7 +34,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
     missing, or one too many.
     """
-    refuse_without_burns(instance)
+    refuse(instance, FLOWN)
     _refuse_wrong_legs(instance, plan)
 
 
@@ -27,7 +43,7 @@ def refuse_what_cannot_be_refined(instance: Instance, plan: Plan) -> None:
 
     As :func:`refuse_what_cannot_be_flown` does, but legs of low thrust may have their arcs.
     """
-    refuse_given(instance)
+    refuse(instance, REFINED)
     _refuse_wrong_legs(instance, plan)
 
 
@@ -62,25 +78,6 @@ def _tows_before_s(plan: Plan) -> dict[int, float]:
             if leg.tow is not None and leg is not route.legs[-1]:
                 found[number + 1] = leg.tow.burns[-1].time_s if leg.tow.burns else leg.tow.end_s
     return found
-
-
-def refuse_without_burns(instance: Instance) -> None:
-    """Raise :class:`InputError` for an instance whose plans have no burns."""
-    if instance.has_low_thrust:
-        raise InputError(
-            f"{instance.name!r} has chasers with low thrust, whose plans have no burns; refine the "
-            "plan, and take the refined one"
-        )
-    refuse_given(instance)
-
-
-def refuse_given(instance: Instance) -> None:
-    """Raise :class:`InputError` for an instance whose costs are given."""
-    if instance.transfer.given is not None:
-        raise InputError(
-            f"the connections of {instance.name!r} are given, with nothing but times and costs: "
-            "its plans have no trajectory"
-        )
 
 
 def refuse_broken_chain(instance: Instance, plan: Plan) -> None:

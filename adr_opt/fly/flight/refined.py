@@ -23,6 +23,8 @@ from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wron
 from ...judge.refined.world import Places, Towing, World, begun, reported_of
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState
 from ...problem.instance import Instance
+from ...problem.support import refuse
+from .flyable import REFINED
 from .refined_result import RefinedFlight, RefinedLegFlight
 from .tanks import refined_routes, tanks_of
 
@@ -78,6 +80,7 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
 
     Or for one that lacks a tow, or has one too many.
     """
+    refuse(instance, REFINED)
     refined.instance.refuse_other(instance, "refined plan")
     for chaser, legs in refined_routes(instance, refined):
         for leg in legs:

@@ -30,7 +30,8 @@ from ...plan.refined_plan import (
 )
 from ...plan.routes import owners, routes_of
 from ...problem.instance import AnyInstance, Instance
-from ..flight.flyable import refuse_broken_chain, refuse_what_cannot_be_refined
+from ...problem.support import followed
+from ..flight.flyable import REFINED, refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import MovingBodies, TrueBodies
 from .holding_estimate import holding_m_s
 from .one_leg import refine_leg
@@ -133,7 +134,7 @@ def refine(  # noqa: PLR0913
         they are others than the instance says, or a leg has low thrust.
     """
     wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
-    return refined_again(admit(instance, plan), wanted, {})
+    return refined_again(admit(followed(instance, REFINED), plan), wanted, {})
 
 
 def refined_again(

@@ -20,9 +20,10 @@ from ...mission.result import Result
 from ...plan.plan import Plan
 from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan
 from ...plan.routes import routes_of
+from ...problem.support import refuse
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
-from ..flight.flyable import refuse_given
+from ..flight.flyable import REFINED
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
@@ -217,7 +218,7 @@ def solve_refined(  # noqa: PLR0913
     if rounds < 1:
         raise InputError(f"rounds = {rounds}: must be at least 1")
     mission = problem_of(instance)
-    refuse_given(mission.instance)
+    refuse(mission.instance, REFINED)
     if ephemerides:
         opened(mission.instance)  # what is wrong with them is said before planning
     lessons, best, held = Lessons(mission.instance, spend_savings), _Best(), list[Round]()

@@ -11,11 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from ...common.errors import InputError
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Leg
 from ...problem.instance import Instance
+from ...problem.rules import Follower
+from ...problem.support import refuse
 from ...sources.ephemerides import Ephemerides, ephemerides_of
+from ..flight.flyable import REFINED
 from .bodies import Gravity, TrueBodies
 
 DEFAULT_GRAVITY: Gravity = "j4"
@@ -104,6 +106,11 @@ def delay_s(state: Array, length_m: float) -> float:
     return length_m / math.sqrt(float(state[3:] @ state[3:]))
 
 
+ONTO_EPHEMERIDES = Follower(
+    "refinement onto ephemerides", REFINED.follows - {"low thrust"}, "refine without --ephemerides"
+)
+
+
 def opened(instance: Instance) -> Ephemerides:
     """Ephemerides of an instance that legs are to be refined onto.
 
@@ -113,9 +120,5 @@ def opened(instance: Instance) -> Ephemerides:
         There are none, they are others than the instance says, or it has low thrust.
     """
     known = ephemerides_of(instance)
-    if instance.has_low_thrust:
-        raise InputError(
-            f"{instance.name!r} has low thrust, and only legs of impulses are refined onto "
-            "ephemerides; refine without --ephemerides"
-        )
+    refuse(instance, ONTO_EPHEMERIDES)
     return known

@@ -135,11 +135,3 @@ def _alike(given: Given, leg: Leg) -> tuple[IntArray, BoolArray, BoolArray, IntA
     lands = np.abs(given.arrival[rows] - leg.arrival_s) <= TIME_TOLERANCE_S
     costs = np.abs(given.cost[rows] - leg.delta_v_m_s) <= DELTA_V_TOLERANCE_M_S
     return rows, leaves, lands, rows[leaves & lands & costs]
-
-
-def is_exception(given: Given | None, leg: Leg) -> bool:
-    """Whether a leg is a given connection, and all rows that it may be are exceptions."""
-    if given is None or given.exception is None or leg.kind != GIVEN.name:
-        return False
-    same = _alike(given, leg)[3]
-    return bool(same.size and given.exception[same].all())

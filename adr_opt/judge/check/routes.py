@@ -17,7 +17,6 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
 from .altitude import Heights
-from .given import is_exception
 from .leg import Physics, check_transfer
 from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
@@ -58,8 +57,6 @@ class _Followed:
         Targets serviced since then.
     targets : int
         Targets serviced.
-    exceptions : int
-        Given connections used that are exceptions.
     """
 
     where: str
@@ -70,7 +67,6 @@ class _Followed:
     arrived: float | None = None
     since_refuelling: int = 0
     targets: int = 0
-    exceptions: int = 0
 
 
 def check_routes(instance: Instance, plan: Plan) -> Iterator[Violation]:
@@ -111,13 +107,6 @@ def check_legs(instance: Instance, plan: Plan) -> Iterator[Violation]:
         leads_on = yield from _check_route(
             instance, bodies, physics[drive], now, visited, first, route
         )
-        most = chaser.max_exceptions
-        if most is not None and now.exceptions > most:
-            yield Violation(
-                None,
-                "exceptions",
-                f"{chaser.name!r} uses {now.exceptions} exceptions, but may use {most}",
-            )
         if leads_on:
             yield from _check_end(plan, now)
         whole = whole and leads_on
@@ -159,7 +148,6 @@ def _check_route(
         )
         yield from _check_leg_time(instance, now, number, arrival)
         yield from _check_zones(instance, number, leg)
-        now.exceptions += is_exception(instance.given, leg)
         towed = physics.towed.get(leg.destination)
         end = yield from _check_service(
             instance, bodies, now, number, leg, arrival, physics.elements[j], towed

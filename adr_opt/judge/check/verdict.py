@@ -17,11 +17,15 @@ from __future__ import annotations
 
 from ...common.errors import InputError
 from ...plan.plan import Plan
-from ...problem.instance import AnyInstance, instance_of
+from ...problem.instance import AnyInstance
+from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.support import followed
 from .model import check_model
 from .routes import check_legs, check_routes
 from .totals import check_cost, check_totals
 from .violation import Violation
+
+FOLLOWS = Follower("check", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
 
 
 def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
@@ -42,7 +46,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
             "check judges a plan with times and costs; for an order of bodies, use "
             "adr_opt.analysis.price, which makes a plan of it"
         )
-    instance = instance_of(instance)
+    instance = followed(instance, FOLLOWS)
     plan.instance.refuse_other(instance)
     return (
         *check_model(plan),

@@ -14,7 +14,8 @@ from ...common.errors import InputError
 from ...legs.connection_finder import ConnectionFinder
 from ...plan.certificate import Certificate, ProvenWalks, sha256_of
 from ...plan.plan import MODEL, Plan
-from ...problem.instance import AnyInstance, Instance, instance_of
+from ...problem.instance import AnyInstance, Instance
+from ...problem.support import followed
 from ..check.verdict import check
 from .claim import bound_of, difference_of, gains, remembered
 from .cost import judged_cost
@@ -22,7 +23,7 @@ from .cuts import cuts_of
 from .legs import legs_of
 from .losses import losses_of
 from .names import check_names
-from .rules import finders_of, refuse_unknown
+from .rules import FOLLOWS, finders_of
 from .sampling import Sampled, sample_connections
 from .steps import most_in_steps
 from .terms import terms_of
@@ -115,9 +116,8 @@ def verify(
     """
     if not 0 <= connections <= MOST_CONNECTIONS:
         raise InputError(f"connections = {connections}: must be from 0 to {MOST_CONNECTIONS}")
-    instance = instance_of(instance)
+    instance = followed(instance, FOLLOWS)
     check_names(instance, certificate)
-    refuse_unknown(instance)
     reasons = _of_former_model(instance, certificate)
     reasons += [] if plan is None else _judge(instance, plan, certificate)
     if reasons:  # no proof makes a wrong plan right

@@ -1,7 +1,4 @@
-"""Undominated connections among those of a pair, in any order of arrival.
-
-Of connections of which some are exceptions no exception dominates a usual one.
-"""
+"""Undominated connections among those of a pair, in any order of arrival."""
 
 import math
 
@@ -81,51 +78,5 @@ def sifted(departure, arrival, cost, latest, resolution):
     lands = chosen(arrival, order, count)
     return ConnectionArrays(
         chosen(departure, order, count), lands, chosen(cost, order, count), filled(count, 0),
-        ranks(lands), filled(count, GIVEN),
-    )  # fmt: skip
-
-
-@kernel
-def sifted_apart(departure, arrival, cost, exception, latest, resolution):
-    """The same where some are exceptions: usual ones may dominate these, but not the reverse.
-
-    Parameters
-    ----------
-    departure, arrival, cost : (given,) float64
-        As :func:`undominated` takes them.
-    exception : (given,) bool
-    latest, resolution : float
-
-    Returns
-    -------
-    ConnectionArrays
-        With 0 revolutions, and 1 of exceptions.
-    """
-    size = departure.size
-    kept = np.zeros(size, np.bool_)
-    usual, count = np.empty(size, np.int64), 0
-    for c in range(size):
-        if not exception[c]:
-            usual[count] = c
-            count += 1
-    among = undominated(
-        chosen(departure, usual, count), chosen(arrival, usual, count), chosen(cost, usual, count),
-        latest, resolution,
-    )  # fmt: skip
-    for place in range(among.size):
-        kept[usual[among[place]]] = True
-    for c in undominated(departure, arrival, cost, latest, resolution):
-        kept[c] = True
-    order, count = np.empty(size, np.int64), 0
-    for c in range(size):
-        if kept[c]:
-            order[count] = c
-            count += 1
-    lands = chosen(arrival, order, count)
-    revolutions = filled(count, 0)
-    for place in range(count):
-        revolutions[place] = 1 if exception[order[place]] else 0
-    return ConnectionArrays(
-        chosen(departure, order, count), lands, chosen(cost, order, count), revolutions,
         ranks(lands), filled(count, GIVEN),
     )  # fmt: skip

@@ -13,7 +13,15 @@ from .board import (
     move_fields,
     published_size,
 )
-from .pool import FieldPool, check_playable, in_mean_prizes, new_episodes, playing_time_s, start
+from .pool import (
+    FOLLOWS,
+    FieldPool,
+    check_playable,
+    in_mean_prizes,
+    new_episodes,
+    playing_time_s,
+    start,
+)
 from .practice import practise
 from .worlds import (
     LOSS_WORDS,
@@ -25,6 +33,7 @@ from .worlds import (
 )
 
 __all__ = [
+    "FOLLOWS",
     "LOSS_WORDS",
     "OBSERVATIONS",
     "AnyUncertainty",

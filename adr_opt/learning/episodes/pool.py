@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from ...common.errors import InputError
 from ...common.memory import available_bytes
-from ...common.wording import counted
 from ...kernels.episodes import outlook as outlook_kernels
 from ...kernels.episodes.episodes import (
     CLOSES,
@@ -18,14 +17,14 @@ from ...kernels.episodes.episodes import (
     StackedFields,
     begin,
 )
-from ...kernels.episodes.outlook import HOME
 from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
 from ...kernels.tables import stacked_timetables
 from ...kernels.tables import timetable as timetable_kernels
 from ...mission.mission import Mission
-from ...plan.cargo import what_counts
 from ...problem.instance import Instance
-from ...problem.tour_rules import tour_rule
+from ...problem.rules import FIRST, Follower
+from ...problem.support import follows_all, refuse
+from ...run.method_call import able
 
 
 class FieldPool:
@@ -139,37 +138,24 @@ class FieldPool:
         self.instances[slot] = mission.instance
 
 
-def check_playable(mission: Mission) -> None:
-    """Refuse a mission that episodes cannot play.
+FOLLOWS = Follower(
+    "the environment with its policies",
+    FIRST - {"bodies without an orbit", "prizes that fall", "number of stations", "start orbits",
+             "launches", "late availability", "ends", "most targets"},
+)  # fmt: skip
+"""Episodes begin at the only station, at t = 0, may service any number of targets, know no kits and
+no tows, and may end anywhere. Windows, prizes and zones are as they are."""
 
-    Episodes begin at the only station, at t = 0, may service any number of targets, know no kits
-    and no tows, and may end anywhere. Windows, prizes and zones are as they are.
+
+def check_playable(mission: Mission) -> None:
+    """Refuse a mission that episodes cannot play; the sentence names methods that plan it.
 
     Raises
     ------
     InputError
     """
-    rules = mission.rules
-    for odd, what in (
-        (rules.stations != 1, f"has {counted(rules.stations, 'station')}, not one"),
-        (rules.start != HOME, "does not begin at its station"),
-        (rules.first_target != 1, "has an orbit that is neither a station's nor a target's"),
-        (rules.ready > 0.0, "begins later than t = 0"),
-        (rules.most_targets < rules.service.size - 1, "limits the number of targets"),
-        (rules.loads is not None, f"has {what_counts(mission.instance)} that count"),
-        (any(each.is_limited for each in mission.instance.stations), "has limited stations"),
-        (rules.returns, "must end at a station"),
-        (rules.falls is not None, "has prizes that fall with time"),
-        (mission.has_functions, "has arrivals that are functions of time"),
-        (mission.chaser.max_exceptions is not None, "limits exceptions"),
-        (tour_rule(mission.instance) is not None, f"sets {tour_rule(mission.instance)}"),
-        (not mission.instance.has_orbits, "has bodies without an orbit"),
-    ):
-        if odd:
-            raise InputError(
-                f"{mission.instance.name} {what}, which the environment and its policies do not "
-                "support; plan this mission with another method"
-            )
+    if not follows_all(mission.instance, FOLLOWS.follows):
+        refuse(mission.instance, FOLLOWS, able=able(mission.instance))
 
 
 def playing_time_s(instance: Instance) -> float:

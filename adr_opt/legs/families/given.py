@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...kernels.legs.found import ConnectionArrays
-from ...kernels.legs.given_connections import sifted, sifted_apart
+from ...kernels.legs.given_connections import sifted
 from ...plan.leg_kinds import GIVEN
 from ...problem.instance import Instance
 from .family import FlownLeg, LegFamily, PairEnds, StatedLeg
@@ -26,12 +26,7 @@ class GivenLegs(LegFamily):
         given, names = ends.instance.given, ends.instance.names
         assert given is not None
         pair = names[ends.origin], names[ends.destination]
-        made: ConnectionArrays
-        exception = given.exceptions_of(*pair)
-        if exception is None or not exception.any():
-            made = sifted(*given.of_pair(*pair), ends.latest_s, resolution_m_s)
-        else:
-            made = sifted_apart(*given.of_pair(*pair), exception, ends.latest_s, resolution_m_s)
+        made: ConnectionArrays = sifted(*given.of_pair(*pair), ends.latest_s, resolution_m_s)
         return made
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:

@@ -51,7 +51,8 @@ def check_certificate(
     group : str, optional
         Entry points of the method; those of planners by default.
     """
-    from ...judge.verify.rules import refuse_unknown
+    from ...judge.verify.rules import FOLLOWS
+    from ...problem.support import refuse
     from ...run.methods import BOUNDS, PLANNERS, names, spec
 
     if path is None:
@@ -72,7 +73,7 @@ def check_certificate(
             f"--certificate: {method!r} gives no evidence for its bound; use one of: "
             f"{', '.join(known)}"
         )
-    refuse_unknown(instance)
+    refuse(instance, FOLLOWS)
 
 
 def save_certificate(

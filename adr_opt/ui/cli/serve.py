@@ -60,6 +60,8 @@ def command(
             raise
         raise MissingExtra("serving a page", package, "serve") from None
     from ...problem.instance import load
+    from ...problem.support import refuse
+    from ..report.page import FOLLOWS
     from ..serve.children import private_files
     from ..serve.desk import Desk
     from ..serve.folder import Folder
@@ -68,6 +70,8 @@ def command(
     from .parameters import admitted_plan
 
     instance = None if instance_path is None else load(instance_path)
+    if instance is not None:
+        refuse(instance, FOLLOWS)
     plan = None
     if instance_path is not None and plan_path is not None:
         plan = admitted_plan(instance_path, plan_path).plan

@@ -129,15 +129,14 @@ def _compile_all(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 def _is_for(kind: PracticeKind, spec: MethodSpec) -> bool:
     """Whether a method is for missions of a kind, and takes a start where there is one."""
-    from ...run.method_spec import LOADS
+    from ...problem.support import follows_all
 
     return (
         spec.starts >= kind.starts
         and spec.several >= kind.several
         and spec.on_demand >= kind.asks
         and spec.tours >= kind.tours
-        and spec.functions >= kind.timed
-        and (not kind.thrusts or LOADS in spec.rules)
+        and follows_all(kind.problem().instance, spec.follows)
     )
 
 

@@ -25,6 +25,8 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.support import refuse
 from ..plot.courses import arcs_of
 from ..plot.segments import segments
 from ..plot.strands import DrawnArc
@@ -62,6 +64,9 @@ class Report:
     tanks: tuple[TankFlight, ...] | None
     trouble: str | None
     complaints: tuple[str, ...] = ()
+
+
+FOLLOWS = Follower("report", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
 
 
 def write_report(
@@ -148,6 +153,7 @@ def _found(
     flight: Flight | None,
     refined_flight: RefinedFlight | None,
 ) -> _Found:
+    refuse(instance, FOLLOWS)
     admitted = admit(instance, given, unjudged=True)
     plan, refined = admitted.plan, None
     if given_refined is not None:

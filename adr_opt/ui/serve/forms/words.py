@@ -48,7 +48,6 @@ WORDS = {
     "fixed": FieldWords("Fixed expense"),
     "per_kg": FieldWords("Expense per kilogram", "needs a tank by mass"),
     "per_kg_squared": FieldWords("Expense per kilogram squared", "needs a tank by mass"),
-    "max_exceptions": FieldWords("Most exceptions", "among given connections; empty for no limit"),
     "thrust_n": FieldWords("Low thrust", "in place of impulses; needs a tank by mass"),
     "duty_cycle": FieldWords("Duty cycle", "share of the time in which the thrust is on"),
     "max_refuellings": FieldWords("Most refuellings", "of all chasers; empty for no limit"),

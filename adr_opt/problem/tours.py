@@ -5,12 +5,14 @@ Chasers that are launched onto any target are one order of all targets, cut wher
 
 from __future__ import annotations
 
-from .problem import Problem
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .instance import Instance
 
 
-def tour_obstacle(problem: Problem) -> str | None:
-    """Why a problem is no tour through time, as the end of a sentence; None if it is one."""
-    instance = problem.instance
+def tour_obstacle(instance: Instance) -> str | None:
+    """Why an instance is no tour through time, as the end of a sentence; None if it is one."""
     if instance.transfer.given is not None or instance.transfer.max_drift_s <= 0.0:
         return "transfer.max_drift_s allows no drift legs"
     if instance.has_low_thrust:
@@ -19,9 +21,9 @@ def tour_obstacle(problem: Problem) -> str | None:
         return "there are stations or keep-out zones"
     if instance.objective.cost == "duration":
         return 'the cost is "duration"'
-    if not instance.targets or len(problem.kinds) > 1 or not instance.chasers[0].is_launched:
-        return 'its chasers are not all alike and launched from "anywhere"'
     chaser = instance.chasers[0]
+    if not instance.targets or not chaser.is_launched or not _are_alike(instance):
+        return 'its chasers are not all alike and launched from "anywhere"'
     few = [most for most in (chaser.max_targets, chaser.kits) if most is not None]
     if min(few, default=len(instance.targets)) < len(instance.targets) or chaser.tank.spent_m_s:
         return f"{chaser.name!r} has a limit of targets or kits, or a tank that is not full"
@@ -33,3 +35,12 @@ def tour_obstacle(problem: Problem) -> str | None:
         if target.removal == "tow" or target.window_s != (0.0, None):
             return f"{target.name!r} is towed or has a window"
     return None
+
+
+def _are_alike(instance: Instance) -> bool:
+    """Whether any chaser could fly the route of any other."""
+    first = instance.chasers[0]
+    same_times = len(set(instance.available_s)) == 1
+    return same_times and all(
+        chaser.model_copy(update={"name": first.name}) == first for chaser in instance.chasers
+    )

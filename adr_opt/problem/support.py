@@ -1,0 +1,113 @@
+"""Who follows which rules of an instance; what is set and not followed is refused.
+
+Closed by default: a follower names its rules beside its own function (:class:`.rules.Follower`;
+methods in their :class:`~adr_opt.run.method_spec.MethodSpec`). A rule that it does not name, and a
+field that the table (:mod:`.rules`) does not know, is refused wherever it is set in the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from operator import attrgetter
+
+from ..common.errors import InputError
+from ..common.records import Record
+from .instance import AnyInstance, Instance, instance_of
+from .rules import FACTS, RULES, Follower
+
+KNOWN = FACTS.union(*(rule.fields for rule in RULES.values()))
+"""Fields of which it is known what they mean, as paths."""
+
+PLAIN = frozenset({str, float, int, bool, type(None)})
+"""Types that hold no records, of nearly all fields."""
+
+
+def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Those of some rules that bind an instance, with where they do if that can be said."""
+    for word in words:
+        binds = RULES[word].binds(instance)
+        if binds:
+            yield word, binds if isinstance(binds, str) else ""
+
+
+def unknown_fields(instance: Instance) -> Iterator[str]:
+    """Fields that are set and that no table knows, as paths."""
+    for path, kind, records in _by_path([instance], ""):
+        for name, about in kind.model_fields.items():
+            if path + name not in KNOWN:
+                usual = about.get_default(call_default_factory=True)
+                if any(getattr(each, name) != usual for each in records):
+                    yield path + name
+
+
+def follows_all(instance: Instance, follows: Collection[str]) -> bool:
+    """Whether somebody follows all that an instance sets."""
+    words = RULES.keys() - follows
+    return not any(binding(instance, words)) and not any(unknown_fields(instance))
+
+
+def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> None:
+    """Refuse an instance that sets what a follower does not follow.
+
+    Parameters
+    ----------
+    instance : Instance
+    follower : Follower
+    able : iterable of str
+        Who follows it all; the sentence names them.
+
+    Raises
+    ------
+    InputError
+    """
+    for path in unknown_fields(instance):
+        raise InputError(
+            f"{follower.name} does not follow the field {path}, which {instance.name!r} sets, and "
+            "nobody does; leave it out, or use a version that knows it"
+        )
+    for word, where in binding(instance, (word for word in RULES if word not in follower.follows)):
+        rule, others = RULES[word], ", ".join(able)
+        raise InputError(
+            f"{follower.name} does not follow {word} (field {rule.fields[0]}"
+            f"{f': {where}' if where else ''}), which {instance.name!r} has; "
+            f"{f'use one of: {others}, or ' if others else ''}{follower.instead or rule.cure}"
+        )
+
+
+def followed(given: AnyInstance, follower: Follower) -> Instance:
+    """The instance that a caller passes, as an object, a path or a file's content.
+
+    Raises
+    ------
+    InputError
+        It is none of these, or sets what the follower does not follow.
+    """
+    instance = instance_of(given)
+    refuse(instance, follower)
+    return instance
+
+
+def _by_path(
+    records: Sequence[Record], path: str
+) -> Iterator[tuple[str, type[Record], Sequence[Record]]]:
+    """All records within some, those of one path and one class together."""
+    kinds: dict[type[Record], None] = dict.fromkeys(map(type, records))
+    for kind in kinds:
+        alike = [each for each in records if type(each) is kind]
+        yield path, kind, alike
+        for name in kind.model_fields:
+            values = list(map(attrgetter(name), alike))
+            if PLAIN.issuperset(map(type, values)):
+                continue
+            inner = [each for each in values if isinstance(each, Record)]
+            listed = [
+                each
+                for value in values
+                if isinstance(value, (tuple, dict))
+                for each in (value.values() if isinstance(value, dict) else value)
+                if isinstance(each, Record)
+            ]
+            if inner:
+                yield from _by_path(inner, f"{path}{name}.")
+            if listed:
+                yield from _by_path(listed, f"{path}{name}[].")

@@ -1,0 +1,186 @@
+"""Who follows which rules: nothing that is set is ignored, by anybody, however deep in the file."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from random_rules import (
+    carrying,
+    drifting_mission,
+    falling_mission,
+    given_mission,
+    limited,
+    mixed_campaign,
+    priced,
+    random_campaign,
+    random_mission,
+    towing_mission,
+)
+
+import adr_opt
+from adr_opt.common.errors import InputError
+from adr_opt.common.records import Record
+from adr_opt.learning.episodes import FOLLOWS as PLAYED
+from adr_opt.plan.cargo import loads_of
+from adr_opt.problem import support
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.rules import CAMPAIGNS, CARGO, FACTS, FIRST, RULES, TOGETHER, TOURS, Follower
+from adr_opt.run.method_spec import MethodSpec
+from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
+
+METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
+
+
+def with_new_field(record: Record, path: str) -> Any:
+    """A copy of a record with a field that nobody knows, set in the first record of a path."""
+    part, _, rest = path.partition(".")
+    if not part:
+        kind = type(record)
+        newer = type(kind.__name__, (kind,), {"__annotations__": {"novel": "int"}, "novel": 0})
+        values = {name: getattr(record, name) for name in kind.model_fields}
+        return newer.model_construct(**values, novel=1)
+    name = part.removesuffix("[]")
+    value = getattr(record, name)
+    if part != name:
+        first, *others = value
+        return record.model_copy(update={name: (with_new_field(first, rest), *others)})
+    return record.model_copy(update={name: with_new_field(value, rest)})
+
+
+def rich() -> Instance:
+    """An instance with a record at every place."""
+    instance = adr_opt.generate("tiny", 0, targets=5, zones=1)
+    orbit = instance.targets[0].orbit
+    targets = [each.replace(fit={"eccentricity_offset": (0.0, 0.0)}) for each in instance.targets]
+    second = instance.chaser.replace(name="second", start={"orbit": orbit}, expense={"fixed": 1.0})
+    return instance.replace(targets=tuple(targets), chasers=(second, instance.chaser))
+
+
+PLACES = (
+    "", "mission", "transfer", "objective", "stations[]", "stations[].orbit", "targets[]",
+    "targets[].orbit", "targets[].fit", "chasers[]", "chasers[].tank", "chasers[].start",
+    "chasers[].start.orbit", "chasers[].expense", "keep_out_zones[]",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_new_field_is_found_at_every_depth(place: str) -> None:
+    """A field that no table knows is named by its path, and only where it is set."""
+    instance = rich()
+    assert not list(support.unknown_fields(instance))
+    path = f"{place}.novel".lstrip(".")
+    changed = with_new_field(instance, place)
+    assert list(support.unknown_fields(changed)) == [path]
+    with pytest.raises(InputError, match="nobody does; leave it out") as error:
+        support.refuse(changed, Follower("check", frozenset(RULES)))
+    assert path in str(error.value)
+
+
+def facts_and_rules() -> set[str]:
+    return set(FACTS).union(*(rule.fields for rule in RULES.values()))
+
+
+def paths_of(kind: type[Record], path: str = "") -> Iterator[str]:
+    """All fields of a record and of those in it, by their annotations."""
+    for name, about in kind.model_fields.items():
+        inner, many = _records_in(about.annotation), "[]" if _is_many(about.annotation) else ""
+        yield path + name
+        for each in inner:
+            yield from paths_of(each, f"{path}{name}{many}.")
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    yield annotation
+    for part in getattr(annotation, "__args__", ()):
+        yield from _parts(part)
+
+
+def _records_in(annotation: Any) -> list[type[Record]]:
+    return [
+        each for each in _parts(annotation) if inspect.isclass(each) and issubclass(each, Record)
+    ]
+
+
+def _is_many(annotation: Any) -> bool:
+    return any(getattr(each, "__origin__", None) in (tuple, dict) for each in _parts(annotation))
+
+
+def test_each_field_is_a_fact_or_of_a_rule() -> None:
+    """The table and the file format have the same fields, and no fact belongs to a rule."""
+    formed = {*paths_of(Instance)}
+    holders = {path.rsplit(".", 1)[0].removesuffix("[]") for path in formed if "." in path}
+    assert formed - facts_and_rules() == set(), "a new field is a fact or belongs to a rule"
+    assert facts_and_rules() - formed == set(), "a field is gone"
+    assert holders <= formed
+
+
+def test_words_that_are_no_rules_are_refused() -> None:
+    """Neither a follower nor a specification can name what is no rule."""
+    with pytest.raises(ValueError, match="follows 'rain', which is no rule"):
+        Follower("umbrella", frozenset({"rain"}))
+    with pytest.raises(ValueError, match="method 'umbrella' follows 'rain'"):
+        MethodSpec("umbrella", "a:b", follows=FIRST | {"rain"})
+
+
+def test_each_rule_is_followed_by_a_planner_and_by_check() -> None:
+    """No rule stands in the table that nobody plans with, but for those that cannot go together."""
+    planned = set().union(*(spec(name, group).follows for group, name in METHODS))
+    assert planned == RULES.keys() - TOGETHER
+    from adr_opt.judge.check.verdict import FOLLOWS
+
+    assert FOLLOWS.follows == RULES.keys()
+
+
+def test_bundles_are_those_of_1_0() -> None:
+    """A later rule is in no bundle, so that nobody follows it unasked."""
+    assert len(FIRST) == 27
+    assert len(CAMPAIGNS) == 7
+    assert len(TOURS) == 2
+    assert MethodSpec("of 1.0", "a:b").follows == FIRST
+
+
+def test_policies_play_what_the_environment_does() -> None:
+    """The specification of `ppo` and the environment name the same rules."""
+    assert spec("ppo").follows == PLAYED.follows
+
+
+DRAWS: dict[str, Callable[[int], Instance]] = {
+    "random": random_mission, "drifting": drifting_mission, "given": given_mission,
+    "towing": towing_mission, "falling": falling_mission, "campaign": random_campaign,
+    "mixed": mixed_campaign,
+    "carrying": lambda seed: carrying(random_campaign(seed), seed),
+    "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
+    "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("draw", DRAWS)
+def test_cargo_counts_where_tanks_are_told_of_it(draw: str) -> None:
+    """The rules of cargo bind an instance where some chaser of it has loads, and nowhere else."""
+    for seed in range(40):
+        instance = DRAWS[draw](seed)
+        loads = [loads_of(instance, chaser, 0.0) for chaser in instance.chasers]
+        assert any(each is not None for each in loads) == any(support.binding(instance, CARGO)), (
+            seed
+        )
+
+
+@pytest.mark.parametrize(("group", "name"), METHODS)
+def test_methods_refuse_a_new_field_and_a_rule_they_do_not_name(
+    group: str, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each planner and bound, before anything is computed, in one sentence that names the field."""
+    call = adr_opt.solve if group == PLANNERS else adr_opt.bound
+    instance = adr_opt.generate("tiny", 0, targets=5)
+    for place in ("mission", "targets[].orbit", "chasers[].tank"):
+        with pytest.raises(InputError, match=f"{place}.novel".replace("[", r"\[")):
+            call(with_new_field(instance, place), name, time_limit=1.0)
+    known = spec(name, group).follows
+    for word in sorted(RULES.keys() - known):
+        monkeypatch.setitem(RULES, word, RULES[word]._replace(binds=lambda _: True))
+        with pytest.raises(InputError, match=f"method '{name}' does not follow"):
+            call(instance, name, time_limit=1.0)
+        monkeypatch.undo()
