@@ -6,6 +6,7 @@ sentence), ``stated`` (the verb goes on and says that the file is not legal, or 
 
     python bench/doors.py            # the tables of docs/judging.md
     python bench/doors.py --count    # the counts alone
+    python bench/doors.py --cost     # what judging takes of a warm solve and of refine
 """
 
 from __future__ import annotations
@@ -15,13 +16,17 @@ import contextlib
 import io
 import json
 import os
+import statistics
 import tempfile
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import adr_opt
+from adr_opt.judge.admit import admit
 from adr_opt.ui.cli.entry import main as command_line
 
 Content = dict[str, Any]
@@ -316,11 +321,50 @@ def table(kind: str, found: dict[tuple[str, str], str]) -> str:
     return "\n".join(lines)
 
 
+FIELDS = (("nominal", "two-body"), ("nominal", "j2"), ("removal", "j2"))
+"""Families and dynamics whose plans are judged for --cost."""
+
+REPEATS = 3
+
+
+def _timed(work: Callable[..., Any], *given: Any) -> tuple[float, Any]:
+    """Median time of some calls after one that compiles [s], and what they give."""
+    found, taken = work(*given), []
+    for _ in range(REPEATS):
+        began = time.perf_counter()
+        work(*given)
+        taken.append(time.perf_counter() - began)
+    return statistics.median(taken), found
+
+
+def cost() -> None:
+    """Print the time of judging as a share of planning and refining, one core, medians."""
+    print("| field | legs | solve s | judging s | share | refine s | judging s | share |")
+    print("|---|---|---|---|---|---|---|---|")
+    for family, dynamics in FIELDS:
+        instance = adr_opt.generate(family, 0).replace(dynamics=dynamics)
+        planning_s, result = _timed(adr_opt.solve, instance, "greedy-guarded")
+        plan = result.plan
+        judging_s, _ = _timed(admit, instance, plan)
+        refining_s, refined = _timed(partial(adr_opt.refine, jobs=1), instance, plan)
+        judged_s, _ = _timed(partial(admit, unjudged=True), instance, refined)
+        print(
+            f"| {family}, {dynamics} | {len(plan.legs)} | {planning_s:.3f} | {judging_s:.4f} | "
+            f"{judging_s / planning_s:.1%} | {refining_s:.2f} | {judged_s:.3f} | "
+            f"{judged_s / refining_s:.1%} |",
+            flush=True,
+        )
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", action="store_true", help="print the counts alone")
+    parser.add_argument("--cost", action="store_true", help="print what judging takes")
     asked = parser.parse_args()
+    if asked.cost:
+        cost()
+        return
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         good_files()
