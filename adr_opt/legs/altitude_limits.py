@@ -30,6 +30,9 @@ RELEASE_M, RELEASE_SPARE_M = 10e3, 100.0
 """Largest distance of a release from the circle of disposal, as `check` has it, and the part of
 that which is kept for the harmonics."""
 
+MOST_ECCENTRICITY = 0.5
+"""Far above any with which a release is near a circle."""
+
 PLACES, HALVINGS = 72, 40
 """Numbers of places of an orbit where tows may begin, and of halvings of a time."""
 
@@ -72,7 +75,8 @@ def altitude_limits(instance: Instance, drive: Drive | None) -> AltitudeLimits:
         until = _above(orbit, eccentricity, sinks_m_s, instance.transfer.min_altitude_m)
         tow = tows.get(body)
         if tow is not None and tow.burns_m_s is not None:
-            until = min(until, _released_well(orbit, tow, sinks_m_s, instance.mission.duration_s))
+            shaped = orbit.semi_major_axis_m, min(eccentricity, MOST_ECCENTRICITY)
+            until = min(until, _released_well(*shaped, tow, sinks_m_s, instance.mission.duration_s))
         leave_by[body] = until - SPARE_S + (0.0 if tow is None else tow.time_s)
         arrive_by[body] = until - SPARE_S - stays_s[body]
         if opens[body] > arrive_by[body]:
@@ -102,12 +106,13 @@ def _stays_s(instance: Instance) -> FloatArray:
     return stays_s
 
 
-def _released_well(orbit: Orbit, tow: RemovalFlight, sinks_m_s: float, duration_s: float) -> float:
+def _released_well(
+    size_m: float, eccentricity: float, tow: RemovalFlight, sinks_m_s: float, duration_s: float
+) -> float:
     """Until when a tow that begins anywhere on an orbit ends near the circle of disposal [s]."""
 
     def is_near(time_s: float) -> bool:
-        axis = orbit.semi_major_axis_m - sinks_m_s * time_s
-        off = _release_off_m(axis, orbit.eccentricity, tow)
+        off = _release_off_m(size_m - sinks_m_s * time_s, eccentricity, tow)
         return off <= RELEASE_M - RELEASE_SPARE_M
 
     if not is_near(0.0):

@@ -32,8 +32,9 @@ from .timetable_size import Size
 FloatArray = npt.NDArray[np.float64]
 
 NO_CONNECTIONS = ConnectionArrays(
-    *np.empty((3, 0)), np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0, np.int8)
-)
+    np.empty(0), np.empty(0), np.empty(0),
+    np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0, np.int8),
+)  # fmt: skip
 
 SAMPLED_PAIRS = 8
 """Number of pairs whose connections are counted to estimate the total."""

@@ -221,8 +221,7 @@ class RefinedFlight(WithTanks):
         judge found nothing.
         """
         wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
-        wrong = wrong or self.understated or self.violations
-        return not (wrong or self.broken_tanks)
+        return not (wrong or self.understated or self.violations or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:

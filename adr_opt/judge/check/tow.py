@@ -48,6 +48,8 @@ class Towed(NamedTuple):
         What its burns take off the speed [m/s]; None for a spiral of low thrust.
     sinks_m_s : float
         How fast its orbit shrinks.
+    offset : (float, float)
+        Constant part of its eccentricity vector, towards the node and a quarter lap later.
     """
 
     orbit: FloatArray
@@ -58,6 +60,7 @@ class Towed(NamedTuple):
     shift: float
     slower: tuple[float, float] | None
     sinks_m_s: float
+    offset: tuple[float, float]
 
 
 def towed_bodies(instance: Instance, elements: FloatArray, drive: Drive | None) -> dict[str, Towed]:
@@ -116,7 +119,8 @@ def _towed(instance: Instance, orbit: FloatArray, target: Target, drive: Drive |
         coasting_node_rate=float(ephemeris.node_rate(low, tilt, oblateness)),
     )
     slower = None if drive is not None else burns
-    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower, sinks_m_s)
+    offset = (0.0, 0.0) if target.fit is None else target.fit.eccentricity_offset
+    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower, sinks_m_s, offset)
 
 
 def check_tow(
@@ -204,9 +208,14 @@ def released_between(
 def _true_state(towed: Towed, time_s: float) -> tuple[FloatArray, FloatArray]:
     """Position and velocity of an object on its true orbit at a time [m], [m/s]."""
     row = towed.orbit
-    e = float(ephemeris.eccentricity_at(row, time_s))
+    e, perigee = (
+        float(of(row, time_s)) for of in (ephemeris.eccentricity_at, ephemeris.perigee_at)
+    )
     axis = float(ephemeris.radius_at(row, time_s)) - towed.sinks_m_s * time_s
-    perigee = float(ephemeris.perigee_at(row, time_s))
+    # With what odd harmonics add to the eccentricity vector.
+    to_node = e * math.cos(perigee) + towed.offset[0]
+    after = e * math.sin(perigee) + towed.offset[1]
+    e, perigee = math.hypot(to_node, after), math.atan2(after, to_node)
     mean = math.remainder(float(ephemeris.latitude_at(row, time_s)) - perigee, math.tau)
     anomaly = mean
     for _ in range(KEPLER_STEPS):

@@ -112,7 +112,7 @@ def advance(elements: Array, duration: float, steps: int, zonals: Array) -> floa
     """
     step = duration / steps
     rates, stage, lost = np.empty((STAGES, 6)), np.empty(6), np.zeros(6)
-    least = radius_of(elements)
+    least: float = radius_of(elements)
     for _ in range(steps):
         for at in range(STAGES):
             begin_stage(at, step, elements, lost, rates, stage)

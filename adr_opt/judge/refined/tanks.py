@@ -94,7 +94,8 @@ def check_tanks(
             elif leg.tow is not None and tank.mass_kg is not None:
                 # After a launch nothing is refined but the tow, which stands with the leg after it.
                 later = refined.get(legs[at + 1][0]) if at + 1 < len(legs) else None
-                made = flown.tow if flown is not None else later and later.tow_before
+                made = None if later is None else later.tow_before
+                made = made if flown is None else flown.tow
                 towing = leg.tow.delta_v_m_s if made is None else made.delta_v_m_s
                 tank.tow(towing, objects[leg.destination])
                 lacking = max(lacking, -tank.left_m_s)

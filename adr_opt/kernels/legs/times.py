@@ -1,5 +1,6 @@
 """Limits on the departures, durations and costs of a pair's transfers."""
 
+import math
 from typing import NamedTuple
 
 
@@ -22,4 +23,4 @@ class Times(NamedTuple):
     step: float
     longest: float
     most: float
-    leave_by: float
+    leave_by: float = math.inf

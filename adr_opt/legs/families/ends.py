@@ -84,7 +84,6 @@ def _times(instance: Instance) -> Times | None:
         settings.drift_step_s,
         settings.max_drift_s,
         instance.largest_tank_m_s + SLACK_M_S,
-        math.inf,
     )
 
 
