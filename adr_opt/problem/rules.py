@@ -47,7 +47,8 @@ ORBIT = (
 
 FACTS = frozenset((
     "format", "name", "epoch", "frame", "stations", "targets", "mission", "transfer", "objective",
-    *_at("frame", "name axes_epoch"), *_at("stations[]", "name orbit object_id"), *_at("stations[].orbit", ORBIT),
+    *_at("frame", "name axes_epoch"), *_at("stations[]", "name orbit object_id"),
+    *_at("stations[].orbit", ORBIT),
     *_at("targets[]", "name orbit mass_kg object_id fit success"), *_at("targets[].orbit", ORBIT),
     "targets[].fit.eccentricity_offset", "chasers[].name",
 ))  # fmt: skip
