@@ -311,12 +311,14 @@ def test_a_broken_bound_is_noticed() -> None:
 
 
 def test_falling_prizes_are_no_worths_of_sets() -> None:
-    """A design is compared by a comparison of designs does not follow prizes that fall: targets with a `prize_until` are refused."""
+    """A design is compared by worths of one time: targets with a `prize_until` are refused."""
     field = rated()
     first, *others = field.targets
     falls = field.replace(targets=(first.replace(prize_until=((1e6, first.prize),)), *others))
     for worths in (worths_of_sets(field), None):
-        with pytest.raises(InputError, match="a comparison of designs does not follow prizes that fall"):
+        with pytest.raises(
+            InputError, match="a comparison of designs does not follow prizes that fall"
+        ):
             rating_of(falls, worths)
 
 
