@@ -13,7 +13,7 @@ from operator import attrgetter
 from ..common.errors import InputError
 from ..common.records import Record
 from .instance import AnyInstance, Instance, instance_of
-from .rules import FACTS, RULES, Follower
+from .rules import CHANCES, FACTS, RULES, Follower
 
 KNOWN = FACTS.union(*(rule.fields for rule in RULES.values()))
 """Fields of which it is known what they mean, as paths."""
@@ -30,11 +30,11 @@ def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str
             yield word, binds if isinstance(binds, str) else ""
 
 
-def unknown_fields(instance: Instance) -> Iterator[str]:
-    """Fields that are set and that no table knows, as paths."""
-    for path, kind, records in _by_path([instance], ""):
+def unknown_fields(record: Record, known: Collection[str] = KNOWN) -> Iterator[str]:
+    """Fields that are set and that a table does not know, as paths; at every depth of a record."""
+    for path, kind, records in _by_path([record], ""):
         for name, about in kind.model_fields.items():
-            if path + name not in KNOWN:
+            if path + name not in known:
                 usual = about.get_default(call_default_factory=True)
                 if any(getattr(each, name) != usual for each in records):
                     yield path + name
@@ -71,6 +71,20 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
             f"{follower.name} does not follow {word} (field {rule.fields[0]}"
             f"{f': {where}' if where else ''}), which {instance.name!r} has; "
             f"{f'use one of: {others}, or ' if others else ''}{follower.instead or rule.cure}"
+        )
+
+
+def refuse_unknown(uncertainty: Record) -> None:
+    """Refuse an uncertainty that sets a field whose meaning nobody knows.
+
+    Raises
+    ------
+    InputError
+    """
+    for path in unknown_fields(uncertainty, CHANCES):
+        raise InputError(
+            f"uncertainty: nobody follows the field {path}, which is set; leave it out, or use a "
+            "version that knows it"
         )
 
 

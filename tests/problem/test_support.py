@@ -3,25 +3,14 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import click
 import pytest
 from conftest import Cli, refused
-from random_rules import (
-    carrying,
-    drifting_mission,
-    falling_mission,
-    given_mission,
-    limited,
-    mixed_campaign,
-    priced,
-    random_campaign,
-    random_mission,
-    towing_mission,
-)
+from random_rules import DRAWS
 
 import adr_opt
 from adr_opt.analysis.comparison import compare
@@ -48,7 +37,17 @@ from adr_opt.plan.certificate import Certificate
 from adr_opt.plan.plan import Plan
 from adr_opt.problem import support
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.rules import CAMPAIGNS, CARGO, FACTS, FIRST, RULES, TOGETHER, TOURS, Follower
+from adr_opt.problem.rules import (
+    CAMPAIGNS,
+    CARGO,
+    CHANCES,
+    FACTS,
+    FIRST,
+    RULES,
+    TOGETHER,
+    TOURS,
+    Follower,
+)
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
@@ -141,6 +140,17 @@ def test_each_field_is_a_fact_or_of_a_rule() -> None:
     assert holders <= formed
 
 
+def test_each_field_of_an_uncertainty_is_known_and_a_new_one_is_refused() -> None:
+    """The table and the file of uncertainties have the same fields; others are named."""
+    assert {*paths_of(Uncertainty)} == CHANCES
+    instance = adr_opt.generate("tiny", 0, targets=2)
+    certain = Uncertainty(tanks={"least": 0.9})
+    assert certain.of(instance) is certain
+    for place in ("", "legs", "capture", "tanks"):
+        with pytest.raises(InputError, match=r"nobody follows the field .*novel"):
+            with_new_field(certain, place).of(instance)
+
+
 def test_words_that_are_no_rules_are_refused() -> None:
     """Neither a follower nor a specification can name what is no rule."""
     with pytest.raises(ValueError, match="follows 'rain', which is no rule"):
@@ -169,16 +179,6 @@ def test_bundles_are_those_of_1_0() -> None:
 def test_policies_play_what_the_environment_does() -> None:
     """The specification of `ppo` and the environment name the same rules."""
     assert spec("ppo").follows == PLAYED.follows
-
-
-DRAWS: dict[str, Callable[[int], Instance]] = {
-    "random": random_mission, "drifting": drifting_mission, "given": given_mission,
-    "towing": towing_mission, "falling": falling_mission, "campaign": random_campaign,
-    "mixed": mixed_campaign,
-    "carrying": lambda seed: carrying(random_campaign(seed), seed),
-    "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
-    "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
-}  # fmt: skip
 
 
 @pytest.mark.parametrize("draw", DRAWS)
