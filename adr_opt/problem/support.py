@@ -8,7 +8,9 @@ field that the table (:mod:`.rules`) does not know, is refused wherever it is se
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
 from operator import attrgetter
+from typing import Any, get_args
 
 from ..common.errors import InputError
 from ..common.records import Record
@@ -17,9 +19,6 @@ from .rules import CHANCES, FACTS, RULES, Follower
 
 KNOWN = FACTS.union(*(rule.fields for rule in RULES.values()))
 """Fields of which it is known what they mean, as paths."""
-
-PLAIN = frozenset({str, float, int, bool, type(None)})
-"""Types that hold no records, of nearly all fields."""
 
 
 def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str]]:
@@ -109,10 +108,8 @@ def _by_path(
     for kind in kinds:
         alike = [each for each in records if type(each) is kind]
         yield path, kind, alike
-        for name in kind.model_fields:
+        for name in _holders(kind):
             values = list(map(attrgetter(name), alike))
-            if PLAIN.issuperset(map(type, values)):
-                continue
             inner = [each for each in values if isinstance(each, Record)]
             listed = [
                 each
@@ -125,3 +122,17 @@ def _by_path(
                 yield from _by_path(inner, f"{path}{name}.")
             if listed:
                 yield from _by_path(listed, f"{path}{name}[].")
+
+
+@lru_cache
+def _holders(kind: type[Record]) -> tuple[str, ...]:
+    """Fields of a record that hold others."""
+    return tuple(
+        name for name, about in kind.model_fields.items() if _holds_records(about.annotation)
+    )
+
+
+def _holds_records(annotation: Any) -> bool:
+    if isinstance(annotation, type) and issubclass(annotation, Record):
+        return True
+    return any(map(_holds_records, get_args(annotation)))
