@@ -20,6 +20,7 @@ from ..plan.routes import weighed
 from ..plan.tows import RemovalFlight, burn_vectors, removals_of
 from ..plan.venting import vented
 from .mission import Mission
+from .orders import why_broken
 from .schedule import Schedule, left_at_start
 
 FloatArray = npt.NDArray[np.float64]
@@ -219,21 +220,10 @@ def _left_out(
             reason = "duration" if leads else "no-transfer"
         elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
-        elif _is_one_too_many(mission, moves, j):
+        elif why_broken(mission, (*moves, j)):
             reason = "capacity"
         elif (heavy or j in tows) and mission.schedules.of((*moves, j)).made == len(moves):
             reason = "delta-v"  # with its kit aboard from the start less is left; or to tow it
         else:
             reason = "not-worth-it"
         yield mission.names[j], reason
-
-
-def _is_one_too_many(mission: Mission, moves: list[int], j: int) -> bool:
-    """Whether a chaser with these moves is at its maximum of targets, or out of kits."""
-    instance, chaser, first = mission.instance, mission.chaser, mission.rules.first_target
-    targets = [instance.targets[move - first] for move in (*moves, j) if move >= first]
-    kits = sum(target.service.takes_kit for target in targets)
-    out_of_kits = chaser.kits is not None and kits > chaser.kits
-    return len(targets) > mission.rules.most_targets or (
-        out_of_kits and targets[-1].service.takes_kit
-    )

@@ -26,6 +26,7 @@ from ..problem.chasers import AtStation
 from ..problem.instance import AnyInstance
 from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower, most_targets
 from ..problem.support import followed
+from .orders import first_break
 from .prizes import Prizes
 from .schedule import Schedule, Scheduler
 
@@ -192,24 +193,26 @@ class Mission(Shown, Prizes):
         if loads is not None:
             budget = most_left_m_s(loads)
         return kernels.Rules(
-            table,
-            limits.service,
-            limits.opens,
-            limits.closes,
-            self.planning_prizes,
-            is_station,
-            may_end,
-            stations,
-            instance.first_target,
-            instance.starts[self._number],
-            limits.ready,
-            bodies if self.most_targets is None else self.most_targets,
-            not may_end.all(),
-            budget,
-            limits.duration,
-            _shortest_sortie(table, limits.service, budget, stations, instance.first_target),
-            loads,
-            self.falls,
+            table=table,
+            service=limits.service,
+            opens=limits.opens,
+            closes=limits.closes,
+            prize=self.planning_prizes,
+            is_station=is_station,
+            may_end=may_end,
+            stations=stations,
+            first_target=instance.first_target,
+            start=instance.starts[self._number],
+            ready=limits.ready,
+            most_targets=bodies if self.most_targets is None else self.most_targets,
+            returns=not may_end.all(),
+            budget=budget,
+            duration=limits.duration,
+            shortest_sortie=_shortest_sortie(
+                table, limits.service, budget, stations, instance.first_target
+            ),
+            loads=loads,
+            falls=self.falls,
         )
 
     @property
@@ -430,22 +433,7 @@ class Mission(Shown, Prizes):
 
     def in_order(self, moves: tuple[int, ...]) -> int:
         """Number of leading moves within the rules of orders: no repeats, refuelling earned."""
-        rules = self.rules
-        body, since, visited = rules.start, 0, set[int]()
-        for made, j in enumerate(moves):
-            if j == body:
-                return made
-            if rules.is_station[j]:
-                if since == 0:
-                    return made
-                since = 0
-            elif j in visited or j < rules.first_target or len(visited) == rules.most_targets:
-                return made
-            else:
-                visited.add(j)
-                since += 1
-            body = j
-        return len(moves)
+        return first_break(self.rules, moves)[0]
 
     def may_stop(self, sequence: tuple[int, ...]) -> bool:
         """Whether a mission may end after these moves."""

@@ -55,6 +55,23 @@ FACTS = frozenset((
 """Fields that limit nothing. The chance of a capture is for rehearsals, which draw from it."""
 
 
+CHANCES = frozenset((
+    "format", "legs", "service_s", "capture", "gone", "launches", "tanks", "targets",
+    *_at("legs", "delta_v_factor kinds"), *_at("legs.delta_v_factor", "lognormal_sigma least most"),
+    *_at("legs.kinds[]", "lognormal_sigma least most"), *_at("service_s", "factor added"),
+    *_at("service_s.factor", "lognormal_sigma least most"),
+    *_at("service_s.added", "chance mean_s most_s"), *_at("capture", "success tries"),
+    *_at("launches", "slip_s chasers"), *_at("launches.slip_s", "chance mean_s most_s"),
+    *_at("launches.chasers[]", "chance mean_s most_s"), *_at("tanks", "least most"),
+    *_at("targets[]", "delta_v_factor service_s success tries gone"),
+    *_at("targets[].delta_v_factor", "lognormal_sigma least most"),
+    *_at("targets[].service_s", "factor added"),
+    *_at("targets[].service_s.factor", "lognormal_sigma least most"),
+    *_at("targets[].service_s.added", "chance mean_s most_s"),
+))  # fmt: skip
+"""Fields of an uncertainty, which all that read one follow."""
+
+
 def _always(_: Instance) -> bool:
     return True
 

@@ -8,18 +8,17 @@ field that the table (:mod:`.rules`) does not know, is refused wherever it is se
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
 from operator import attrgetter
+from typing import Any, get_args
 
 from ..common.errors import InputError
 from ..common.records import Record
 from .instance import AnyInstance, Instance, instance_of
-from .rules import FACTS, RULES, Follower
+from .rules import CHANCES, FACTS, RULES, Follower
 
 KNOWN = FACTS.union(*(rule.fields for rule in RULES.values()))
 """Fields of which it is known what they mean, as paths."""
-
-PLAIN = frozenset({str, float, int, bool, type(None)})
-"""Types that hold no records, of nearly all fields."""
 
 
 def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str]]:
@@ -30,11 +29,11 @@ def binding(instance: Instance, words: Iterable[str]) -> Iterator[tuple[str, str
             yield word, binds if isinstance(binds, str) else ""
 
 
-def unknown_fields(instance: Instance) -> Iterator[str]:
-    """Fields that are set and that no table knows, as paths."""
-    for path, kind, records in _by_path([instance], ""):
+def unknown_fields(record: Record, known: Collection[str] = KNOWN) -> Iterator[str]:
+    """Fields that are set and that a table does not know, as paths; at every depth of a record."""
+    for path, kind, records in _by_path([record], ""):
         for name, about in kind.model_fields.items():
-            if path + name not in KNOWN:
+            if path + name not in known:
                 usual = about.get_default(call_default_factory=True)
                 if any(getattr(each, name) != usual for each in records):
                     yield path + name
@@ -74,6 +73,20 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
         )
 
 
+def refuse_unknown(uncertainty: Record) -> None:
+    """Refuse an uncertainty that sets a field whose meaning nobody knows.
+
+    Raises
+    ------
+    InputError
+    """
+    for path in unknown_fields(uncertainty, CHANCES):
+        raise InputError(
+            f"uncertainty: nobody follows the field {path}, which is set; leave it out, or use a "
+            "version that knows it"
+        )
+
+
 def followed(given: AnyInstance, follower: Follower) -> Instance:
     """The instance that a caller passes, as an object, a path or a file's content.
 
@@ -95,10 +108,8 @@ def _by_path(
     for kind in kinds:
         alike = [each for each in records if type(each) is kind]
         yield path, kind, alike
-        for name in kind.model_fields:
+        for name in _holders(kind):
             values = list(map(attrgetter(name), alike))
-            if PLAIN.issuperset(map(type, values)):
-                continue
             inner = [each for each in values if isinstance(each, Record)]
             listed = [
                 each
@@ -111,3 +122,17 @@ def _by_path(
                 yield from _by_path(inner, f"{path}{name}.")
             if listed:
                 yield from _by_path(listed, f"{path}{name}[].")
+
+
+@lru_cache
+def _holders(kind: type[Record]) -> tuple[str, ...]:
+    """Fields of a record that hold others."""
+    return tuple(
+        name for name, about in kind.model_fields.items() if _holds_records(about.annotation)
+    )
+
+
+def _holds_records(annotation: Any) -> bool:
+    if isinstance(annotation, type) and issubclass(annotation, Record):
+        return True
+    return any(map(_holds_records, get_args(annotation)))

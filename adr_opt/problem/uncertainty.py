@@ -17,6 +17,7 @@ from ..common.files import read_model, to_text, write_text
 from ..common.records import LARGEST_DURATION_S, Name, Record, without
 from ..kernels.core import draws
 from .instance import Instance
+from .support import refuse_unknown
 
 FORMAT: Literal["adr-opt-uncertainty/1"] = "adr-opt-uncertainty/1"
 
@@ -239,8 +240,10 @@ class Uncertainty(Record):
         Raises
         ------
         InputError
-            A target is none of the instance's, or a chaser is none that is launched.
+            A target is none of the instance's, a chaser is none that is launched, or a field is set
+        that nobody knows.
         """
+        refuse_unknown(self)
         targets = {target.name for target in instance.targets}
         for name in self.targets:
             if name not in targets:

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from itertools import takewhile
 
 from ..common.errors import InputError
-from ..kernels.rules.loads import most_kits
 from ..mission.mission import Mission
+from ..mission.orders import told, why_broken
 from ..mission.refused_legs import why_not_flown
 
 
@@ -35,20 +35,7 @@ def legal_beginning(
 
 def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     """Reason why the first illegal move of a sequence is illegal."""
-    rules, j = mission.rules, moves[made]
-    body = moves[made - 1] if made else rules.start
-    name = repr(mission.names[j])
-    if rules.is_station[j] and (rules.is_station[body] or body == rules.start):
-        return "refuels, but no target was visited since the last refuelling"
-    if j == body:
-        return f"goes from {name} to itself"
-    if not rules.is_station[j] and j in moves[:made]:
-        return f"goes to {name}, which was visited before"
-    if not rules.is_station[j] and sum(i >= rules.first_target for i in moves[:made]) == (
-        rules.most_targets
-    ):
-        return f"goes to {name}, one more target than the {rules.most_targets} of the chaser"
-    kits, most = mission.schedules.kits_for(tuple(moves[: made + 1])), most_kits(rules.loads)
-    if rules.loads is not None and kits > most:
-        return f"goes to {name}, one more kit than the {most} of the chaser"
+    why = why_broken(mission, moves[: made + 1])
+    if why:
+        return told(mission, why, moves[made])
     return why_not_flown(mission, moves, made)

@@ -15,19 +15,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adr_opt.common.errors import InputError
 from adr_opt.common.options import option
 from adr_opt.common.progress import Progress, silent
 from adr_opt.common.stop import Clock, Stop
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
+from adr_opt.problem.rules import Follower
+from adr_opt.problem.support import refuse
 from adr_opt.problem.tours import tour_obstacle
 
 from ..beams.beams import usual_settings, with_time_value
 from ..beams.greedy_order import guarded_sequence
 from ..beams.timely_beams import Beams, pilots
 from ..beams.varied_beams import varied
+from ..methods import EXACT
 from ..progress.gap import GapTracker
 from ..progress.proof_size import proof_notes
 from ..proof.least_end import prove_end
@@ -58,6 +60,10 @@ class ExactOptions(ProofOptions, method="exact"):
     )
 
 
+LEAST_COST = Follower("option cost", EXACT.follows - {"prizes that fall"}, "leave the option out")
+"""Proofs of the least ΔV or expense."""
+
+
 def exact(
     problem: Problem | Mission,
     *,
@@ -78,11 +84,8 @@ def exact(
         A plan to begin with, a route for each chaser, compared with one found by beam search.
     """
     problem = problem_of(problem)
-    if options.cost and problem.falls is not None and problem.instance.objective.cost != "duration":
-        raise InputError(
-            "option cost: the least ΔV or expense is not proven yet where prizes fall with time; "
-            "leave it out"
-        )
+    if options.cost and problem.instance.objective.cost != "duration":
+        refuse(problem.instance, LEAST_COST)
     if tour_obstacle(problem.instance) is None:
         return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:

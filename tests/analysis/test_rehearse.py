@@ -278,7 +278,7 @@ def test_what_does_not_fit_is_refused() -> None:
     limited = instance.replace(
         stations=tuple(each.replace(max_refuellings=1) for each in instance.stations)
     )
-    with pytest.raises(InputError, match="limited stations"):
+    with pytest.raises(InputError, match="limited refuellings"):
         setting_of(limited, None, CERTAIN, "replan")
     first, *others = instance.targets
     falls = first.replace(prize_until=((1e4, first.prize),))

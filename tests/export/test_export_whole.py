@@ -325,7 +325,7 @@ def test_models_of_missions_with_kits_are_refused(suffix: str, cli: Cli, tmp_pat
     ready = ["--at", "0"] if suffix == ".oplib" else []
     refused = cli("matrix", instance, *ready, "--out", f"kits{suffix}")
     assert refused.status == 2
-    assert "has no kits" in refused.err
+    assert "does not follow kits" in refused.err
     assert [path.name for path in tmp_path.iterdir()] == ["kits.json"]
 
 

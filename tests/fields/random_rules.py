@@ -524,3 +524,22 @@ def falling_campaign(seed: int) -> Instance:
 def towing_mission(seed: int) -> Instance:
     """A mission of one chaser that tows, by turns in two-body motion and under J2."""
     return towing((random_mission, drifting_mission)[seed % 3 > 0](seed // 2), seed)
+
+
+def hurried_mission(seed: int) -> Instance:
+    """A mission that policies play, of a chaser that is there for a part of it."""
+    instance = adr_opt.generate("tiny", seed, targets=4)
+    until = float(np.random.default_rng([13, seed]).uniform(0.4, 0.9))
+    available_s = 0.0, until * instance.mission.duration_s
+    return instance.replace(chasers=(instance.chaser.replace(available_s=available_s),))
+
+
+DRAWS: dict[str, Callable[[int], Instance]] = {
+    "random": random_mission, "drifting": drifting_mission, "given": given_mission,
+    "towing": towing_mission, "falling": falling_mission, "campaign": random_campaign,
+    "mixed": mixed_campaign, "hurried": hurried_mission,
+    "carrying": lambda seed: carrying(random_campaign(seed), seed),
+    "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
+    "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
+}  # fmt: skip
+"""All kinds of drawn fields that enumeration can tell the best plan of."""

@@ -7,6 +7,7 @@ import math
 import pytest
 from brute_force import brute_force
 from random_rules import falling_field, falling_mission
+from timed_fields import timed_mission
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -67,9 +68,16 @@ def test_what_cannot_plan_them_says_so(tmp_path):
     falls = tuple(each.replace(prize_until=((9000.0, 2.0),)) for each in instance.targets)
     instance = instance.replace(targets=falls)
     toured = instance.replace(transfer=instance.transfer.replace(max_leg_s=1e5))
-    for method in ("auto", "greedy"):
-        with pytest.raises(InputError, match=r"longest leg|prizes that fall beyond"):
-            adr_opt.solve(toured, method)
+    timed = timed_mission(0)
+    later = [each.replace(prize=1.0, prize_until=((9000.0, 2.0),)) for each in timed.targets]
+    timed = timed.replace(targets=tuple(later))
+    for odd, method, said in (
+        (toured, "greedy", r"longest leg \(field transfer.max_leg_s\)"),
+        (toured, "auto", "rules of tours beyond tours"),
+        (timed, "auto", "prizes that fall beyond lists of connections"),
+    ):
+        with pytest.raises(InputError, match=f"'{method}' does not follow {said}"):
+            adr_opt.solve(odd, method)
     with pytest.raises(InputError, match="option cost"):
         adr_opt.solve(instance, "exact", cost=True)
     with pytest.raises(InputError, match="prizes that fall"):

@@ -3,33 +3,56 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
+import click
 import pytest
-from random_rules import (
-    carrying,
-    drifting_mission,
-    falling_mission,
-    given_mission,
-    limited,
-    mixed_campaign,
-    priced,
-    random_campaign,
-    random_mission,
-    towing_mission,
-)
+from conftest import Cli, refused
+from random_rules import DRAWS
 
 import adr_opt
+from adr_opt.analysis.comparison import compare
+from adr_opt.analysis.design.rating import rating_of
+from adr_opt.analysis.priced import price
+from adr_opt.analysis.rehearse.sampling import rehearse
+from adr_opt.analysis.replan import replan
+from adr_opt.analysis.robust.robust import robust
+from adr_opt.analysis.scenario.offer import check_template
+from adr_opt.analysis.trade.axes import Axis
+from adr_opt.analysis.trade.frontier import check_frontier
+from adr_opt.analysis.trade.run import tradeoff
 from adr_opt.common.errors import InputError
 from adr_opt.common.records import Record
+from adr_opt.export.flights.write import write_plan
+from adr_opt.export.tables.write import write_matrix
+from adr_opt.fly.flight.fly import fly
+from adr_opt.learning.environment import MissionEnv
 from adr_opt.learning.episodes import FOLLOWS as PLAYED
+from adr_opt.mission.certify import certificate_of
+from adr_opt.mission.problem import Problem
 from adr_opt.plan.cargo import loads_of
+from adr_opt.plan.certificate import Certificate
+from adr_opt.plan.plan import Plan
 from adr_opt.problem import support
 from adr_opt.problem.instance import Instance
-from adr_opt.problem.rules import CAMPAIGNS, CARGO, FACTS, FIRST, RULES, TOGETHER, TOURS, Follower
+from adr_opt.problem.rules import (
+    CAMPAIGNS,
+    CARGO,
+    CHANCES,
+    FACTS,
+    FIRST,
+    RULES,
+    TOGETHER,
+    TOURS,
+    Follower,
+)
+from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
+from adr_opt.ui.cli.verbs import VERBS, command
+from adr_opt.ui.report import page
 
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]
 
@@ -117,6 +140,17 @@ def test_each_field_is_a_fact_or_of_a_rule() -> None:
     assert holders <= formed
 
 
+def test_each_field_of_an_uncertainty_is_known_and_a_new_one_is_refused() -> None:
+    """The table and the file of uncertainties have the same fields; others are named."""
+    assert {*paths_of(Uncertainty)} == CHANCES
+    instance = adr_opt.generate("tiny", 0, targets=2)
+    certain = Uncertainty(tanks={"least": 0.9})
+    assert certain.of(instance) is certain
+    for place in ("", "legs", "capture", "tanks"):
+        with pytest.raises(InputError, match=r"nobody follows the field .*novel"):
+            with_new_field(certain, place).of(instance)
+
+
 def test_words_that_are_no_rules_are_refused() -> None:
     """Neither a follower nor a specification can name what is no rule."""
     with pytest.raises(ValueError, match="follows 'rain', which is no rule"):
@@ -147,16 +181,6 @@ def test_policies_play_what_the_environment_does() -> None:
     assert spec("ppo").follows == PLAYED.follows
 
 
-DRAWS: dict[str, Callable[[int], Instance]] = {
-    "random": random_mission, "drifting": drifting_mission, "given": given_mission,
-    "towing": towing_mission, "falling": falling_mission, "campaign": random_campaign,
-    "mixed": mixed_campaign,
-    "carrying": lambda seed: carrying(random_campaign(seed), seed),
-    "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
-    "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
-}  # fmt: skip
-
-
 @pytest.mark.parametrize("draw", DRAWS)
 def test_cargo_counts_where_tanks_are_told_of_it(draw: str) -> None:
     """The rules of cargo bind an instance where some chaser of it has loads, and nowhere else."""
@@ -184,3 +208,91 @@ def test_methods_refuse_a_new_field_and_a_rule_they_do_not_name(
         with pytest.raises(InputError, match=f"method '{name}' does not follow"):
             call(instance, name, time_limit=1.0)
         monkeypatch.undo()
+
+
+NESTED = ("mission", "targets[].orbit", "chasers[].tank")
+"""Places of the fields that tools are tried with."""
+
+
+@pytest.fixture(scope="module")
+def planned() -> tuple[Instance, Plan, Certificate]:
+    """An instance with its plan and a certificate."""
+    instance = adr_opt.generate("tiny", 0, targets=4)
+    result = adr_opt.solve(instance, "exact", time_limit=60.0)
+    assert result.plan is not None
+    return instance, result.plan, certificate_of(instance, result)
+
+
+def _calls(instance: Instance, plan: Plan, certificate: Certificate) -> dict[str, Any]:
+    """Whatever in Python reads an instance, by name."""
+    return {
+        "Mission": lambda: adr_opt.Mission(instance),
+        "Problem": lambda: Problem(instance),
+        "Timetable": lambda: adr_opt.Timetable(instance),
+        "check": lambda: adr_opt.check(instance, plan),
+        "verify": lambda: adr_opt.verify(instance, plan, certificate),
+        "plan_of": lambda: adr_opt.plan_of(instance, plan.destinations),
+        "price": lambda: price(instance, plan.destinations),
+        "replan": lambda: replan(instance, plan, 0.0),
+        "compare": lambda: compare(instance, {"one": plan, "two": plan}),
+        "refine": lambda: adr_opt.refine(instance, plan),
+        "solve_refined": lambda: adr_opt.solve_refined(instance),
+        "fly": lambda: fly(instance, plan),
+        "write_plan": lambda: write_plan(instance, plan, "out.oem"),
+        "write_matrix": lambda: write_matrix(instance, "out.npz", [0.0]),
+        "report": lambda: page(instance, plan),
+        "tradeoff": lambda: tradeoff(instance, [Axis("duration", (86400.0,))]),
+        "rehearse": lambda: rehearse(instance, plan, Uncertainty(), samples=1),
+        "robust": lambda: robust(instance, Uncertainty(), 0.9),
+        "environment": lambda: MissionEnv(instance).reset(),
+        "designs": lambda: rating_of(instance, None),
+        "scenario": lambda: check_template(instance),
+        "frontier": lambda: check_frontier(instance),
+    }
+
+
+@pytest.mark.parametrize("place", NESTED)
+def test_whatever_reads_an_instance_refuses_a_new_field(
+    planned: tuple[Instance, Plan, Certificate], place: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Each function of the package names the field, and computes nothing."""
+    monkeypatch.chdir(tmp_path)
+    changed = with_new_field(planned[0], place)
+    for name, call in _calls(changed, *planned[1:]).items():
+        with pytest.raises(InputError) as error:
+            call()
+        assert f"does not follow the field {place}.novel" in str(error.value), name
+
+
+CLI_CALLS = {
+    "solve": "", "bound": "", "check": "plan.json", "verify": "plan.json certificate.json",
+    "price": "debris-001", "compare": "plan.json other.json", "tradeoff": "--vary duration=1:1:1",
+    "replan": "plan.json --at 0", "rehearse": "plan.json --uncertainty uncertainty.json",
+    "fly": "plan.json", "refine": "plan.json --out r.json", "matrix": "--at 0 --out m.npz",
+    "export": "plan.json --out a.oem", "report": "plan.json --out a.html", "serve": "--port 0",
+}  # fmt: skip
+"""What follows the instance in a call of each verb that reads one."""
+
+
+def test_verbs_refuse_a_new_field(
+    planned: tuple[Instance, Plan, Certificate], cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each verb that takes an instance says in one sentence that it does not follow the field."""
+    instance, plan, certificate = planned
+    reading = {verb for verb in VERBS if _takes_instance(verb)}
+    assert reading == CLI_CALLS.keys()
+    instance.save("my.json")
+    plan.save("plan.json")
+    plan.save("other.json")
+    certificate.save("certificate.json")
+    Uncertainty().save("uncertainty.json")
+    changed = with_new_field(instance, "targets[]")
+    monkeypatch.setattr("adr_opt.problem.instance.load", lambda path: changed)
+    for verb, more in CLI_CALLS.items():
+        refused(cli(verb, "my.json", *more.split()), "does not follow the field targets[].novel")
+
+
+def _takes_instance(verb: str) -> bool:
+    found = command.get_command(click.Context(command), verb)
+    return found is not None and any(each.name == "instance_path" for each in found.params)

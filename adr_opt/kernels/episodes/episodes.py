@@ -101,25 +101,25 @@ def rules_of(pool, episodes, e):
     """The mission rules of an episode."""
     slot = episodes.slot[e]
     return Rules(
-        stacked_timetables.in_slot(pool.tables, slot),
-        pool.limits[slot, SERVICE],
-        pool.limits[slot, OPENS],
-        pool.limits[slot, CLOSES],
-        pool.limits[slot, PRIZE],
-        pool.is_station,
+        table=stacked_timetables.in_slot(pool.tables, slot),
+        service=pool.limits[slot, SERVICE],
+        opens=pool.limits[slot, OPENS],
+        closes=pool.limits[slot, CLOSES],
+        prize=pool.limits[slot, PRIZE],
+        is_station=pool.is_station,
         # Where missions may end is not asked for, since they may end anywhere.
-        pool.is_station,
-        1,
-        1,
-        HOME,
-        0.0,
-        int(pool.bodies[slot]),
-        False,
-        episodes.budget[e] + SLACK_M_S,
-        episodes.duration[e] + SLACK_S,
-        0.0,
-        None,
-        None,
+        may_end=pool.is_station,
+        stations=1,
+        first_target=1,
+        start=HOME,
+        ready=0.0,
+        most_targets=int(pool.bodies[slot]),
+        returns=False,
+        budget=episodes.budget[e] + SLACK_M_S,
+        duration=episodes.duration[e] + SLACK_S,
+        shortest_sortie=0.0,
+        loads=None,
+        falls=None,
     )
 
 

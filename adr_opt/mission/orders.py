@@ -1,0 +1,71 @@
+"""The rule of orders: which body may come next in an order, whatever the times and the tank."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..kernels.rules.loads import most_kits
+from ..kernels.rules.rules import Rules
+
+if TYPE_CHECKING:
+    from .mission import Mission
+
+UNEARNED = "refuels, but no target was visited since the last refuelling"
+ITSELF = "goes from {name} to itself"
+START = "goes to {name}, where a chaser starts"
+AGAIN = "goes to {name}, which was visited before"
+MOST = "goes to {name}, one more target than the {most} of the chaser"
+KITS = "goes to {name}, one more kit than the {kits} of the chaser"
+
+
+def first_break(rules: Rules, moves: Sequence[int]) -> tuple[int, str]:
+    """The first move of an order that breaks the rule.
+
+    Returns
+    -------
+    made : int
+        Number of moves before it.
+    why : str
+        One of the sentences above, to which :func:`told` gives names; empty if there is none.
+    """
+    body, since, visited = rules.start, 0, set[int]()
+    for made, j in enumerate(moves):
+        if rules.is_station[j]:
+            if since == 0:
+                return made, UNEARNED
+            since = 0
+        elif j == body:
+            return made, ITSELF
+        elif j < rules.first_target:
+            return made, START
+        elif j in visited:
+            return made, AGAIN
+        elif len(visited) == rules.most_targets:
+            return made, MOST
+        else:
+            visited.add(j)
+            since += 1
+        body = j
+    return len(moves), ""
+
+
+def why_broken(mission: Mission, moves: Sequence[int]) -> str:
+    """Why the last move of an order breaks the rule, or takes one kit too many; empty if neither.
+
+    Those before it do not.
+    """
+    rules = mission.rules
+    why = first_break(rules, moves)[1]
+    if not why and rules.loads is not None:
+        needed = mission.schedules.kits_for(tuple(moves))
+        why = KITS if needed > most_kits(rules.loads) else ""
+    return why
+
+
+def told(mission: Mission, why: str, body: int) -> str:
+    """A reason with the names and numbers of a mission."""
+    rules = mission.rules
+    return why.format(
+        name=repr(mission.names[body]), most=rules.most_targets, kits=most_kits(rules.loads)
+    )
