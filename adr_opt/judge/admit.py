@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Generic, TypeVar, overload
+from typing import Generic, TypeVar
 
 from ..common.errors import InputError
 from ..plan.certificate import Certificate
@@ -22,6 +22,9 @@ from .check.verdict import check
 from .check.violation import Violation
 
 What = TypeVar("What", Plan, RefinedPlan, Certificate)
+
+TANK = frozenset({"delta-v"})
+"""A tank that legs overdraw as they are flown: the answer of a flight, and no reason not to fly."""
 
 _BY_THE_GATE = object()
 """Known to :func:`admit` alone, so that nothing else makes an :class:`Admitted`."""
@@ -63,33 +66,12 @@ AnyRefined = RefinedPlan | Admitted[RefinedPlan]
 """A refined plan, judged or not yet."""
 
 
-@overload
-def admit(
-    instance: AnyInstance, plan: Plan | Admitted[Plan], *, unjudged: bool = False
-) -> Admitted[Plan]: ...
-
-
-@overload
-def admit(
-    instance: AnyInstance,
-    plan: RefinedPlan | Admitted[RefinedPlan],
-    *,
-    unjudged: bool = False,
-    refined_from: Plan | None = None,
-) -> Admitted[RefinedPlan]: ...
-
-
-@overload
-def admit(
-    instance: AnyInstance, plan: Certificate | Admitted[Certificate], *, unjudged: bool = False
-) -> Admitted[Certificate]: ...
-
-
 def admit(
     instance: AnyInstance,
     plan: What | Admitted[What],
     *,
     unjudged: bool = False,
+    excused: Collection[str] = (),
     refined_from: Plan | None = None,
 ) -> Admitted[What]:
     """Let the judge see a plan, a refined plan or a certificate.
@@ -102,8 +84,10 @@ def admit(
     unjudged : bool
         Whether one with violations is let in with them, where it belongs to the instance and can
         be read at all.
+    excused : collection of str
+        Rules whose violations the caller answers for itself.
     refined_from : Plan, optional
-        The plan that a refined one was made of, which it is compared with.
+        The plan that a refined one was made of, by default the one in its file.
 
     Returns
     -------
@@ -121,8 +105,9 @@ def admit(
             return plan
         plan = plan.plan
     found = _violations(instance, plan, refined_from)
-    if found and not unjudged:
-        raise InputError(refusal(NAMES[type(plan)], found))
+    wrong = tuple(each for each in found if each.rule not in excused)
+    if wrong and not unjudged:
+        raise InputError(refusal(NAMES[type(plan)], wrong))
     return Admitted(instance, plan, found, _BY_THE_GATE)
 
 

@@ -220,7 +220,7 @@ def _left_out(
             reason = "duration" if leads else "no-transfer"
         elif found.delta_v[in_time].min() > left:
             reason = "delta-v"
-        elif why_broken(mission, (*moves, j)):
+        elif why_broken(mission.rules, (*moves, j), mission.schedules.kits_for):
             reason = "capacity"
         elif (heavy or j in tows) and mission.schedules.of((*moves, j)).made == len(moves):
             reason = "delta-v"  # with its kit aboard from the start less is left; or to tow it

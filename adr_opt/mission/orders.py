@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from ..kernels.rules.loads import most_kits
 from ..kernels.rules.rules import Rules
-
-if TYPE_CHECKING:
-    from .mission import Mission
 
 UNEARNED = "refuels, but no target was visited since the last refuelling"
 ITSELF = "goes from {name} to itself"
@@ -50,22 +46,20 @@ def first_break(rules: Rules, moves: Sequence[int]) -> tuple[int, str]:
     return len(moves), ""
 
 
-def why_broken(mission: Mission, moves: Sequence[int]) -> str:
+def why_broken(
+    rules: Rules, moves: Sequence[int], kits_for: Callable[[tuple[int, ...]], float]
+) -> str:
     """Why the last move of an order breaks the rule, or takes one kit too many; empty if neither.
 
     Those before it do not.
     """
-    rules = mission.rules
     why = first_break(rules, moves)[1]
     if not why and rules.loads is not None:
-        needed = mission.schedules.kits_for(tuple(moves))
+        needed = kits_for(tuple(moves))
         why = KITS if needed > most_kits(rules.loads) else ""
     return why
 
 
-def told(mission: Mission, why: str, body: int) -> str:
-    """A reason with the names and numbers of a mission."""
-    rules = mission.rules
-    return why.format(
-        name=repr(mission.names[body]), most=rules.most_targets, kits=most_kits(rules.loads)
-    )
+def told(rules: Rules, why: str, name: str) -> str:
+    """A reason with the name of a body and the numbers of a mission."""
+    return why.format(name=repr(name), most=rules.most_targets, kits=most_kits(rules.loads))

@@ -35,7 +35,7 @@ def legal_beginning(
 
 def why_illegal(mission: Mission, moves: list[int], made: int) -> str:
     """Reason why the first illegal move of a sequence is illegal."""
-    why = why_broken(mission, moves[: made + 1])
+    why = why_broken(mission.rules, moves[: made + 1], mission.schedules.kits_for)
     if why:
-        return told(mission, why, moves[made])
+        return told(mission.rules, why, mission.names[moves[made]])
     return why_not_flown(mission, moves, made)

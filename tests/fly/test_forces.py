@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import towed_fields
 import two_chasers
-from conftest import Cli
+from conftest import Cli, refused
 from drifting_plans import drifting_instance, drifting_plan
 from electric_fields import electric
 from plans import solved
@@ -409,6 +409,8 @@ def test_a_leg_that_falls_is_lost(tmp_path: Path, cli: Cli) -> None:
     instance.save(tmp_path / "my.json")
     plan.replace(legs=(leg, *plan.legs[1:])).save(tmp_path / "refined.json")
     files = [str(tmp_path / "my.json"), str(tmp_path / "refined.json"), "--forces", "full"]
+    refused(cli("fly", *files), "not legal: leg 1")
+    files.append("--unjudged")
     outcome = cli("fly", *files, "--json")
     assert outcome.status == 1
     told = json.loads(outcome.out)

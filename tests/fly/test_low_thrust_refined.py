@@ -149,7 +149,7 @@ def test_another_epoch_brings_thrust_into_the_shadow() -> None:
     for month in (1, 4, 7, 10):
         later = instance.replace(epoch=instance.epoch.replace(month=month, day=1))
         reference = refined(1).instance.replace(sha256=later.sha256)
-        flight = fly_refined(later, refined(1).replace(instance=reference))
+        flight = fly_refined(later, unjudged(later, refined(1).replace(instance=reference)))
         dark.append(sum(leg.shadow_s or 0.0 for leg in flight.legs))
         assert not flight.strayed
         assert flight.holds == (max(leg.shadow_s or 0.0 for leg in flight.legs) <= 1.0)

@@ -292,7 +292,8 @@ def test_a_tampered_burn_is_seen() -> None:
     burns = (leg.burns[0].replace(delta_v_m_s=tuple(longer.tolist())), *leg.burns[1:])
     total = sum(burn.size_m_s for burn in burns)
     flight = fly_refined(
-        instance, changed(one, 1, leg.replace(burns=burns, flown_delta_v_m_s=total))
+        instance,
+        unjudged(instance, changed(one, 1, leg.replace(burns=burns, flown_delta_v_m_s=total))),
     )
     assert [strayed.leg for strayed in flight.strayed] == [2]
     assert not flight.holds
@@ -304,7 +305,7 @@ def test_a_tank_that_breaks_is_named() -> None:
     assert fly_refined(instance, refined()).holds
     tight = instance.with_limits(delta_v_m_s=100.0)
     reference = refined().instance.replace(sha256=tight.sha256)
-    flight = fly_refined(tight, refined().replace(instance=reference))
+    flight = fly_refined(tight, unjudged(tight, refined().replace(instance=reference)))
     assert flight.strayed == ()
     assert flight.broken_tanks
     assert not flight.holds

@@ -129,7 +129,7 @@ def test_given_costs_have_no_trajectory(cli: Cli, tmp_path: Path) -> None:
         refused(cli(*verb), "its plans have no trajectory")
         assert not Path("x.json").exists()
     free = instance.replace(chasers=[instance.chaser.replace(end="anywhere")])
-    with pytest.raises(adr_opt.InputError, match="has bodies without an orbit"):
+    with pytest.raises(adr_opt.InputError, match="does not follow bodies without an orbit"):
         adr_opt.solve(free, "ppo")
 
 

@@ -52,13 +52,13 @@ def test_legs_are_counted_through_all_routes(mission: tuple[Instance, Plan]) -> 
 
 
 def test_a_route_of_nobody_is_refused_in_one_sentence(cli: Cli) -> None:
-    """Whatever flies a plan names the route whose chaser is unknown, or has one already."""
+    """Whatever reads a plan names the chaser that is unknown, or has a route already."""
     instance, plan = campaign(), planned()
-    for wrong, said in (("ghost", "its chasers are 'tender', 'kicker'"), (OWN, "a route already")):
+    for wrong, said in (("ghost", "is not a chaser"), (OWN, "more than one route")):
         routes = (plan.routes[0].replace(chaser=wrong), plan.routes[1])
         write(instance, plan.replace(routes=routes))
         for verb in (["fly"], ["refine", "--out", "r.json"], ["export", "--out", "a.czml"]):
-            refused(cli(verb[0], "my.json", "plan.json", *verb[1:]), "routes[", wrong, said)
+            refused(cli(verb[0], "my.json", "plan.json", *verb[1:]), wrong, said)
 
 
 def test_solve_tells_each_chaser_and_what_is_left_out(cli: Cli) -> None:
@@ -101,8 +101,8 @@ def test_one_chaser_is_told_as_before(cli: Cli) -> None:
     assert "chaser" not in cli("fly", "my.json", "plan.json").out
     assert "chaser" not in cli("fly", "my.json", "plan.json", "--json").out
     assert "chaser" not in cli("refine", "my.json", "plan.json", "--out", "r.json").out
-    with open("r.json", encoding="utf-8") as file:
-        assert "chaser" not in file.read()
+    told = adr_opt.load_refined("r.json").replace(planned=None)
+    assert "chaser" not in told.to_json()
     assert "chaser" not in cli("fly", "my.json", "r.json", "--samples", 20, "--json").out
 
 
@@ -152,7 +152,7 @@ def test_refined_legs_know_their_chaser(
         (HOME, 1, 3), (OWN, 4, 5), (OWN, 6, 7)
     ]  # fmt: skip
     nobody = refined.replace(legs=tuple(leg.replace(chaser=None) for leg in refined.legs))
-    with pytest.raises(adr_opt.InputError, match="leg 1 names no chaser"):
+    with pytest.raises(adr_opt.InputError, match="leg 1: leg: chaser = None, but in the plan"):
         fly_refined(instance, nobody)
 
 
@@ -177,7 +177,7 @@ def test_legs_of_a_chaser_follow_each_other() -> None:
     instance, plan = campaign(), planned()
     home, own = plan.routes
     torn = own.replace(legs=own.legs[:1] + own.legs[2:])
-    with pytest.raises(adr_opt.InputError, match="leg 5 begins at 'station', but 'kicker' is at"):
+    with pytest.raises(adr_opt.InputError, match="leg 5: chain: starts at 'station'"):
         adr_opt.refine(instance, plan.replace(routes=(home, torn)))
 
 
@@ -264,9 +264,9 @@ def test_from_a_field_to_its_files(cli: Cli) -> None:
     ],
 )
 def test_what_is_for_one_chaser_says_so(cli: Cli, call: tuple[object, ...]) -> None:
-    """What does not know several chasers ends with one sentence that counts them."""
+    """What does not know several chasers ends with one sentence that says so."""
     write(campaign())
-    refused(cli(*call), "has 2")
+    refused(cli(*call), "several chasers")
 
 
 def test_the_environment_is_for_one_chaser() -> None:

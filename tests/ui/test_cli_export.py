@@ -73,9 +73,9 @@ def test_wrong_calls_end_in_one_sentence(cli, tiny_file, plan_file, tmp_path) ->
     before = sorted(tmp_path.iterdir())
     for arguments, said in (
         ((other, plan_file, "--out", "a.oem"), "plan.json: the plan belongs to the instance"),
-        ((tiny_file, empty, "--out", "a.oem"), "empty.json: the plan has no legs"),
-        ((tiny_file, swapped, "--out", "a.oem"), "leg 1 begins at"),
-        ((tiny_file, early, "--out", "a.script"), "leg 2 begins at"),
+        ((tiny_file, empty, "--out", "a.oem"), "empty.json: the plan is not legal"),
+        ((tiny_file, swapped, "--out", "a.oem"), "leg 1: chain"),
+        ((tiny_file, early, "--out", "a.script"), "leg 2: ready"),
         ((tiny_file, plan_file, "--out", "a.xyz"), "a.xyz: suffix '.xyz' is unknown"),
         ((tiny_file, plan_file, "--out", "nowhere/a.oem"), "does not exist"),
         ((tiny_file, plan_file, "--out", plan_file, "--format", "oem"), "this is the input"),

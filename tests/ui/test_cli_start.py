@@ -50,7 +50,7 @@ def test_an_illegal_start_plan_is_refused_or_repaired(cli: Cli, tiny_file: Path)
     call = ("solve", tiny_file, "--method", "starter", "--start", "bad.json")
     refused = cli(*call, "--out", "new.json")
     assert refused.status == 2
-    assert "start plan: leg 2: order: goes from" in refused.err
+    assert "start plan: the plan is not legal: leg 2: order: goes from" in refused.err
     assert not Path("new.json").exists()
     repaired = cli(*call, "--out", "new.json", "--repair")
     assert repaired.status == 0

@@ -479,7 +479,7 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
     with pytest.raises(InputError, match=r"holds instance\.json of an earlier call"):
         Folder(world / "work", world / "my.json")
     folder = Folder(world / "work", world / "work/instance.json")
-    with pytest.raises(InputError, match="belongs to another instance"):
+    with pytest.raises(InputError, match="belongs to the instance"):
         session_of(hand_made(periods=15.0), plan, folder)
     again = session_of(adr_opt.load(world / "work/instance.json"), plan, folder)
     assert again.state()["plan"]["fits"]
@@ -506,7 +506,7 @@ def test_wrong_calls_are_one_sentence_and_make_nothing(world: Path, cli: Cli) ->
     for arguments, named in (
         (["nobody.json"], "nobody.json: no such file"),
         (["my.json", "nobody.json"], "nobody.json: no such file"),
-        (["my.json", "of-other.json"], "belongs to another instance"),
+        (["my.json", "of-other.json"], "belongs to the instance"),
         (["my.json", "--port", "70000"], "--port 70000"),
         (["my.json", "--folder", "my.json"], "my.json: not a folder"),
         (["my.json", "--folder", "no/where"], "no/where: the folder"),

@@ -341,7 +341,9 @@ def test_points_are_of_the_project_alone(at: At, tmp_path: Path) -> None:
         (place / "plans" / name).unlink()
         shutil.copy(secret / name, place / "plans")
     hand_made(periods=15.0).save(place / "plans/point-1.instance.json")
-    assert "another instance" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
+    assert (
+        "belongs to the instance" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
+    )
     for spoilt in ("{", "[]", "{}", '{"varied": {"delta-v": []}, "points": [{}]}'):
         (place / "answer.json").write_text(spoilt)
         answer = at.client.get("/results/points", params={"id": str(number)})

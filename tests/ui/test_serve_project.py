@@ -392,7 +392,7 @@ def test_options_of_an_import_are_those_of_the_verb() -> None:
     assert there is not None
     known = {each.opts[0] for each in there.params if each.opts[0].startswith("--")}
     beside = {"--out", "--prizes", "--oem", "--skip-bad", "--json", "--quiet", "--help",
-              "--criticality", "--only-prized", "--must"}  # fmt: skip
+              "--criticality", "--only-prized", "--must", "--debug"}  # fmt: skip
     assert {option.sign for option in OPTIONS} == known - beside
     assert len({option.label for option in OPTIONS}) == len(OPTIONS)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...common.errors import InputError
 from ...common.processors import usable_cores
-from ...judge.admit import AnyRefined, admit
+from ...judge.admit import TANK, AnyRefined, admit
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.instance import Instance
@@ -89,7 +89,7 @@ def sample_flights(  # noqa: PLR0913
     _check("jobs", jobs or 0, 0, math.inf)
     if not 0.0 < share < 1.0:
         raise InputError(f"share = {share:g}: must lie between 0 and 1")
-    refined = admit(instance, refined).plan
+    refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
     if refined.has_thrust:
         raise InputError("the refined plan has low thrust, which is not flown with errors")

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
-from ...judge.admit import AnyRefined, admit
+from ...judge.admit import TANK, AnyRefined, admit
 from ...judge.refined.holding import found_m_s
 from ...judge.refined.release import released
 from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
@@ -51,7 +51,7 @@ def fly_refined(
         The refined plan belongs to another instance or has violations; or, let in unjudged, it
         names an unknown body, or leads away from the Earth.
     """
-    refined = admit(instance, refined).plan
+    refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
     world = World(refined.gravity)
     reported = reported_of(instance, refined)

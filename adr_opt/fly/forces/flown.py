@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.constants import MU_M3_S2
-from ...judge.admit import AnyRefined, admit
+from ...judge.admit import TANK, AnyRefined, admit
 from ...judge.refined.world import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedPlan
@@ -49,7 +49,7 @@ def fly_forced(
     MissingExtra
         The library is not installed.
     """
-    refined = admit(instance, refined).plan
+    refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
     settings = Forces() if forces is None else forces
     world, acting = all_forces(instance, settings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -10,6 +9,7 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec
 
+from ...common.json_text import loaded
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from .fields import Fields
@@ -43,7 +43,7 @@ def replace_arguments(spec: EnvSpec) -> EnvSpec:
 def in_json(value: Any) -> Any:
     """An argument of an environment in a form that JSON can hold."""
     if isinstance(value, Instance):
-        return json.loads(value.to_json()) if value.is_all_in_file else value
+        return loaded(value.to_json()) if value.is_all_in_file else value
     if isinstance(value, Uncertainty):
         return value.model_dump(mode="json")
     if isinstance(value, Fields):

@@ -82,8 +82,11 @@ def command(
     read = (instance_path, plan_path, sampling.target_errors, *sampling.element_sets)
     check_out(sampling.out_uncertainty, *read, results=(out,))
     if is_refined(plan_path):
-        refined = admitted_refined(instance_path, plan_path, unjudged=unjudged)
-        say_unjudged(refined, plan_path, quiet=quiet)
+        from ...judge.admit import TANK
+
+        refined = admitted_refined(instance_path, plan_path, unjudged=unjudged, excused=TANK)
+        if unjudged:
+            say_unjudged(refined, plan_path, quiet=quiet)
         if forces.is_full:
             return fly_forces.fly_and_tell(refined, plan_path, out, as_json, quiet, forces)
         return fly_and_tell(refined, plan_path, out, as_json, quiet, sampling)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -54,7 +54,7 @@ def admitted_plan(instance_path: str, plan_path: str, *, unjudged: bool = False)
 
 
 def admitted_refined(
-    instance_path: str, refined_path: str, *, unjudged: bool = False
+    instance_path: str, refined_path: str, *, unjudged: bool = False, excused: Collection[str] = ()
 ) -> Admitted[RefinedPlan]:
     """The same of a refined plan."""
     from ...judge.admit import admit
@@ -63,7 +63,7 @@ def admitted_refined(
 
     instance, refined = load(instance_path), RefinedPlan.load(refined_path)
     with about(refined_path):
-        return admit(instance, refined, unjudged=unjudged)
+        return admit(instance, refined, unjudged=unjudged, excused=excused)
 
 
 unjudged_option = take.flag(
