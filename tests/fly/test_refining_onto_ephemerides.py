@@ -35,6 +35,7 @@ from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.one_leg import refine_leg
 from adr_opt.fly.refine.reported import ReportedBodies
 from adr_opt.fly.refine.whereabouts import Whereabouts
+from adr_opt.judge.refined import check_refined
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.refined_plan import Missing, RefinedPlan
@@ -324,6 +325,20 @@ def test_the_judge_finds_what_is_not_as_reported(cli: Cli, files: Mission) -> No
         assert flown.status == 1
         assert f"leg {leg.leg} " in flown.out
         assert said in flown.out.replace("state too", "too")
+
+
+def test_the_judge_reads_ephemerides_itself_or_says_that_it_cannot(
+    files: Mission,
+) -> None:
+    """Nothing is found in what was refined, holding is asked for, and lost files are unjudged."""
+    instance, plan, refined = adr_opt.load("my.json"), files.plan, files.refined
+    assert check_refined(instance, plan, refined) == ()
+    held = tampered(refined, holding_delta_v_m_s=0.0)
+    assert {one.rule for one in check_refined(instance, plan, held)} == {"holding"}
+    Path("my.elements.json").unlink()
+    (found,) = check_refined(instance, plan, refined)
+    assert found.rule == "unjudged"
+    assert "no such file" in found.message
 
 
 def test_what_cannot_be_refined_onto_ephemerides_is_one_sentence(cli: Cli, files: Mission) -> None:
