@@ -355,7 +355,7 @@ def test_low_thrust_is_one_sentence(cli: Cli) -> None:
                "--ephemerides", *MASSES, "--thrust", "0.5", "--max-drift-days", "2",
                "--out", "my.json", "--quiet")  # fmt: skip
     assert made.status == 0, made.err
-    refused(cli("solve", "my.json", "--refine", "--ephemerides"), "has low thrust")
+    refused(cli("solve", "my.json", "--refine", "--ephemerides"), "does not follow low thrust")
 
 
 def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:

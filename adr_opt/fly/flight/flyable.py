@@ -39,6 +39,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
     missing, or one too many.
     """
+    refuse(instance, REFINED)
     refuse(instance, FLOWN)
     _refuse_wrong_legs(instance, plan)
 
