@@ -2,9 +2,47 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+from contextlib import suppress
 
-from .ui.cli.entry import main
+INTERRUPTED = 128 + 2
+"""Exit status after Ctrl-C, as shells have it."""
+
+
+def main() -> int:
+    """Run the command line as this process, which ends with the status that is returned."""
+    # Importing takes a tenth of a second, in which Ctrl-C would print a traceback; and so would the
+    # end of the interpreter. An ignored signal, as in the background of a script, stays ignored.
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _leave)
+    try:
+        from .ui.cli.entry import main as run
+    except ImportError as error:
+        if "--debug" in sys.argv:
+            raise
+        print(
+            f"adr-opt: {error.name or 'a package'} cannot be imported ({error}); install adr-opt "
+            "again with pip, or add --debug for the traceback",
+            file=sys.stderr,
+        )
+        return 3
+    status = run()
+    if status == INTERRUPTED:
+        # Python kills itself if an interrupt has passed through ``exec``, and waits for threads.
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(OSError, ValueError, AttributeError):
+                stream.flush()
+        os._exit(status)
+    return status
+
+
+def _leave(number: int, frame: object) -> None:
+    """End the process at once: there is nothing yet, or nothing more, to tidy up."""
+    os.write(2, b"adr-opt: aborted\n")
+    os._exit(128 + number)
+
 
 if __name__ == "__main__":
     sys.exit(main())

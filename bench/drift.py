@@ -28,6 +28,7 @@ from outside.gtoc9.legs import Leg, read_legs
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.common.errors import InputError
+from adr_opt.common.processors import usable_cores
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import drift, drift_pair
 from adr_opt.legs.families.drift_burns import flown
@@ -243,7 +244,7 @@ def build(bodies: int, step_d: float, spacing_d: float) -> tuple[int, float, flo
 
 def print_fields(runs: int) -> None:
     """Print what connections of whole fields take."""
-    cores = os.cpu_count() or 1
+    cores = usable_cores()
     print(f"\nConnections of a year, 5 m/s apart at least, {cores} cores, median of {runs}\n")
     print("| bodies | grid | departures apart | connections | time | process |")
     print("|---|---|---|---|---|---|")

@@ -1,15 +1,18 @@
 """Missions of weeks to a year with drift legs: whether plans hold when flown, and which grid pays.
 
     python bench/drift_missions.py hold
+    python bench/drift_missions.py releases
     python bench/drift_missions.py grid
     python bench/drift_missions.py fragments --catalogue FILE
 
 `hold` draws missions of 30, 90 and 365 days at 71°, 86.4° and 98°, some with kits and some with
 tows, plans each with `auto`, has `check` judge the plan and flies it in mean motion. It prints the
 mission, the plan and the fullest use of a tank, planned and flown; with --refine also in full
-dynamics. `grid` plans missions without kits or tows on grids of several steps for the same time.
-`fragments` imports the 40 nearest of a catalogue for two chasers of 3 km/s and 90 days, and 30 for
-one of 1.2 km/s and 60 days on several grids, and prints what is planned, flown, refined and proven.
+dynamics. `releases` refines those of them with tows, and prints the mean orbits on which objects
+are left, by the tolerance that `fly` has for spirals. `grid` plans missions without kits or tows on
+grids of several steps for the same time. `fragments` imports the 40 nearest of a catalogue for two
+chasers of 3 km/s and 90 days, and 30 for one of 1.2 km/s and 60 days on several grids, and prints
+what is planned, flown, refined and proven.
 """
 
 from __future__ import annotations
@@ -25,11 +28,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from adr_opt.fly.flight.release import released
 from machine import heading
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M
 from adr_opt.fly.flight import TankFlight, fly, fly_refined
+from adr_opt.fly.flight.refined_result import MOST_RELEASE_ECCENTRICITY
+from adr_opt.fly.refine.releases import FIELDS
+from adr_opt.fly.refine.states import state_of
 from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)
@@ -190,6 +197,35 @@ def print_hold(each: int, limit: float, refined: bool) -> None:
         print(f"{refined_held} of {all_of} hold when refined.")
 
 
+def print_releases(each: int, limit: float) -> None:
+    """Print on which orbits towed objects are left, altitudes of perigee and apogee."""
+    print(
+        f"\nPlans by `auto` in {limit:g} s, refined; disposal at {DISPOSAL_M / 1e3:g} km\n\n"
+        "| mission | objects | released: mean perigee × apogee |\n|---|---|---|"
+    )
+    eccentric = all_of = 0
+    for _, instance in drawn_missions(each):
+        if not any(target.service.is_flown for target in instance.targets):
+            continue
+        plan = adr_opt.solve(instance, time_limit=limit, seed=0).plan
+        assert plan is not None
+        refined = adr_opt.refine(instance, plan)
+        orbits = [
+            released(state_of(leg.tow.released), FIELDS[refined.gravity])
+            for leg in refined.legs
+            if leg.tow is not None
+        ]
+        swings = [orbit.eccentricity * (EARTH_RADIUS_M + orbit.altitude_m) for orbit in orbits]
+        cells = ", ".join(
+            f"{1e-3 * (orbit.altitude_m - swing):.0f} × {1e-3 * (orbit.altitude_m + swing):.0f} km"
+            for orbit, swing in zip(orbits, swings, strict=True)
+        )
+        print(f"| {instance.name} | {len(orbits)} | {cells} |", flush=True)
+        all_of += len(orbits)
+        eccentric += sum(orbit.eccentricity > MOST_RELEASE_ECCENTRICITY for orbit in orbits)
+    print(f"\n{eccentric} of {all_of} are left with an eccentricity above the tolerance.")
+
+
 def print_grid(each: int, limit: float) -> None:
     """Print what grids of several steps lead to within the same time."""
     shares = (0.5, 1.0, 2.0, 4.0)
@@ -273,7 +309,7 @@ def print_fragments(catalogue: Path, limit: float) -> None:
 def main() -> None:
     """Print one of the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("table", choices=("hold", "grid", "fragments"))
+    parser.add_argument("table", choices=("hold", "releases", "grid", "fragments"))
     parser.add_argument("--each", type=int, default=10, help="missions of each length")
     parser.add_argument("--limit", type=float, default=30.0, help="seconds for each plan")
     parser.add_argument("--refine", action="store_true")
@@ -282,6 +318,8 @@ def main() -> None:
     print(heading())
     if arguments.table == "hold":
         print_hold(arguments.each, arguments.limit, arguments.refine)
+    elif arguments.table == "releases":
+        print_releases(arguments.each, arguments.limit)
     elif arguments.table == "fragments":
         if arguments.catalogue is None:
             parser.error("fragments needs --catalogue FILE")

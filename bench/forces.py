@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -24,6 +23,7 @@ from machine import heading
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
+from adr_opt.common.processors import usable_cores
 from adr_opt.fly.flight.refined import planned_legs
 from adr_opt.fly.forces import Forces, fly_forced, library
 from adr_opt.fly.forces.flown import fly_leg, plan_field
@@ -46,7 +46,7 @@ def refined(instance: Instance) -> RefinedPlan:
     """A plan of a field, refined with its own burns."""
     plan = adr_opt.solve(instance, "greedy-guarded", time_limit=100.0).plan
     assert plan is not None
-    return adr_opt.refine(instance, plan, freedom="planned", jobs=os.cpu_count() or 1)
+    return adr_opt.refine(instance, plan, freedom="planned", jobs=usable_cores())
 
 
 def week_fields(count: int) -> Iterator[Field]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import sys
 from datetime import UTC, datetime
 
+from adr_opt.common.processors import usable_cores
 from adr_opt.mission.result import versions
 
 
@@ -27,5 +27,5 @@ def heading() -> str:
     used = ", ".join(f"{name} {number}" for name, number in versions().items())
     return (
         f"`python {' '.join(sys.argv)}`, {datetime.now(UTC):%Y-%m-%d}  \n"
-        f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}, {used}\n"
+        f"{processor()}, {usable_cores()} cores, Python {platform.python_version()}, {used}\n"
     )

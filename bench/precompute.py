@@ -23,6 +23,7 @@ from machine import heading
 from reference_leg import reference_leg
 
 import adr_opt
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import silent
 from adr_opt.common.stop import MaxIterations
 from adr_opt.kernels.core.compile import kernel
@@ -86,7 +87,7 @@ def first_bound(mission: adr_opt.Mission, jobs: int) -> float:
 
 def print_bound(mission: adr_opt.Mission, runs: int) -> None:
     """Print what a first bound takes from a ready timetable, and its parts."""
-    cores = os.cpu_count() or 1
+    cores = usable_cores()
     built = network.build(mission, jobs=cores)
     slot = COARSER * ProofOptions().delta_v_slot_m_s
     walks = WalkBound(mission, slot, network=built)
@@ -125,7 +126,7 @@ def main() -> None:
     instance = adr_opt.generate("nominal", 0)
     timetable = adr_opt.Timetable(instance)
     entries = timetable.entries
-    cores = os.cpu_count() or 1
+    cores = usable_cores()
     print(heading())
     print("| what | min | median | max |\n|---|---|---|---|")
     one = median_s(lambda: adr_opt.Timetable(instance, 1), arguments.runs)

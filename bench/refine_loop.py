@@ -28,10 +28,10 @@ import numpy as np
 from machine import heading
 
 import adr_opt
-from adr_opt.__main__ import main as command_line
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.loop import Round
 from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.entry import main as command_line
 
 MOST_ECCENTRIC = 0.02
 CLOUDS = (

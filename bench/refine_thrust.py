@@ -18,9 +18,9 @@ from pathlib import Path
 from machine import heading
 
 import adr_opt
-from adr_opt.__main__ import main as command_line
 from adr_opt.fly.flight import fly_refined
 from adr_opt.problem.instance import Instance
+from adr_opt.ui.cli.entry import main as command_line
 
 CATALOGUE = Path(__file__).parents[1] / "examples" / "catalogue" / "cloud.tle"
 CHASER = ("--thrust", "0.2", "--dry-mass", "400", "--propellant", "60", "--isp", "1500")

@@ -24,7 +24,7 @@ from typing import Any
 from house import TOW, identifiers, is_window_rule, modules, room_of, storey_of_rooms
 
 import adr_opt
-from adr_opt.__main__ import main as command_line
+from adr_opt.ui.cli.entry import main as command_line
 
 PLANNER = ("solvers.planners.auto", "auto")
 """Module and function at whose call the first walk ends."""

@@ -21,6 +21,8 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+from adr_opt.common.processors import usable_cores
+
 ROOT = Path(__file__).resolve().parents[1]
 
 FIELDS = {
@@ -110,14 +112,14 @@ def compiled(methods: list[str] | None) -> dict[str, bytes]:
     from adr_opt.ui.cli.warm_up import ENVIRONMENT, compile_for
 
     everything = list(dict.fromkeys((*names(PLANNERS), *names(BOUNDS), ENVIRONMENT)))
-    rows = compile_for(methods or everything, os.cpu_count() or 1)
+    rows = compile_for(methods or everything, usable_cores())
     for row in rows:
         if row["problem"]:
             print(f"{row['method']}: {row['problem']}")
     files: set[Path] = set().union(*(row["files"] for row in rows))
     if methods is None:
         spawn = get_context("spawn")
-        with ProcessPoolExecutor(os.cpu_count(), spawn, max_tasks_per_child=1) as pool:
+        with ProcessPoolExecutor(usable_cores(), spawn, max_tasks_per_child=1) as pool:
             files.update(*pool.map(run_verbs, FIELDS))
     found = {file.name: cache.read(file) for file in files}
     return {name: content for name, content in found.items() if content is not None}
@@ -125,8 +127,8 @@ def compiled(methods: list[str] | None) -> dict[str, bytes]:
 
 def run_verbs(field: str) -> set[Path]:
     """Call all verbs for a mission; files of the kernels that were called."""
-    from adr_opt.__main__ import main as adr_opt
     from adr_opt.kernels.core import cache
+    from adr_opt.ui.cli.entry import main as adr_opt
 
     folder = Path(tempfile.mkdtemp())
     try:

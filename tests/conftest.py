@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -16,7 +15,8 @@ from hypothesis import settings
 from run_all_rows import BENCH, Load
 
 import adr_opt
-from adr_opt.__main__ import main
+from adr_opt.common.processors import usable_cores
+from adr_opt.ui.cli.entry import main
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ LONG = {
 
 def pytest_xdist_auto_num_workers() -> int:
     """One process more than cores: browsers, commands and signals are waited for."""
-    return (os.cpu_count() or 1) + 1
+    return usable_cores() + 1
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from ..common.card import Shown
 from ..common.errors import InputError
-from ..judge.check.verdict import check
+from ..judge.admit import Admitted, AnyPlan, admit
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
 from ..problem.instance import Instance
@@ -162,14 +162,14 @@ class Comparison(Shown):
 FOLLOWS = Follower("compare", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
 
 
-def compare(instance: Instance, plans: Mapping[str, Plan]) -> Comparison:
+def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:
     """Compare plans of one instance, each with the first.
 
     Parameters
     ----------
     instance : Instance
-    plans : mapping of str to Plan
-        What each is called.
+    plans : mapping of str to Plan or Admitted
+        What each is called. Violations are counted and do not stop the comparison.
 
     Raises
     ------
@@ -179,19 +179,22 @@ def compare(instance: Instance, plans: Mapping[str, Plan]) -> Comparison:
     refuse(instance, FOLLOWS)
     if len(plans) < 2:
         raise InputError("there is nothing to compare with; give two plans or more")
+    judged = dict[str, Plan]()
     sides = []
     for name, plan in plans.items():
         try:
-            sides.append(_side(instance, name, plan))
+            admitted = admit(instance, plan, unjudged=True)
         except InputError as error:
             raise InputError(f"{name}: {error}") from None
-    first, *others = plans.items()
+        judged[name] = admitted.plan
+        sides.append(_side(name, admitted))
+    first, *others = judged.items()
     differences = tuple(_difference(instance, first[1], name, plan) for name, plan in others)
-    return Comparison(instance, dict(plans), tuple(sides), differences)
+    return Comparison(instance, judged, tuple(sides), differences)
 
 
-def _side(instance: Instance, name: str, plan: Plan) -> Side:
-    violations = check(instance, plan)
+def _side(name: str, admitted: Admitted[Plan]) -> Side:
+    instance, plan = admitted.instance, admitted.plan
     visited = set(plan.destinations)
     return Side(
         name=name,
@@ -206,7 +209,7 @@ def _side(instance: Instance, name: str, plan: Plan) -> Side:
         end_s=max((leg.end_s for leg in plan.legs), default=0.0),
         upper_bound=plan.upper_bound,
         gap=plan.gap,
-        violations=len(violations),
+        violations=len(admitted.violations),
     )
 
 

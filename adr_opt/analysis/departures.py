@@ -6,6 +6,7 @@ import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy.typing as npt
 from ..common.constants import DAY_S, SLACK_S
 from ..common.errors import InputError
 from ..common.wording import counted
-from ..judge.check.verdict import check
+from ..judge.admit import admit
 from ..kernels.core.windows import service_ends
 from ..legs.connections import Connections
 from ..legs.families.family import StatedLeg
@@ -60,12 +61,13 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
         the order of the file. A leg is one of
 
         - ``(body, departure)``: leave for a body, by name or by number, with a connection that
-          departs then, to a second [s after the epoch];
+          departs then, to a second [s after the epoch]; a launch may be at any time from its first;
         - ``(body, departure, arrival)``: the connection that arrives then, to a second, and departs
           no earlier: what :meth:`.Timetable.lookup` tells for a time when the chaser is ready, or a
           row of :meth:`.Timetable.connections`;
         - ``body``: any connection.
 
+        The departure of a launch is also its arrival, and may be later than the first possible one.
         Of all that legs leave open, the schedule of least cost is taken, as of an order of bodies.
         Stations are for refuelling. The chaser waits until a leg departs. A refuelling that nothing
         follows is left out, as in all plans, and a way back is added where the mission has to end
@@ -100,10 +102,10 @@ def plan_of(instance: AnyProblem, legs: ChosenLegs, *, method: str = METHOD) -> 
     if plan is None:
         said = result.notes[-1] if result.notes else "the mission has to end at a station"
         raise InputError(f"the departures do not form a plan: {said}")
-    violations = check(problem.instance, plan)
-    if violations:
-        raise InputError(f"the departures do not form a plan: {violations[0]}")
-    return plan
+    admitted = admit(problem.instance, plan, unjudged=True)
+    if not admitted.holds:
+        raise InputError(f"the departures do not form a plan: {admitted.violations[0]}")
+    return admitted.plan
 
 
 def _routes(problem: Problem, legs: Any) -> list[list[Any]]:
@@ -236,6 +238,8 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
         found = connecting.of_pair(i, j, resolution)
         if leg.departure_s is None:
             return found
+        if found.departure.size and i in mission.instance.launches:
+            return _launched(found, leg, said)
         fits = found.departure <= leg.departure_s + NEAR_S
         if leg.arrival_s is None:
             leaves = _leaves(mission, i, j, found, fits)
@@ -247,6 +251,30 @@ def _meant(mission: Mission, i: int, leg: _Leg, said: str) -> Connections:
         if fits.any():
             return found.at(fits)
     raise InputError(f"{said}, {_nothing_there(mission, i, leg, found)}")
+
+
+def _launched(found: Connections, leg: _Leg, said: str) -> Connections:
+    """The launch at the stated time, which is its end as well.
+
+    Planners launch as soon as the chaser is there, since to be early is no loss; a later launch is
+    as good as its rules.
+
+    Raises
+    ------
+    InputError
+        It is before that time, or arrives at another one.
+    """
+    opens_s, time_s = float(found.departure.min()), leg.departure_s
+    assert time_s is not None
+    if time_s < opens_s - NEAR_S:
+        raise InputError(f"{said} launches at {time_s:.10g} s, but may not before {opens_s:.10g} s")
+    if leg.arrival_s is not None and abs(leg.arrival_s - time_s) > NEAR_S:
+        raise InputError(
+            f"{said} launches at {time_s:.10g} s and arrives at {leg.arrival_s:.10g} s; a launch "
+            "takes no time"
+        )
+    when = np.array([max(time_s, opens_s)])
+    return replace(found.at(np.arange(1)), departure=when, arrival=when)
 
 
 LATEST_S = 0.25 * DAY_S

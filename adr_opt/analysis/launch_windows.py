@@ -21,17 +21,18 @@ MOMENT_S = 1e-3
 def in_order(zoned: Instance, states: tuple[ChaserState, ...]) -> tuple[ChaserState, ...]:
     """States in order of their starts, with launches kept apart and resumptions at distinct times.
 
-    Chasers that start anywhere are launched in the order of the file. Of those that are put
+    Where launches are kept apart, they are made in the order of the file. Of those that are put
     somewhere no two begin at once: no other chaser comes to the first one's target in time, so
     that it is put there, nor to that of the second one, and so on.
     """
     if not any(state.is_put for state in states):
         return states
     order, last_s, found = [chaser.name for chaser in zoned.chasers], -math.inf, []
+    apart_s = zoned.mission.launch_separation_s
     for state in sorted(states, key=lambda state: order.index(state.chaser.name)):
-        if state.body is None:
+        if state.body is None and apart_s is not None:
             state = replace(state, free_s=max(state.free_s, last_s))
-            last_s = state.free_s + (zoned.mission.launch_separation_s or 0.0)
+            last_s = state.free_s + apart_s
         found.append(state)
     last_s = -math.inf
     for at, state in sorted(enumerate(found), key=lambda each: _begins_s(zoned, each[1])):

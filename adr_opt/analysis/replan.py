@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..common.clock import now_s
-from ..common.errors import InputError
 from ..common.stop import Stop
-from ..plan.plan import Plan
+from ..judge.admit import AnyPlan, admit
 from ..problem.instance import Instance
 from ..problem.rules import CAMPAIGNS, FIRST, Follower
 from ..problem.settings import KeepOutZone
@@ -28,7 +27,7 @@ FOLLOWS = Follower("replan", FIRST | CAMPAIGNS | {"functions of time"})
 
 def replan(  # noqa: PLR0913
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     at_s: float,
     *,
     zones: Iterable[KeepOutZone] = (),
@@ -60,8 +59,8 @@ def replan(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    plan : Plan
-        Of this instance.
+    plan : Plan or Admitted
+        Of this instance, without violations.
     at_s : float
         Since the epoch [s].
     zones : iterable of KeepOutZone
@@ -92,14 +91,13 @@ def replan(  # noqa: PLR0913
     Raises
     ------
     InputError
-        The plan is of another instance, the time is outside the mission, a name is no target or
-        one that is done, a leg that is to be kept crosses a new zone, or what is told of the
-        flight cannot have been.
+        The plan is of another instance or has violations, the time is outside the mission, a name
+        is no target or one that is done, a leg that is to be kept crosses a new zone, or what is
+        told of the flight cannot have been.
     """
     began = now_s()
-    if plan.instance.sha256 != instance.sha256:
-        raise InputError("the plan belongs to another instance; give the one it was made for")
     refuse(instance, FOLLOWS)
+    plan = admit(instance, plan).plan
     went = Deviations(_each_once(missed), retry, dict(services_s or {}), dict(costs_m_s or {}))
     states = states_at(instance, plan, at_s, keep=keep, failed=failed, went=went)
     zoned = instance.replace(keep_out_zones=(*instance.keep_out_zones, *zones))

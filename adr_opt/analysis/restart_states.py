@@ -83,7 +83,7 @@ def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[Chas
         return
     mission = Mission(rest, chaser=number)
     connecting, limits = mission.connecting, limits_of(rest, number)
-    i, chaser = rest.starts[number], heavier(rest.chasers[number], state.kits or 0)
+    i, chaser = rest.starts[number], heavier(rest.chasers[number], state.weighed_kits)
     full_m_s = chaser.tank.delta_v_m_s
     for station, name in enumerate(rest.station_names):
         found = connecting.of_pair(i, station, connecting.planning_resolution_m_s)

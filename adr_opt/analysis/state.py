@@ -90,6 +90,11 @@ class ChaserState:
         return not self.legs
 
     @property
+    def weighed_kits(self) -> int:
+        """Kits aboard that count; none where there is no limit, since they weigh nothing then."""
+        return 0 if self.kits is None else self.kits
+
+    @property
     def is_at_target(self) -> bool:
         """Whether it is at a target that it has serviced or missed."""
         return self.since_refuelling > 0
@@ -277,7 +282,7 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
 
 def as_flown(state: ChaserState) -> Chaser:
     """The chaser as `check` follows it: full, and always with the kits still aboard."""
-    return heavier(state.chaser, (state.kits or 0) + state.idle_kits)
+    return heavier(state.chaser, state.weighed_kits + state.idle_kits)
 
 
 def heavier(chaser: Chaser, kits: int) -> Chaser:

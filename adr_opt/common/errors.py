@@ -1,11 +1,33 @@
-"""Errors of calls and files, each reported in one sentence."""
+"""Errors, each reported in one sentence: those of calls and files, and all others."""
+
+from __future__ import annotations
+
+import errno
+from typing import Any
+
+from .wording import cut, in_one_line
+
+LONGEST_SAID = 300
+"""Length beyond which what a library says of its error is cut [characters]."""
 
 
 class InputError(ValueError):
     """Wrong input or a wrong call: the command line prints the sentence and exits with 2.
 
-    The sentence names the file, the field, the value and what to do, as far as they are known.
+    The sentence names the file, the field, the value and what to do, as far as they are known. What
+    it quotes may come from anywhere: long names are cut, and control characters escaped.
+
+    Parameters
+    ----------
+    sentence : str
     """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(in_one_line(sentence))
+
+    def __reduce__(self) -> Any:
+        # From one process to another; of a derived class the arguments are not known any more.
+        return InputError, self.args
 
 
 class MissingExtra(InputError):
@@ -26,3 +48,30 @@ class MissingExtra(InputError):
             f"{what} needs the package {package}: install the extra with "
             f"pip install 'adr-opt[{extra}]'"
         )
+
+
+def failure(error: BaseException) -> str:
+    """What went wrong in a sentence, for an error that is no fault of the input.
+
+    Parameters
+    ----------
+    error : BaseException
+    """
+    from concurrent.futures import BrokenExecutor
+
+    said = cut(" ".join(str(error).split()), LONGEST_SAID)
+    if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+        return (
+            f"memory has run out{f' ({said})' if said else ''}; end other programs, allow this one "
+            "more, or make the mission smaller"
+        )
+    if isinstance(error, BrokenExecutor):
+        return (
+            "a process that took part has ended, as where memory runs out; end other programs, or "
+            "give fewer --jobs"
+        )
+    if isinstance(error, ImportError):
+        package = error.name or "a package"
+        return f"{package} cannot be imported ({said}); 'adr-opt doctor' says what to do"
+    what = f"{type(error).__name__}: {said}" if said else type(error).__name__
+    return f"internal error, {what}"

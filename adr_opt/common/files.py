@@ -8,7 +8,7 @@ import re
 import secrets
 import stat
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -71,6 +71,26 @@ def parse_model(text: str, model: type[Model], source: str) -> Model:
         return model.from_json(text)
     except ValidationError as error:
         raise InputError(f"{source}: {sentence(error)}") from None
+
+
+def parse_content(given: Any, model: type[Model], what: str) -> Model:
+    """Validate the content of a JSON file that was given as a dictionary; ``what`` names it.
+
+    Raises
+    ------
+    InputError
+        It is no dictionary, cannot be written as JSON, or breaks the format.
+    """
+    if not isinstance(given, Mapping):
+        raise InputError(
+            f"{what} of type {type(given).__name__}: give an {model.__name__}, the path of its "
+            "file, or the content of that as a dictionary"
+        )
+    try:
+        text = json.dumps(dict(given))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{what}: cannot be written as JSON ({error})") from None
+    return parse_model(text, model, what)
 
 
 def to_text(content: dict[str, Any]) -> str:

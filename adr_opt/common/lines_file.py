@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import InputError
+from .json_text import parse_json
 
 
 class LinesFile:
@@ -53,12 +54,10 @@ class LinesFile:
         first, *others = content.split(b"\n")
         if not others and line_of(self._head).startswith(first):
             return []  # empty, or of a run that ended while it wrote the head
-        try:
-            head = json.loads(first)
-        except (ValueError, RecursionError):
-            head = None
+        other_file = f"not {self._what}; name another one"
+        head = parse_json(first, str(self.path), other_file)
         if not others or not isinstance(head, dict) or head.get("format") != self._head["format"]:
-            raise InputError(f"{self.path}: not {self._what}; name another one")
+            raise InputError(f"{self.path}: {other_file}")
         for key, value in self._head.items():
             if head.get(key) != value:
                 raise InputError(f"{self.path}: {other(key)}")

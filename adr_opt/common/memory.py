@@ -8,11 +8,25 @@ from pathlib import Path
 
 
 def available_bytes() -> float:
-    """Memory available for new arrays, on the machine and in its control groups [bytes].
+    """Memory available for new arrays [bytes].
 
+    On the machine, in its control groups, and in the limit of this process;
     +inf where the system does not say.
     """
-    return min(_of_the_machine(), _of_the_group())
+    return min(_of_the_machine(), _of_the_group(), _of_the_process())
+
+
+def _of_the_process() -> float:
+    """Address space left to this process, as ``ulimit -v`` limits it; +inf without a limit."""
+    try:
+        import resource
+
+        most, _ = resource.getrlimit(resource.RLIMIT_AS)
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except (ImportError, OSError):  # not Linux
+        return math.inf
+    unlimited = most == resource.RLIM_INFINITY
+    return math.inf if unlimited else max(0.0, float(most - pages * resource.getpagesize()))
 
 
 def _of_the_machine() -> float:

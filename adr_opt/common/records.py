@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from .constants import DAY_S
 from .errors import InputError
+from .json_text import model_of
 from .sentences import sentence
 
 if TYPE_CHECKING:
@@ -30,8 +31,10 @@ LARGEST_MASS_KG = 1e9
 LARGEST_EXPENSE = 1e12
 LARGEST_THRUST_N = 1e6
 LARGEST_TIME_S = 1e12
+LARGEST_COUNT = 2**31 - 1
 LARGEST_DURATION_S = 100 * 365.25 * DAY_S
 
+Count = Annotated[int, Field(ge=0, le=LARGEST_COUNT)]
 Length = Annotated[float, Field(gt=0.0, le=LARGEST_LENGTH_M)]
 Angle = Annotated[float, Field(ge=-LARGEST_ANGLE_DEG, le=LARGEST_ANGLE_DEG)]
 Time = Annotated[float, Field(ge=-LARGEST_TIME_S, le=LARGEST_TIME_S)]
@@ -64,9 +67,9 @@ class Record(BaseModel, metaclass=_Listed):
         Raises
         ------
         pydantic.ValidationError
-            Not JSON, or it breaks the format.
+            Not JSON, a key stands twice in one object, or it breaks the format.
         """
-        return cls.model_validate_json(text)
+        return model_of(cls, text)
 
     def replace(self, **changes: Any) -> Self:
         """A validated copy with some fields changed.

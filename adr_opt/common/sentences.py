@@ -12,15 +12,14 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from .wording import cut
+
 LEAST_ALIKE = 0.6
 """Smallest similarity (difflib) at which an unknown key counts as a misspelling of another."""
 
 
 KINDS = {"(station)", "(orbit)", "(word)", "(delta-v)", "(mass)"}
 """Tags of union members in pydantic's error locations, which are no keys of a file."""
-
-LONGEST_VALUE = 60
-"""Length beyond which values are cut in error messages."""
 
 PLAINER = (
     (r"^Input should be an object$", "must be a JSON object {…}"),
@@ -53,7 +52,8 @@ def sentence(error: ValidationError) -> str:
     for part in first["loc"]:
         if part in KINDS:
             continue
-        field += f"[{part}]" if isinstance(part, int) else f".{part}" if field else str(part)
+        key = cut(str(part))
+        field += f"[{part}]" if isinstance(part, int) else f".{key}" if field else key
     said = first["msg"].removeprefix("Value error, ")
     for pattern, plain in PLAINER:
         said = re.sub(pattern, plain, said)
@@ -72,10 +72,7 @@ def sentence(error: ValidationError) -> str:
     value: Any = first["input"]
     shown = ""
     if not isinstance(value, (dict, list, tuple, BaseModel)):
-        shown = _as_in_json(value)
-        if len(shown) > LONGEST_VALUE:
-            shown = shown[: LONGEST_VALUE - 1] + "…"
-        shown = f" = {shown}"
+        shown = f" = {cut(_as_in_json(value))}"
     return f"field {field}{shown}: {said}{more}"
 
 

@@ -1,9 +1,34 @@
-"""Wording of messages: counts with their nouns, shortened names, and the scope of a status."""
+"""Wording of messages: counts with their nouns, names as they may be printed, and statuses."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+
+LONGEST_NAME = 60
+"""Length beyond which names, keys and values are cut in error messages [characters]."""
+
+UNSAID = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
+"""Characters in names that move the cursor, clear the screen or reverse text direction."""
+
+QUOTED = re.compile(rf"(?<!\w)(['\"])(?:(?!\1).){{{LONGEST_NAME + 1},}}\1(?!\w)")
+"""What stands in quotes in a message and is too long, as a name from a file."""
+
+
+def harmless(text: str) -> str:
+    """Text without control characters other than newlines and tabs; JSON keeps its meaning."""
+    return UNSAID.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+def in_one_line(message: str) -> str:
+    """A message without anything that breaks or hides its line, and its quoted names cut."""
+    text = harmless(message).replace("\n", "\\n").replace("\t", "\\t")
+    return QUOTED.sub(lambda found: f"{found[1]}{cut(found[0][1:-1])}{found[1]}", text)
+
+
+def cut(text: str, most: int = LONGEST_NAME) -> str:
+    """The beginning of a text, with an ellipsis if there is more."""
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def counted(number: int, noun: str, plural: str | None = None) -> str:

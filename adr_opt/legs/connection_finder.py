@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from ..common.constants import HOUR_S, MU_M3_S2, SLACK_S
 from ..common.errors import InputError
+from ..common.processors import usable_cores
 from ..kernels.legs import connections as kernels
 from ..kernels.legs.found import GIVEN, ConnectionArrays
 from ..kernels.legs.given_functions import legs_of
@@ -30,6 +30,11 @@ from .mass_classes import by_departure, lighter, of_mass
 from .timetable_size import Size
 
 FloatArray = npt.NDArray[np.float64]
+
+NO_CONNECTIONS = ConnectionArrays(
+    np.empty(0), np.empty(0), np.empty(0),
+    np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0, np.int8),
+)  # fmt: skip
 
 SAMPLED_PAIRS = 8
 """Number of pairs whose connections are counted to estimate the total."""
@@ -148,21 +153,22 @@ class ConnectionFinder:
         return self._spent.get(i, 0.0)
 
     def _of_model(self, i: int, j: int, resolution_m_s: float) -> ConnectionArrays:
+        if self.ends.altitudes.bars(i, j):
+            return NO_CONNECTIONS
         ends = self.ends.of(i, j)
         claiming = next((family for family in self.families if family.claims(ends)), None)
         if claiming is not None and claiming.kind.from_nowhere:
             return claiming.connections(ends, None, resolution_m_s)
         if self._longer is not None and resolution_m_s == self.planning_resolution_m_s:
             known = self._longer.kept_of_model(self._numbers[i], self._numbers[j])
-            in_time = known.arrival <= self._end
-            return known if in_time.all() else ConnectionArrays(*(part[in_time] for part in known))
+            return _until(known, math.inf, self._end)
         if claiming is not None:
             return claiming.connections(ends, None, resolution_m_s)
         found: ConnectionArrays | None = None
         for family in self.families:
             found = family.connections(ends, found, resolution_m_s)
         assert found is not None  # there are short legs
-        return found
+        return _until(found, self.ends.altitudes.leave_by[i], math.inf)
 
     def flown(
         self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None,
@@ -420,8 +426,14 @@ class ConnectionFinder:
                 delta_v[there, i, j] = found.delta_v[chosen]
                 duration[there, i, j] = found.arrival[chosen] - times[there]
 
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(usable_cores()) as pool:
             list(pool.map(fill, range(len(self.instance.names))))
+
+
+def _until(found: ConnectionArrays, leave_by: float, arrive_by: float) -> ConnectionArrays:
+    """Connections that leave and arrive by some times [s]."""
+    in_time = (found.departure <= leave_by) & (found.arrival <= arrive_by)
+    return found if in_time.all() else ConnectionArrays(*(part[in_time] for part in found))
 
 
 def are_listed(instance: Instance) -> bool:

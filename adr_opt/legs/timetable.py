@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import operator
-import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -18,6 +17,7 @@ import numpy.typing as npt
 
 from ..common.card import Shown
 from ..common.errors import InputError
+from ..common.processors import usable_cores
 from ..kernels.tables import timetable as kernels
 from ..kernels.tables import timetable_making as making
 from ..kernels.tables.on_demand import Source
@@ -127,7 +127,7 @@ class Timetable(Shown):
         wanted = size.bodies * (size.bodies - 1)
         limits = limits_of(instance, chaser, corrections)
         most = chosen.near.size if most is None else most
-        threads = threads or os.cpu_count() or 1
+        threads = threads or usable_cores()
 
         def so_far(filled: int) -> bool:
             return enough(filled / max(1, wanted))
@@ -139,8 +139,13 @@ class Timetable(Shown):
             built = 0
             rule = instance.transfer_rule(time_value_m_s_per_h)
             interval = instance.transfer.departure_spacing_s
+            # Searches alone look at it: when bodies are left, lists say.
+            in_sight = np.minimum(
+                limits.closes, connecting.ends.altitudes.arrive_by + limits.service
+            )
             source = Source(
-                *connecting.inputs[:3], rule, limits, *asked, connecting.is_listed, interval,
+                *connecting.inputs[:3], rule, limits._replace(closes=in_sight), *asked,
+                connecting.is_listed, interval,
                 math.inf if connecting.times is None else connecting.times.most,
             )  # fmt: skip
             table = making.without_entries(size.bodies, source)
@@ -256,7 +261,7 @@ class Timetable(Shown):
             Since the epoch, each later than the one before [s].
         duration, cost : (departures, bodies, bodies) float
             By departure, origin and destination: how long it takes [s] and what it costs [m/s by
-            convention]; +inf where there is no connection.
+            convention]; +inf, or NaN in both, where there is no connection.
 
         Raises
         ------
@@ -451,7 +456,7 @@ class Timetable(Shown):
             ]
 
         self.connections(0, 0, after, resolution_m_s=resolution_m_s)  # refuses what is wrong
-        with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        with ThreadPoolExecutor(usable_cores()) as pool:
             return AllConnections.joined(
                 self.names, chain.from_iterable(pool.map(of_origin, bodies))
             )

@@ -23,6 +23,10 @@ LARGEST_WORTH = 1e100
 """Largest sum of prizes, far beyond any prize and within float range; sums are exact."""
 
 Worth = Annotated[float, Field(ge=0.0, le=LARGEST_WORTH)]
+FINEST = 1e-8
+"""Shortest step [s] and narrowest slot [m/s]: finer ones take memory and tell nothing more."""
+
+Fineness = Annotated[float, Field(ge=FINEST)]
 Names = Annotated[tuple[Name, ...], Field(strict=False)]
 
 
@@ -124,8 +128,8 @@ class Certificate(Shown, Record):
     upper_bound: NonNegative | None
     required_worth: Worth = 0.0
     prize_step: Positive | None = None
-    delta_v_slot_m_s: Positive = 20.0
-    time_step_s: Positive | None = None
+    delta_v_slot_m_s: Fineness = 20.0
+    time_step_s: Fineness | None = None
     multipliers: dict[Name, Worth] = Field(default_factory=dict)
     walks: Annotated[tuple[ProvenWalks, ...], Field(strict=False)] = ()
     floors: ProvenFloors | None = None

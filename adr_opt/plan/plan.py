@@ -14,6 +14,7 @@ import numpy.typing as npt
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..common.card import Shown
+from ..common.errors import InputError
 from ..common.files import read_model, to_text, write_text
 from ..common.records import DeltaV, Name, NonNegative, Positive, Record, Time, without
 from ..problem.instance import Instance
@@ -50,6 +51,15 @@ class InstanceReference(Record):
     def is_of(self, instance: Instance) -> bool:
         """Whether an instance has this name and SHA-256."""
         return (self.name, self.sha256) == (instance.name, instance.sha256)
+
+    def refuse_other(self, instance: Instance, what: str = "plan") -> None:
+        """Raise :class:`InputError` for another instance."""
+        if not self.is_of(instance):
+            raise InputError(
+                f"the {what} belongs to the instance {self.name!r} (sha256 {self.sha256[:12]}…), "
+                f"not to {instance.name!r} (sha256 {instance.sha256[:12]}…); give the instance it "
+                "was made for"
+            )
 
 
 class Burn(Record):

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 
-from ..common.records import DeltaV, Name, Record, without
+from ..common.records import Count, DeltaV, Name, Record, without
 from .leg_kinds import OneOf, flown_kind_names, leg_kind
 
 TOW = "tow"
@@ -24,7 +24,7 @@ class FamilyFlight(Record):
     """Planned and flown cost of the legs of a family; null if unknown."""
 
     family: Annotated[str, OneOf(_families)]
-    legs: Annotated[int, Field(ge=0)]
+    legs: Count
     planned_delta_v_m_s: DeltaV
     flown_delta_v_m_s: DeltaV | None
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import os
 from typing import Annotated, Any, Literal, Self
@@ -17,6 +16,7 @@ from pydantic import (
 
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
+from ..common.json_text import loaded
 from ..common.records import DeltaV, Name, NonNegative, Record, Time
 from ..problem.ephemerides import Digest, EphemerisKind
 from .leg_kinds import OneOf, RefinedKindName, leg_kind
@@ -314,13 +314,16 @@ class RefinedPlan(Shown, Record):
     """A plan in true dynamics: burns that meet every stand-off, with states at every event.
 
     ``status`` is ``incomplete`` where legs are missing; the others hold all the same, because each
-    begins docked with its origin. ``ephemerides`` are those of the instance if legs begin at and
-    close onto their states; else files say nothing of it, and bodies move freely from ``bodies``.
+    begins docked with its origin. ``planned`` is the plan itself, by which the file is judged;
+    files of version 1.0 are without it. ``ephemerides`` are those of the instance if legs begin at
+    and close onto their states; else files say nothing of it, and bodies move freely from
+    ``bodies``.
     """
 
     format: Literal["adr-opt-refined/1"] = FORMAT
     instance: InstanceReference
     plan: PlanReference
+    planned: Plan | None = None
     ephemerides: EphemeridesReference | None = None
     gravity: Gravity
     freedom: Freedom
@@ -335,8 +338,9 @@ class RefinedPlan(Shown, Record):
     @model_serializer(mode="wrap")
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
-        if self.ephemerides is None:
-            content.pop("ephemerides", None)
+        for name in ("planned", "ephemerides"):
+            if getattr(self, name) is None:
+                content.pop(name, None)
         return content
 
     @model_validator(mode="after")
@@ -387,6 +391,10 @@ class RefinedPlan(Shown, Record):
         """Whether some leg has low thrust."""
         return any(leg.thrust is not None for leg in self.legs)
 
+    def made_of(self, plan: Plan) -> Self:
+        """The same, saying that it was made of a plan."""
+        return self.replace(plan=reference(plan), planned=plan)
+
     def to_json(self) -> str:
         """The refined plan file."""
         return to_text(self.to_dict())
@@ -417,7 +425,7 @@ load_refined = RefinedPlan.load
 def is_refined(path: str | os.PathLike[str]) -> bool:
     """Whether a file claims to be a refined plan; its errors are reported by others."""
     try:
-        content = json.loads(read_text(path))
+        content = loaded(read_text(path))
     except (ValueError, RecursionError):  # InputError among them
         return False
     said = content.get("format") if isinstance(content, dict) else None

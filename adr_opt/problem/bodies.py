@@ -11,7 +11,7 @@ from pydantic import (
     model_validator,
 )
 
-from ..common.records import LARGEST_MASS_KG, Name, Record, Window, check_window, without
+from ..common.records import LARGEST_MASS_KG, Count, Name, Record, Window, check_window, without
 from .falling_prizes import Prize, PrizesUntil, prize_at
 from .fit import Decay, Fit
 from .orbit import Orbit
@@ -34,7 +34,7 @@ class Station(Record):
 
     name: Name
     orbit: Orbit | None = None
-    max_refuellings: Annotated[int, Field(ge=0)] | None = None
+    max_refuellings: Count | None = None
     max_propellant_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] | None = None
     object_id: ObjectId | None = None
 

@@ -23,6 +23,7 @@ from ..common.records import (
     LARGEST_EXPENSE,
     LARGEST_MASS_KG,
     LARGEST_THRUST_N,
+    Count,
     Name,
     Record,
     Window,
@@ -265,9 +266,9 @@ class Chaser(Record):
     start: Start
     available_s: Window = (0.0, None)
     end: End = "anywhere"
-    max_targets: Annotated[int, Field(ge=0)] | None = None
+    max_targets: Count | None = None
     tank: AnyTank
-    kits: Annotated[int, Field(ge=0)] | None = None
+    kits: Count | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
     expense: Expense | None = None
     thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
@@ -367,12 +368,15 @@ class Chaser(Record):
         return self.start == "anywhere"
 
 
-def availability(chasers: Sequence[Chaser], separation_s: float) -> tuple[Window, ...]:
+def availability(chasers: Sequence[Chaser], separation_s: float | None) -> tuple[Window, ...]:
     """Time window of each chaser, with launches kept apart [s].
 
     Those that are launched are so in their order, each as soon as it may: to wait at the first
     target is no worse. Whether those before it are used or not, each has its place in the order.
+    Without a separation (None, which is not 0) no launch waits for another one.
     """
+    if separation_s is None:
+        return tuple(chaser.available_s for chaser in chasers)
     found, next_s = [], -math.inf
     for chaser in chasers:
         since, until = chaser.available_s

@@ -165,7 +165,7 @@ def among(
     made = _made(
         np.concatenate([given.origin[mine], become[given.origin[taken]]]),
         given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
-        known, "row {}",
+        known, "row {}".format,
     )  # fmt: skip
     if given.functions is not None:
         made = made.with_functions(given.functions.among(names, starts))
@@ -185,7 +185,8 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     ----------
     columns : mapping of str to array
         The :data:`COLUMNS`, as a dictionary of arrays or a table of another library: bodies by name
-        or number, times since the epoch [s], costs. Others are not looked at.
+        or number, times since the epoch [s], costs. Others are not looked at. A row whose arrival
+        and cost are both NaN is no connection.
     names : sequence of str
         The bodies, in the order of their numbers.
 
@@ -213,7 +214,26 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
         pass
     else:
         refuse_exceptions([REMOVED])
-    return _made(ends[0], ends[1], times[0], times[1], times[2], names, "row {}")
+    lacks_arrival, lacks_cost = np.isnan(times[1]), np.isnan(times[2])
+    alone = np.flatnonzero(lacks_arrival != lacks_cost)
+    if alone.size:
+        at = int(alone[0])
+        missing, stated = COLUMNS[3:] if lacks_arrival[at] else COLUMNS[:2:-1]
+        raise InputError(_half(
+            f"row {at}, {names[int(ends[0][at])]!r} to {names[int(ends[1][at])]!r}", missing, stated
+        ))  # fmt: skip
+    rows = np.flatnonzero(~lacks_arrival)
+    origin, destination = (values[rows] for values in ends)
+    departure, arrival, cost = (values[rows] for values in times)
+    return _made(origin, destination, departure, arrival, cost, names, lambda at: f"row {rows[at]}")
+
+
+def _half(where: str, missing: str, stated: str) -> str:
+    """A sentence on a connection of which half is missing."""
+    return (
+        f"{where}: {missing} is missing and {stated} is not; give both, or neither where there is "
+        "no connection"
+    )
 
 
 def refuse_exceptions(columns: Sequence[str]) -> None:
@@ -241,8 +261,8 @@ def of_matrices(
         Since the epoch, each later than the one before [s]. A chaser ready in between waits for the
         next one.
     duration : (departures, bodies, bodies) float
-        By (departure, origin, destination), +inf for no connection [s]. The diagonal is not
-        looked at.
+        By (departure, origin, destination); +inf, or NaN in both, for no connection [s]. The
+        diagonal is not looked at.
     cost : (departures, bodies, bodies) float
         Likewise.
     names : sequence of str
@@ -262,19 +282,23 @@ def of_matrices(
                 f"{what} has the shape {array.shape}, not {shape}: (departures, origin, "
                 "destination) of all bodies of the instance, in the order of its numbers"
             )
-    for array, what in ((takes, "duration"), (costs, "cost")):
-        wrong = (np.isnan(array) | np.isneginf(array)) & ~np.eye(len(names), dtype=np.bool_)
+    both = (takes, "duration"), (costs, "cost")
+    for (array, what), (other, its) in (both, both[::-1]):
+        half = np.isnan(array) & np.isfinite(other)
+        wrong = (half | np.isneginf(array)) & ~np.eye(len(names), dtype=np.bool_)
         if wrong.any():
-            at = tuple(int(axis[0]) for axis in np.nonzero(wrong))
+            k, m, n = (int(axis[0]) for axis in np.nonzero(wrong))
+            if half[k, m, n]:
+                where = f"departure {times[k]:g} s, {names[m]!r} to {names[n]!r}"
+                raise InputError(_half(where, f"{what}[{k}, {m}, {n}]", its))
             raise InputError(
-                f"{what}[{at[0]}, {at[1]}, {at[2]}] = {array[at]}: must be a number ≥ 0, or +inf "
-                "for no connection"
+                f"{what}[{k}, {m}, {n}] = -inf: must be a number ≥ 0, or +inf for no connection"
             )
     there = np.isfinite(takes) & np.isfinite(costs) & ~np.eye(len(names), dtype=np.bool_)
     leaves, i, j = np.nonzero(there)
     departure = times[leaves]
     return _made(
-        i, j, departure, departure + takes[there], costs[there], names, "connection {}",
+        i, j, departure, departure + takes[there], costs[there], names, "connection {}".format,
     )  # fmt: skip
 
 
@@ -330,7 +354,7 @@ def of_function(
     origin, destination, leaves, lands, costs = (
         np.concatenate(column) for column in zip(*parts, strict=True)
     )
-    return _made(origin, destination, leaves, lands, costs, names, "connection {}")
+    return _made(origin, destination, leaves, lands, costs, names, "connection {}".format)
 
 
 def _asked(f: Costs, i: int, others: npt.NDArray[np.int64], at: float) -> list[FloatArray]:
@@ -432,7 +456,7 @@ def _made(
     arrival: FloatArray,
     cost: FloatArray,
     names: Sequence[str],
-    where: str,
+    where: Callable[[int], str],
 ) -> Given:
     """Validated connections in order; ``where`` locates a row in errors."""
 
@@ -440,7 +464,7 @@ def _made(
         if wrong.any():
             at = int(np.flatnonzero(wrong)[0])
             ends = f"{names[int(origin[at])]!r} to {names[int(destination[at])]!r}"
-            raise InputError(f"{where.format(at)}, {ends}: {told(at)}")
+            raise InputError(f"{where(at)}, {ends}: {told(at)}")
 
     refuse(origin == destination, lambda at: "ends where it begins; leave it out")
     for values, name, most in (

@@ -5,6 +5,7 @@ What `matrix` writes with these suffixes can be given back.
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -142,7 +143,13 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
             if not doubled:
                 for name, kind in kinds.items():
                     _refuse_kind(name, kind)
-                _refuse_size(file.metadata.num_rows * len(COLUMNS))
+                _refuse_size(file.metadata.num_rows * len(COLUMNS) + _stored(file.metadata, there))
+                # Names once each: a column of a few kilobytes may repeat one without end.
+                file = pq.ParquetFile(
+                    source,
+                    read_dictionary=[name for name in BODIES if name in there],
+                    metadata=file.metadata,
+                )
                 table = file.read(columns=there)
     except InputError:
         raise
@@ -153,7 +160,8 @@ def _read_parquet(path: Path, names: Sequence[str]) -> Given:
     columns = {}
     for name in there:
         column, field = table.column(name), fields.field(name)
-        if column.null_count:
+        # Arrival and cost may be missing together, which is judged where all rows are.
+        if column.null_count and name not in COLUMNS[3:]:
             raise InputError(f"column {name} has rows without a value; leave such rows out")
         if name in BODIES:
             columns[name] = _bodies(column, name, names)
@@ -184,7 +192,15 @@ def _refuse_kind(name: str, kind: Any) -> None:
         raise InputError(f"column {name} holds {_cut(str(kind))}; it must hold {wanted}")
 
 
-def _refuse_size(values: int) -> None:
+def _stored(metadata: Any, columns: Sequence[str]) -> float:
+    """What columns of a Parquet file take before they are decoded, in numbers of eight bytes."""
+    groups = (metadata.row_group(at) for at in range(metadata.num_row_groups))
+    chunks = (group.column(at) for group in groups for at in range(group.num_columns))
+    sizes = (one.total_uncompressed_size for one in chunks if one.path_in_schema in columns)
+    return math.fsum(sizes) / 8
+
+
+def _refuse_size(values: float) -> None:
     """Raise :class:`InputError` before a small file takes more memory than is available."""
     if values * BYTES_EACH > available_bytes():
         raise InputError(
@@ -226,17 +242,17 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> Given:
         with h5py.File(path, "r") as file:
             # h5netcdf asks this first, and fails a second time, aloud, where that fails.
             file.attrs.get("_nc3_strict")
-        with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as file:
+            # Before xarray reads axes: a shape that nothing is stored of takes no bytes in a file.
+            _refuse_shapes({name: file[name] for name in (*_CUBE, *_VALUES) if name in file}, names)
+            others = [name for name in file if name not in (*_CUBE, *_VALUES)]
+        with xarray.open_dataset(
+            path, engine="h5netcdf", decode_times=False, drop_variables=others
+        ) as file:
             missing = [name for name in (*_CUBE, *_VALUES) if name not in file.variables]
             if missing:
                 raise KeyError(f"no variable {missing[0]}")
-            for axis in _CUBE[1:]:
-                if file[axis].size > len(names):
-                    raise InputError(
-                        f"{axis} has {file[axis].size} names, and the instance {len(names)} "
-                        "bodies; leave out the others"
-                    )
-            _refuse_size(len(_VALUES) * file["departure"].size * (1 + len(names) ** 2))
+            # Once more: xarray takes variables without named dimensions for others than they are.
+            _refuse_shapes({name: file[name] for name in (*_CUBE, *_VALUES)}, names)
             ends = [_ends(np.asarray(file[axis].values), axis, names) for axis in _CUBE[1:]]
             departures = _scaled(file["departure"])
             shaped = [_scaled(file[name].transpose(*_CUBE)) for name in _VALUES]
@@ -254,6 +270,22 @@ def _read_netcdf(path: Path, names: Sequence[str]) -> Given:
         cube[np.ix_(range(cube.shape[0]), *ends)] = values
         cubes.append(cube)
     return of_matrices(departures, cubes[0], cubes[1], names)
+
+
+def _refuse_shapes(variables: Mapping[str, Any], names: Sequence[str]) -> None:
+    """Raise :class:`InputError` before variables of a NetCDF file take too much memory."""
+    sizes = {name: int(getattr(each, "size", 0)) for name, each in variables.items()}
+    for axis in _CUBE[1:]:
+        if sizes.get(axis, 0) > len(names):
+            raise InputError(
+                f"{axis} has {sizes[axis]} names, and the instance {len(names)} bodies; leave out "
+                "the others"
+            )
+    stored = sum(
+        (each.size + math.prod(each.chunks or ())) * each.dtype.itemsize
+        for name, each in variables.items() if sizes[name]
+    )  # fmt: skip
+    _refuse_size(stored / 8 + len(_VALUES) * sizes.get(_CUBE[0], 0) * (1 + len(names) ** 2))
 
 
 def _ends(found: npt.NDArray[Any], axis: str, names: Sequence[str]) -> list[int]:

@@ -6,7 +6,6 @@ What the file says stands in :mod:`.instance_file`, of which the published JSON 
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Collection, Mapping
 from pathlib import Path
@@ -19,7 +18,7 @@ from pydantic import PrivateAttr, ValidationError
 from ..common.card import Shown
 from ..common.constants import OBLATENESS_M2
 from ..common.errors import InputError
-from ..common.files import check_writable, parse_model, read_model, write_text
+from ..common.files import check_writable, parse_content, read_model, write_text
 from ..common.records import Window
 from ..common.sentences import sentence
 from ..kernels.legs.co_elliptic import TransferRule
@@ -141,6 +140,11 @@ class Instance(Shown, InstanceFile):
         return self._given
 
     @property
+    def is_all_in_file(self) -> bool:
+        """Whether its file alone gives it again: no connections beside it, no own time value."""
+        return self.transfer.given is None and self._time_value_m_s_per_h is None
+
+    @property
     def nodes_drift(self) -> bool:
         """Whether planes drift during the mission: under J2, unless connections are given."""
         return self.dynamics == "j2" and self.transfer.given is None
@@ -225,8 +229,8 @@ class Instance(Shown, InstanceFile):
 
     @property
     def available_s(self) -> tuple[Window, ...]:
-        """Time window of each chaser, with launches kept apart [s]."""
-        return availability(self.chasers, self.mission.launch_separation_s or 0.0)
+        """Time window of each chaser, with launches kept apart where the mission says so [s]."""
+        return availability(self.chasers, self.mission.launch_separation_s)
 
     @property
     def spent_m_s(self) -> dict[int, float]:
@@ -439,9 +443,6 @@ class Instance(Shown, InstanceFile):
         return rule_of(self.transfer, self.keep_out_zones, self.oblateness_m2, worth)
 
 
-load = Instance.load
-
-
 AnyInstance = Instance | str | os.PathLike[str] | Mapping[str, Any]
 """An instance, the path of its file, or the file's content as a dictionary."""
 
@@ -452,22 +453,16 @@ def instance_of(given: AnyInstance) -> Instance:
     Raises
     ------
     InputError
-        It is none of these, or as for :func:`load`.
+        It is none of these, or as for :meth:`Instance.load`.
     """
     if isinstance(given, Instance):
         return given
     if isinstance(given, (str, os.PathLike)):
-        return load(given)
-    if not isinstance(given, Mapping):
-        raise InputError(
-            f"instance of type {type(given).__name__}: give an adr_opt.Instance, the path of an "
-            "instance file, or its content as a dictionary"
-        )
-    try:
-        text = json.dumps(dict(given))
-    except (TypeError, ValueError) as error:
-        raise InputError(f"instance: cannot be written as JSON ({error})") from None
-    return parse_model(text, Instance, "instance")
+        return Instance.load(given)
+    return parse_content(given, Instance, "instance")
+
+
+load = instance_of
 
 
 def json_schema() -> dict[str, Any]:

@@ -40,8 +40,9 @@ class MissionSettings(Record):
 
     Either ``service_revolutions``, in periods of the target, or ``service_s``; the other is None
     and not in the file. Nor is ``disposal_altitude_m``, that of the circles that objects are towed
-    to, where it is None. Chasers that are launched are so in the order of the file, each not less
-    than ``launch_separation_s`` after the one before it; that is not in the file either if None.
+    to, where it is None. With ``launch_separation_s``, 0 included, chasers are launched in the
+    order of the file, each not less than that after the one before it; with None, which is not in
+    the file either, each by itself.
     With ``mission_separation_s`` each launch has a time of the plan's choice instead, in any order,
     and follows the last service of every chaser launched before it by no less than that.
     """

@@ -14,6 +14,7 @@ from pathlib import Path
 from ..common.errors import InputError
 from ..common.memory import available_bytes
 from ..common.packages import INSTALLED, foreign_package
+from ..common.processors import usable_cores
 from ..common.requirements import OURS, Requirement, installed, requirements
 from ..common.version import __version__
 from .methods import BOUNDS, PLANNERS, names
@@ -23,9 +24,6 @@ LEAST_MEMORY_BYTES = 2.0**30
 
 OF_OTHERS = ("llvmlite", "pydantic-core")
 """Packages that come with required ones, and whose versions matter."""
-
-UNCOMPILED = "NUMBA_DISABLE_JIT"
-"""Environment variable of Numba under which nothing is compiled."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +91,9 @@ def examine() -> Installation:
     base = [each for each in needed if not each.extra]
     problems = [*_of_versions(needed), *_of_imports(base)]
     cache, brought = None, "not examined"
+    uncompiled = None if problems else _uncompiled()
+    if uncompiled is not None:
+        problems.append(uncompiled)
     if not problems:  # what is broken would break what follows, and not say why
         cache, brought = kernel_cache(), archive()
         problems += [] if cache.trouble is None else [cache.trouble]
@@ -104,14 +105,12 @@ def examine() -> Installation:
             f"only {memory / 2.0**20:.0f} MiB of memory are free; end other programs, or plan "
             "with --memory and fewer targets"
         )
-    if os.environ.get(UNCOMPILED, "0") not in ("", "0"):
-        problems.append(f"{UNCOMPILED} is set, so that nothing is compiled; unset it")
     return Installation(
         python=platform.python_version(),
         system=f"{platform.system()} {platform.machine()}",
         place=str(INSTALLED),
         versions={OURS: __version__, **{name: installed(name) for name in shown}},
-        cores=_cores(),
+        cores=usable_cores(),
         memory_bytes=memory,
         cache=cache,
         archive=brought,
@@ -120,13 +119,6 @@ def examine() -> Installation:
         bounds=names(BOUNDS),
         problems=tuple(problems),
     )
-
-
-def _cores() -> int:
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # not on this system
-        return os.cpu_count() or 1
 
 
 def _of_versions(needed: tuple[Requirement, ...]) -> Iterator[str]:
@@ -198,11 +190,18 @@ def _of_methods() -> Iterator[str]:
         yield str(error)
 
 
+def _uncompiled() -> str | None:
+    """Why no kernel is compiled; None if all are. Not to be asked without Numba."""
+    from ..kernels.core import enabled
+
+    return enabled.obstacle()
+
+
 def kernel_cache() -> Cache:
     """The folder of compiled kernels, with its contents."""
     from ..kernels.core import cache
 
-    first: str | None = None
+    first = next((f"compiled kernels cannot be kept in {said}" for said in cache.refused()), None)
     for folder in cache.folders():
         trouble = _unwritable(folder)
         if trouble is None:

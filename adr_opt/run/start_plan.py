@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..common.errors import InputError
-from ..judge.check.verdict import check
+from ..judge.admit import admit
 from ..mission.problem import Problem
 from ..plan.plan import Plan
 from .starts import Start
@@ -27,7 +27,12 @@ def start_destinations(
     missions = problem.missions
     if isinstance(start, Plan):
         if not repair:
-            _refuse_violations(problem, start)
+            try:
+                admit(problem.instance, start)
+            except InputError as error:
+                raise InputError(
+                    f"start plan: {error}; or repair: keep the beginning that is legal here"
+                ) from None
         if len(missions) == 1:
             return (start.destinations,)
         flown = {route.chaser: route.legs for route in start.routes}
@@ -52,18 +57,3 @@ def start_destinations(
         done.update(names)
         destinations.append(names)
     return tuple(destinations)
-
-
-def _refuse_violations(problem: Problem, plan: Plan) -> None:
-    try:
-        violations = check(problem.instance, plan)
-    except InputError as error:
-        raise InputError(
-            f"start plan: {error}, or repair: keep the beginning that is legal here"
-        ) from None
-    if violations:
-        more = f" (and {len(violations) - 1} more)" if len(violations) > 1 else ""
-        raise InputError(
-            f"start plan: {violations[0]}{more}; "
-            "correct it, or repair: keep the legal beginning only"
-        )

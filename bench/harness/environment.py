@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import socket
 from functools import cache
@@ -10,6 +9,7 @@ from typing import Any
 
 from machine import processor
 
+from adr_opt.common.processors import usable_cores
 from adr_opt.mission.result import versions
 
 
@@ -19,7 +19,7 @@ def _here() -> tuple[tuple[str, Any], ...]:
     return (
         ("host", socket.gethostname()),
         ("processor", processor()),
-        ("cores", os.cpu_count() or 1),
+        ("cores", usable_cores()),
         ("python", platform.python_version()),
         ("versions", listed),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from adr_opt.common.errors import InputError
+from adr_opt.common.processors import usable_cores
 from adr_opt.run.front import method_of
 from adr_opt.run.methods import BOUNDS
 from adr_opt.sources.generator import LARGEST_SEED
@@ -91,7 +91,7 @@ def parse(arguments: Sequence[str], description: str) -> Options:
     typed = parser.parse_args(list(arguments))
     if typed.out is None:
         raise InputError("--out is missing: give a folder for results and report; see --help")
-    jobs = typed.jobs if typed.jobs is not None else os.cpu_count() or 1
+    jobs = typed.jobs if typed.jobs is not None else usable_cores()
     if not 1 <= jobs <= 10_000:
         raise InputError(f"--jobs = {jobs}: must be a number of processes, at least 1")
     if typed.cluster is not None and typed.jobs is not None:

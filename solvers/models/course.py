@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ import numpy as np
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.kernels.rules.rules import Rules
@@ -114,7 +114,7 @@ def prove(
     certificate.offer(start)
     if not course.enough():
         with suppress(TimeIsOver):
-            course.run(options.jobs or os.cpu_count() or 1, options.most_arcs, options.evaluations)
+            course.run(options.jobs or usable_cores(), options.most_arcs, options.evaluations)
         if not (certificate.proven or course.notes or course.remaining_s() <= 0.0):
             course.notes.append(
                 f"the solver cannot tell the bound of {certificate.bound:g} from the plan within "

@@ -8,18 +8,16 @@ import threading
 from ortools.sat.python import cp_model
 
 from .answer import Hear
+from .cp_sat_solver import cp_sat
 
 POLL_S = 0.05
 """Interval at which the stopping criterion is queried [s]."""
-
-SEEDS = 2**31
-"""Upper limit of CP-SAT's seeds."""
 
 
 def run(
     model: cp_model.CpModel, unit: float, *, seed: int, hear: Hear, effort: float = math.inf
 ) -> tuple[cp_model.CpSolver, bool, float]:
-    """Maximise a model with one thread, as several would make results depend on timing.
+    """Maximise a model.
 
     Parameters
     ----------
@@ -41,17 +39,8 @@ def run(
     upper_bound : float
         +inf if nothing was proven, −inf if there is no solution.
     """
-    solver = cp_model.CpSolver()
-    settings = solver.parameters
-    settings.num_workers = 1
-    settings.random_seed = seed % SEEDS
-    settings.linearization_level = 2  # several times as quick as 1 here
-    settings.catch_sigint_signal = False
-    if math.isfinite(effort):
-        settings.max_deterministic_time = effort
-    remaining = hear.remaining_s()
-    if math.isfinite(remaining):
-        settings.max_time_in_seconds = max(0.0, remaining)
+    solver = cp_sat(seed, hear.remaining_s(), effort)
+    solver.parameters.linearization_level = 2  # several times as quick as 1 here
     bounds = []
 
     def improved(bound: float) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import Options, option
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
@@ -126,7 +126,7 @@ def _by_policy(
     notes : tuple of str
         What to say of the policy.
     """
-    threads = os.cpu_count() or 1
+    threads = usable_cores()
     learned = load_policy(options.policy, threads)
     learned.check_size(len(mission.names) - 1)
     if not mission.instance.targets:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass
 
 import numpy as np
 
 from adr_opt.common.clock import now_s
 from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify
@@ -93,7 +93,7 @@ def ppo(
     MissingExtra
         ONNX Runtime is not installed.
     """
-    threads = options.jobs or os.cpu_count() or 1
+    threads = options.jobs or usable_cores()
     learned = load_policy(options.policy or SHIPPED, threads)
     learned.check_size(len(mission.names) - 1)
     instance = mission.instance

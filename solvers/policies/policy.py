@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from importlib.resources import files
 from pathlib import Path
@@ -12,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.json_text import loaded
 from adr_opt.kernels.episodes.observation import MISSION_FIELDS
 from adr_opt.kernels.episodes.published import PUBLISHED_ELEMENTS
 from adr_opt.learning.episodes import OBSERVATIONS, Observation
@@ -80,7 +80,7 @@ class Policy:
                 "give a file that train wrote"
             )
         try:
-            self.facts: dict[str, Any] = json.loads(known["facts"])
+            self.facts: dict[str, Any] = loaded(known["facts"])
             self.name, self.observation = known["name"], known["observation"]
             self.targets = int(known["targets"]) or None
             longest = max(len(self.name), len(self.observation))

@@ -11,7 +11,6 @@ bound and the least is kept; the trivial one is the sum of all prizes.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop, TimeIsOver
 from adr_opt.mission.mission import Mission
@@ -72,7 +72,7 @@ class ProofOptions(Options):
     @property
     def cores(self) -> int:
         """Number of cores."""
-        return self.jobs or os.cpu_count() or 1
+        return self.jobs or usable_cores()
 
 
 class Proof:

@@ -19,6 +19,7 @@ from torch import Tensor
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import write_bytes
+from adr_opt.common.json_text import loaded
 
 OPTIMIZER = "optimizer."
 """Prefix of Adam's entries: number of the parameter and name of the moment."""
@@ -60,7 +61,7 @@ def read_state(path: Path) -> dict[str, Any]:
     """
     try:
         with safe_open(str(path), framework="pt") as file:
-            state: dict[str, Any] = json.loads((file.metadata() or {})["state"])
+            state: dict[str, Any] = loaded((file.metadata() or {})["state"])
         counts = [state["steps"], state["updates"]]
         if any(type(count) is not int or count < 0 for count in counts):
             raise ValueError

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import os
 import platform
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,6 +18,8 @@ from filelock import FileLock, Timeout
 
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import write_text
+from adr_opt.common.json_text import loaded
+from adr_opt.common.processors import usable_cores
 
 from .checkpoints import read_state
 from .configs import Config
@@ -71,20 +72,20 @@ class Run:
 
     def __init__(self, folder: Path, config: Config, seed: int) -> None:
         self.folder = folder
-        description = json.loads(json.dumps({"config": asdict(config), "seed": seed}))
+        description = loaded(json.dumps({"config": asdict(config), "seed": seed}))
         path = folder / "run.json"
         if path.exists():
             self.facts = self._known(path, description)
         else:
             description["versions"] = {name: version(name) for name in PACKAGES}
-            description["machine"] = f"{platform.platform()}, {os.cpu_count()} cores"
+            description["machine"] = f"{platform.platform()}, {usable_cores()} cores"
             description["began"] = datetime.now(UTC).isoformat(timespec="seconds")
             self.facts = description
             write_text(path, json.dumps(description, indent=1))
 
     def _known(self, path: Path, wanted: Mapping[str, Any]) -> dict[str, Any]:
         try:
-            known: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            known: dict[str, Any] = loaded(path.read_text(encoding="utf-8"))
             # The number of steps may change: a training can be prolonged.
             known["config"]["steps"] = wanted["config"]["steps"]
             same = all(known[key] == wanted[key] for key in ("config", "seed"))

@@ -129,7 +129,7 @@ def unnumbered(line: dict[str, Any]) -> None:
     ("spoil", "said"),
     [
         (strange, "belongs to the instance"),
-        (dearer, "the plan has a violation"),
+        (dearer, "the plan is not legal: leg 1"),
         (low, "avoids more than its bound"),
         (wordy, "not a line of results"),
         (unnamed, "not a line of results"),

@@ -201,3 +201,22 @@ def test_stations_that_run_empty_are_judged() -> None:
     assert refuellings > 0
     short = field.replace(stations=(field.stations[0].replace(max_refuellings=refuellings - 1),))
     assert "refuel" in refused(short, legs_of(plan))
+
+
+def test_a_launch_is_at_the_time_that_is_stated() -> None:
+    """A chaser may be launched later than it could, and neither sooner nor with a flight."""
+    instance = adr_opt.generate("removal", 0, targets=4)
+    first, second = (chaser.name for chaser in instance.chasers[:2])
+    opens_s, target = instance.available_s[1][0], instance.targets[0].name
+    later_s = opens_s + 86400.0
+    for leg in ((target, later_s), (target, later_s, later_s)):
+        plan = adr_opt.plan_of(instance, {second: [leg]})
+        assert [(each.departure_s, each.arrival_s) for each in plan.legs] == [(later_s, later_s)]
+        assert adr_opt.check(instance, plan) == ()
+    for leg, said in (
+        ((target, opens_s - 60.0), "may not before"),
+        ((target, later_s, later_s + 60.0), "a launch takes no time"),
+    ):
+        with pytest.raises(InputError, match=said):
+            adr_opt.plan_of(instance, {second: [leg]})
+    assert adr_opt.plan_of(instance, {first: [target]}).legs[0].departure_s == 0.0

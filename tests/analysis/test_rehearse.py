@@ -271,7 +271,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(InputError, match="keeps to a plan; give one"):
         setting_of(instance, None, CERTAIN, "follow")
     other = adr_opt.generate("tiny", seed=1)
-    with pytest.raises(InputError, match="another instance"):
+    with pytest.raises(InputError, match="belongs to the instance"):
         rehearse(other, plan, CERTAIN, samples=1)
     with pytest.raises(InputError, match="samples = 0"):
         rehearse(instance, plan, CERTAIN, samples=0)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drawn_worlds import LATE, all_flown, drawn_uncertainty
+from plans import unjudged
 from random_rules import (
     drifting_mission,
     given_field,
@@ -177,7 +178,7 @@ def test_follow_of_an_optimal_plan_is_optimal_where_only_captures_fail() -> None
     assert best is not None
     assert best.status == "optimal"
     plan = best.replace(instance=best.instance.replace(name=instance.name, sha256=instance.sha256))
-    made = rehearse(instance, plan, uncertainty, policy="follow", samples=6)
+    made = rehearse(instance, unjudged(instance, plan), uncertainty, policy="follow", samples=6)
     found = bounds(instance, uncertainty, samples=6, time_limit=60.0)
     assert len({each.prize for each in made.outcomes}) > 1
     for outcome, world in zip(made.outcomes, found.worlds, strict=True):

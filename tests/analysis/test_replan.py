@@ -12,6 +12,7 @@ import pytest
 from conftest import Cli, refused
 from hand_made import PERIOD_S, hand_made
 from on_from import violations
+from plans import unjudged
 from two_chasers import campaign, planned
 
 import adr_opt
@@ -168,7 +169,7 @@ def test_who_may_refuel_at_once_does() -> None:
     assert [leg.destination for leg in route.legs] == ["south", "station", "north", "beyond"]
     assert violations(instance, made) == ()
     short = plan.replace(routes=(plan.routes[0].replace(legs=plan.legs[:1]),))
-    made = replan(instance, short, plan.legs[0].end_s)
+    made = replan(instance, unjudged(instance, short), plan.legs[0].end_s)
     assert made.prize_after == 2.0
     assert made.gained == ("north", "beyond")
 
@@ -409,6 +410,6 @@ def test_a_wrong_call_is_one_sentence(cli: Cli, arguments, named: str) -> None:
 def test_a_plan_of_another_instance_is_refused() -> None:
     """The state of a plan is one of its own instance."""
     _, plan = tiny(0)
-    with pytest.raises(InputError, match="another instance"):
+    with pytest.raises(InputError, match="belongs to the instance"):
         replan(tiny(1)[0], plan, 0.0)
     assert math.isfinite(plan.cost)

@@ -18,10 +18,12 @@ from adr_opt import analysis
 from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
 from adr_opt.analysis.rehearse.tries import TryWorths
+from adr_opt.analysis.robust.careful_problem import careful_problem
 from adr_opt.analysis.robust.levels import between, equal, shared
 from adr_opt.analysis.robust.promise import promise_of
 from adr_opt.analysis.robust.robust import robust
 from adr_opt.analysis.robust.stays import StayTime, slip_chance, slip_quantile
+from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.core.windows import service_begin
 from adr_opt.legs.risk_charge import Moments, RiskCharge
@@ -370,3 +372,80 @@ def test_other_confidences_are_refused(confidence: float) -> None:
     """A confidence is at least a half and below 1."""
     with pytest.raises(InputError, match="confidence"):
         robust(adr_opt.generate("tiny", seed=0), Uncertainty(), confidence)
+
+
+SLIPS = Uncertainty(
+    legs={"delta_v_factor": {"lognormal_sigma": 0.05}},
+    service_s={"factor": {"lognormal_sigma": 0.2}}, capture={"success": 0.9, "tries": 2},
+    launches={"slip_s": {"chance": 0.3, "mean_s": DAY_S, "most_s": 5.0 * DAY_S}},
+)  # fmt: skip
+
+
+def _late(instance: Instance, **changes: Any) -> Instance:
+    """The same with its launches in the opposite order, and another mission."""
+    mission = instance.mission.replace(**changes)
+    return instance.replace(chasers=instance.chasers[::-1], mission=mission)
+
+
+def _briefly(instance: Instance, until_s: float) -> Instance:
+    """The same with a last chaser that is there for a short time only."""
+    *others, last = instance.chasers
+    since_s = last.available_s[0]
+    return instance.replace(
+        chasers=(*others, last.replace(available_s=(since_s, since_s + until_s)))
+    )
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda instance: instance, _late,
+        lambda instance: instance.replace(
+            mission=instance.mission.replace(launch_separation_s=DAY_S)
+        ),
+        lambda instance: _late(instance, launch_separation_s=0.0),
+        lambda instance: _briefly(instance, 3600.0),
+    ],
+    ids=["in order", "turned", "apart", "order", "briefly"],
+)  # fmt: skip
+def test_launches_that_slip_are_planned_for(change) -> None:
+    """A plan launches when slips are over with the confidence, and is kept that often."""
+    instance = change(launched.campaign("two-body"))
+    made = robust(instance, SLIPS, CONFIDENCE, "greedy-guarded", time_limit=60.0)
+    assert made.plan is not None
+    assert adr_opt.check(instance, made.plan) == ()
+    assert made.worth <= made.upper_bound + 1e-6
+    slip = SLIPS.slip_of("")
+    least_s = slip_quantile(slip, CONFIDENCE)
+    assert least_s > 0.5 * DAY_S
+    since = {c.name: s for c, (s, _) in zip(instance.chasers, instance.available_s, strict=True)}
+    flown = [route for route in made.plan.routes if route.legs]
+    assert flown
+    for route in flown:
+        assert route.legs[0].departure_s >= since[route.chaser] + least_s
+    found = analysis.rehearse(instance, made.plan, SLIPS, samples=400, seed=7)
+    assert found.to_dict()["as_planned"]["share"] >= CONFIDENCE - 0.04
+
+
+def test_the_slip_of_a_launch_delays_no_other() -> None:
+    """What is proven holds for a plan whose only launch cannot slip, though one before it may."""
+    instance = launched.campaign("two-body")
+    instance = instance.replace(mission=instance.mission.replace(launch_separation_s=0.0))
+    first, second = instance.chasers
+    slips = Uncertainty(launches={"chasers": {first.name: {"chance": 1.0, "mean_s": 60.0 * DAY_S}}})
+    problem = careful_problem(Ground(instance), slips, equal(CONFIDENCE))
+    assert problem.instance.available_s[1] == second.available_s
+    assert problem.instance.available_s[0][0] > instance.mission.duration_s
+
+
+def test_a_launch_may_be_stated_later() -> None:
+    """Chosen departures may begin with a launch at any time from its first, and none before."""
+    instance = launched.campaign("two-body")
+    chaser, target = instance.chasers[1], instance.targets[0].name
+    since_s = chaser.available_s[0]
+    plan = adr_opt.plan_of(instance, {chaser.name: [(target, since_s + 3600.0)]})
+    (leg,) = plan.legs
+    assert (leg.departure_s, leg.arrival_s) == (since_s + 3600.0, since_s + 3600.0)
+    assert adr_opt.check(instance, plan) == ()
+    with pytest.raises(InputError, match="the nearest one departs"):
+        adr_opt.plan_of(instance, {chaser.name: [(target, since_s - 3600.0)]})

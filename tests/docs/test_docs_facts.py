@@ -118,6 +118,25 @@ def test_the_proven_gaps_are_those_of_the_table() -> None:
     assert closed > 0.9 * len(gaps), "the README says: almost all"
 
 
+def test_visits_beside_those_of_the_study_are_those_measured() -> None:
+    """Pages that compare with the study name it, with the figures of its page and of the curve."""
+    page = read("docs/published-study.md")
+    visits = [
+        re.search(rf"^\| {planner}.*?\| [\d–]+ \| ([\d.]+) ±", page, re.MULTILINE)[1]
+        for planner in ("greedy", "MCTS")
+    ]
+    with (ROOT / "bench/curves/published.csv").open(encoding="utf-8") as file:
+        visits.append(list(csv.DictReader(file))[-1]["nominal"])
+    assert f"| {float(visits[-1]):.2f}, without zones |" in page
+    for name in ("README.md", "docs/model.md", "instances/README.md"):
+        section = re.search(r"\*\*calibration\*\*.*", read(name), re.DOTALL)[0][:1200]
+        for mean in visits:
+            assert f"{float(mean):.1f}" in section, name
+    for name in ("README.md", "docs/published-study.md", "docs/citing.md", "CITATION.cff"):
+        assert "Waxenegger-Wilfing" in read(name)
+        assert "2602.17685" in read(name)
+
+
 def test_versions_agree() -> None:
     """What is cited, what is installed and what is said to be made are one version."""
     version = tomllib.loads(read("pyproject.toml"))["project"]["version"]

@@ -13,7 +13,7 @@ from adr_opt.common.requirements import Requirement, requirements
 CONDA_NAMES = {"matplotlib": "matplotlib-base", "ortools": "ortools-python", "torch": "pytorch"}
 """Packages that conda-forge has under other names."""
 
-DEVELOPMENT = {"bench", "dev", "docs", "peers", "test"}
+DEVELOPMENT = {"bench", "dev", "docs", "peers", "readers", "test"}
 
 
 @pytest.fixture(scope="module")

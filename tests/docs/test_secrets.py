@@ -149,11 +149,10 @@ def imported(source: str, package: str) -> Iterator[str]:
 
 
 def may_be_imported(module: str) -> bool:
-    """NumPy, Numba, llvmlite under it, the standard library, constants, the clock, kernels."""
+    """NumPy, Numba, llvmlite, the standard library, constants, the clock, errors, kernels."""
     known = {"numpy", "numba", "llvmlite"} | sys.stdlib_module_names
-    own = module in ("adr_opt.common.constants", "adr_opt.common.clock") or module.startswith(
-        "adr_opt.kernels."
-    )
+    common = {f"adr_opt.common.{name}" for name in ("constants", "clock", "errors")}
+    own = module in common or module.startswith("adr_opt.kernels.")
     return own or module.split(".")[0] in known
 
 

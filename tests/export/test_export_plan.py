@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gmat_script import fly_script
-from plans import with_legs
+from plans import unjudged, with_legs
 
 import adr_opt
 from adr_opt.export.flights import FORMATS, FRAMES, FlightFile, write_plan
@@ -325,7 +325,7 @@ def test_what_cannot_be_exported_is_refused(tiny: Instance, plan: Plan, tmp_path
         with pytest.raises(adr_opt.InputError, match=re.escape(said)):
             write_plan(tiny, plan, tmp_path / path, **options)
     with pytest.raises(adr_opt.InputError, match="no legs"):
-        write_plan(tiny, with_legs(plan, ()), tmp_path / "plan.oem")
+        write_plan(tiny, unjudged(tiny, with_legs(plan, ())), tmp_path / "plan.oem")
     with pytest.raises(adr_opt.InputError, match="belongs to the instance"):
         write_plan(adr_opt.generate("tiny", 1), plan, tmp_path / "plan.oem")
     late = tiny.replace(epoch=datetime(9999, 12, 31, 23, 0, tzinfo=UTC))

@@ -84,7 +84,7 @@ def message(path: Path):
     return ndm_io.NdmIo().from_path(path).body.segment
 
 
-@pytest.mark.parametrize("frame", [None, "EME2000"])
+@pytest.mark.parametrize("frame", ["TEME", None])
 @pytest.mark.parametrize("gravity", ["two-body", "j2", "j4"])
 def test_opm_of_a_refined_plan_leads_to_every_target(
     gravity: str, frame: str | None, tmp_path: Path
@@ -96,7 +96,7 @@ def test_opm_of_a_refined_plan_leads_to_every_target(
     for leg in one.legs:
         write_refined(instance, one, tmp_path / "a.opm", file=FlightFile("opm", frame), leg=leg.leg)
         read = message(tmp_path / "a.opm")
-        assert read.metadata.ref_frame == (frame or "TEME")
+        assert read.metadata.ref_frame == (frame or "GCRF")
         start = read.data.state_vector
         now = seconds(instance, start.epoch)
         state = 1e3 * np.array(
@@ -107,7 +107,7 @@ def test_opm_of_a_refined_plan_leads_to_every_target(
         )
         assert len(read.data.maneuver_parameters) == len(leg.burns)
         for burn in read.data.maneuver_parameters:
-            assert burn.man_ref_frame == (frame or "TEME")
+            assert burn.man_ref_frame == (frame or "GCRF")
             time = seconds(instance, burn.man_epoch_ignition)
             state = np.concatenate(coast(state[:3], state[3:], [time - now]), axis=1)[0]
             state[3:] += [1e3 * float(getattr(burn, f"man_dv_{axis}").value) for axis in (1, 2, 3)]
@@ -123,16 +123,16 @@ def test_opm_of_a_refined_plan_leads_to_every_target(
 def test_gmat_script_of_a_refined_plan_flies_the_mission(
     gravity: str, degree: int, tmp_path: Path
 ) -> None:
-    """From osculating states in EME2000, with the burns of the plan, the sequence arrives."""
+    """From osculating states in GCRF, with the burns of the plan, the sequence arrives."""
     instance, _, one = mission(gravity)
-    matrix = axes_of(instance, "EME2000").matrix
+    matrix = axes_of(instance).matrix
     for leg in (None, 2):
         write_refined(instance, one, tmp_path / "a.script", file=FlightFile("script"), leg=leg)
         text = (tmp_path / "a.script").read_text(encoding="ascii")
         assert "DisplayStateType = Cartesian;" in text
         assert "BrouwerMean" not in text
         assert (f"Zonal.GravityField.Earth.Degree = {degree};" in text) == (degree > 0)
-        assert "GMAT Chaser.CoordinateSystem = EarthMJ2000Eq;" in text
+        assert "GMAT Chaser.CoordinateSystem = EarthICRF;" in text
         reports, clock = fly_script(text, coasting(one, matrix))
         legs = [each for each in one.legs if leg in (None, each.leg)]
         assert len(reports) == len(legs)
@@ -162,16 +162,16 @@ def test_ephemerides_of_refined_plans_are_turned(tmp_path: Path) -> None:
     matrix = axes_of(instance, "GCRF").matrix
     for body in (None, one.legs[0].destination):
         found = {}
-        for frame in (None, "GCRF"):
+        for frame in ("TEME", "GCRF"):
             file = FlightFile(frame=frame)
             write_refined(instance, one, tmp_path / "a.oem", file=file, body=body, leg=1)
             read = oem.OrbitEphemerisMessage.open(tmp_path / "a.oem")
             found[frame] = np.array(
                 [state.position for segment in read.segments for state in segment.states]
             )
-            assert read.segments[0].metadata["REF_FRAME"] == (frame or "TEME")
-        assert np.abs(found["GCRF"] - found[None] @ matrix.T).max() < 1e-8
-        assert np.linalg.norm(found["GCRF"] - found[None], axis=1).max() > 20.0
+            assert read.segments[0].metadata["REF_FRAME"] == frame
+        assert np.abs(found["GCRF"] - found["TEME"] @ matrix.T).max() < 1e-8
+        assert np.linalg.norm(found["GCRF"] - found["TEME"], axis=1).max() > 20.0
 
 
 def test_the_shell_writes_refined_plans_in_every_format(cli: Cli, tmp_path: Path) -> None:
@@ -190,8 +190,7 @@ def test_the_shell_writes_refined_plans_in_every_format(cli: Cli, tmp_path: Path
         assert done.status == 0, done.err
         told = json.loads(done.out)
         assert (told["format"], told["legs"]) == (suffix, len(one.legs))
-        frames = {"script": "EME2000", "czml": "ICRF"}
-        assert told["frame"] == frames.get(suffix, "TEME")
+        assert told["frame"] == ("ICRF" if suffix == "czml" else "GCRF")
         assert told["instance_frame"] == "TEME"
         text = Path(f"a.{suffix}").read_text(encoding="utf-8")
         assert text.startswith(begin)

@@ -363,6 +363,24 @@ def test_an_ocm_keeps_to_the_schema(tmp_path: Path) -> None:
     assert {man.man_ref_frame for man in read.man} == {"EME2000"}
 
 
+@pytest.mark.parametrize("has_thrust", [True, False])
+def test_units_of_an_ocm_are_of_all_that_follows_the_time(has_thrust: bool, tmp_path: Path) -> None:
+    """A table of manoeuvres has a unit for each column but the time tag, or readers refuse it."""
+    instance = adr_opt.generate("tiny", 0)
+    if has_thrust:
+        instance, _, refined = mission()
+    else:
+        refined = adr_opt.refine(instance, adr_opt.solve(instance, "greedy-guarded").plan)
+    write_refined(instance, refined, tmp_path / "a.ocm", file=FlightFile("ocm"), leg=1)
+    tables = blocks((tmp_path / "a.ocm").read_text(encoding="ascii"), "MAN")
+    assert {"THRUST" in fields["MAN_ID"] for fields, _ in tables} == {has_thrust, False}
+    for fields, rows in tables:
+        columns = fields["MAN_COMPOSITION"].split(", ")
+        assert columns[0] == "TIME_ABSOLUTE"
+        assert len(fields["MAN_UNITS"].strip("[]").split(", ")) == len(columns) - 1
+        assert {len(row) for row in rows} == {len(columns)}
+
+
 @pytest.mark.slow
 def test_thrust_is_turned_with_the_states(tmp_path: Path) -> None:
     """In GCRF forces are those in TEME, turned; the history of a script is in its own axes."""

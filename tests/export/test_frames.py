@@ -147,6 +147,20 @@ def test_published_vectors_in_teme() -> None:
     assert 1e3 * np.linalg.norm(velocity - [-2.233348094, -4.110136162, -3.157394074]) < 1e-3
 
 
+@pytest.mark.parametrize("year", [2000, 2010, 2020, 2025])
+def test_astropy_turns_teme_to_the_same_gcrf(year: int) -> None:
+    """Its own way through the rotating Earth ends within a millimetre in low orbit."""
+    from astropy import units
+    from astropy.coordinates import GCRS, TEME, CartesianRepresentation
+    from astropy.time import Time
+
+    time = datetime(year, 2, 27, 6, 30, tzinfo=UTC)
+    when = Time(time.replace(tzinfo=None), scale="utc")
+    stated = CartesianRepresentation(7.1e6 * np.eye(3), unit=units.m)
+    there = TEME(stated, obstime=when).transform_to(GCRS(obstime=when)).cartesian.xyz.value
+    assert np.abs(there - 7.1e6 * rotation(Frame(name="TEME", axes_epoch=time), GCRF)).max() < 1e-3
+
+
 def test_axes_of_teme_move_as_the_model_says() -> None:
     """They are 0.35° from GCRF in 2025, and move 34 m a week and 1.8 km a year in low orbit."""
     assert math.degrees(angle(rotation(TEME, GCRF), np.eye(3))) == pytest.approx(0.35, abs=0.01)
@@ -242,16 +256,35 @@ def states_of(path: Path) -> tuple[list[str], Array]:
     return re.findall(r"^REF_FRAME.*$", text, re.MULTILINE), np.array(states)
 
 
-def test_by_default_a_message_names_the_frame_of_the_instance(
+@pytest.mark.parametrize("own", [TEME, GCRF, EME2000, ICRF])
+@pytest.mark.parametrize("suffix", ["oem", "opm", "script"])
+def test_by_default_a_known_frame_is_written_as_gcrf(
+    own: Frame, suffix: str, tiny: Instance, plan: Plan, tmp_path: Path
+) -> None:
+    """Whatever frame an instance names, a file without further words is in GCRF."""
+    instance = tiny.replace(frame=own)
+    plan = plan.replace(instance=plan.instance.replace(sha256=instance.sha256))
+    named = {}
+    for frame in (None, "GCRF"):
+        path = tmp_path / f"{frame}.{suffix}"
+        write_plan(instance, plan, path, file=FlightFile(frame=frame))
+        text = path.read_text(encoding="ascii")
+        named[frame] = re.sub("CREATION_DATE.*", "", text)
+    assert named[None] == named["GCRF"]
+    assert re.search("REF_FRAME = GCRF$|CoordinateSystem = EarthICRF;", text, re.MULTILINE)
+
+
+def test_a_message_in_teme_says_of_when_its_axes_are(
     tiny: Instance, plan: Plan, tmp_path: Path
 ) -> None:
-    """Elements in TEME are written in TEME, with the epoch of its axes, and are not turned."""
-    flight = write_plan(tiny, plan, tmp_path / "a.oem")
+    """Elements in TEME are written so where asked for, with its epoch, and are not turned."""
+    asked = FlightFile(frame="TEME")
+    flight = write_plan(tiny, plan, tmp_path / "a.oem", file=asked)
     said, states = states_of(tmp_path / "a.oem")
     assert said == ["REF_FRAME = TEME", "REF_FRAME_EPOCH = 2025-02-27T06:30:15.250000"]
     first = next(arc for _, arc in flight.arcs())
     assert 1e3 * states[0, :3] == pytest.approx(first.positions_m[0], abs=0.01)
-    write_plan(tiny, plan, tmp_path / "a.opm")
+    write_plan(tiny, plan, tmp_path / "a.opm", file=asked)
     text = (tmp_path / "a.opm").read_text(encoding="ascii")
     assert re.findall(r"^(?:MAN_)?REF_FRAME(?:_EPOCH)? = .*$", text, re.MULTILINE)[:2] == said
     ndm_io = pytest.importorskip("ccsds_ndm.ndm_io")
@@ -267,7 +300,7 @@ def test_a_frame_turns_states_and_burns(
     tiny: Instance, plan: Plan, tmp_path: Path, frame: str
 ) -> None:
     """What is written in another frame is what TEME holds, turned: 44 km off, and back the same."""
-    write_plan(tiny, plan, tmp_path / "own.oem")
+    write_plan(tiny, plan, tmp_path / "own.oem", file=FlightFile(frame="TEME"))
     write_plan(tiny, plan, tmp_path / "other.oem", file=FlightFile(frame=frame))
     _, own = states_of(tmp_path / "own.oem")
     said, other = states_of(tmp_path / "other.oem")
@@ -278,12 +311,12 @@ def test_a_frame_turns_states_and_burns(
     assert 20.0 < np.linalg.norm(other[:, :3] - own[:, :3], axis=1).max() < 50.0
 
     found = {}
-    for name, asked in (("own", None), ("other", frame)):
+    for name, asked in (("own", "TEME"), ("other", frame)):
         write_plan(tiny, plan, tmp_path / f"{name}.opm", file=FlightFile(frame=asked))
         text = (tmp_path / f"{name}.opm").read_text(encoding="ascii")
         numbers = re.findall(r"^(?:[XYZ]|[XYZ]_DOT|MAN_DV_\d) = (\S+)", text, re.MULTILINE)
         found[name] = np.array(numbers, dtype=float).reshape(-1, 3)
-        assert text.count(f"MAN_REF_FRAME = {asked or 'TEME'}\n") == len(found[name]) - 2
+        assert text.count(f"MAN_REF_FRAME = {asked}\n") == len(found[name]) - 2
     assert np.abs(found["other"] - found["own"] @ matrix.T).max() < 1e-8
 
 
@@ -305,14 +338,14 @@ def test_cesium_gets_the_icrf(tiny: Instance, plan: Plan, tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
 def test_gmat_gets_axes_that_it_has(dynamics: str, tiny: Instance, tmp_path: Path) -> None:
-    """A script of elements in TEME is in EME2000, and its states and mean orbits are turned."""
+    """A script of elements in TEME is in GCRF, and its states and mean orbits are turned."""
     instance = tiny.replace(dynamics=dynamics)
     plan = adr_opt.solve(instance, "greedy-guarded").plan
     assert plan is not None
     write_plan(instance, plan, tmp_path / "a.script", leg=1)
     text = (tmp_path / "a.script").read_text(encoding="ascii")
-    assert "GMAT Chaser.CoordinateSystem = EarthMJ2000Eq;" in text
-    matrix = rotation(TEME, EME2000)
+    assert "GMAT Chaser.CoordinateSystem = EarthICRF;" in text
+    matrix = rotation(TEME, GCRF)
     start = plan.legs[0].ready_s
     if dynamics == "two-body":
         reports, _ = fly_script(text)
@@ -369,9 +402,13 @@ def test_export_says_which_frame_it_wrote(
     assert made is not None
     made.save(other)
     for arguments, said, told in (
-        ((instance, plan_file), "in TEME of 2025-02-27T06:30:15Z\n", ("TEME", "TEME")),
         (
-            (instance, plan_file, "--frame", "GCRF"),
+            (instance, plan_file, "--frame", "TEME"),
+            "in TEME of 2025-02-27T06:30:15Z\n",
+            ("TEME", "TEME"),
+        ),
+        (
+            (instance, plan_file),
             "in GCRF, turned from TEME of 2025-02-27T06:30:15Z\n",
             ("GCRF", "TEME"),
         ),
@@ -446,8 +483,13 @@ def test_what_has_to_be_turned_needs_the_library(
 ) -> None:
     """Without astropy a file in the instance's own frame is written, one in another refused."""
     monkeypatch.setitem(sys.modules, "erfa", None)
-    write_plan(tiny, plan, tmp_path / "a.oem")
-    for name, frame in (("b.oem", "GCRF"), ("b.script", None), ("b.czml", None)):
+    write_plan(tiny, plan, tmp_path / "a.oem", file=FlightFile(frame="TEME"))
+    for name, frame in (
+        ("b.oem", None),
+        ("c.oem", "EME2000"),
+        ("b.script", None),
+        ("b.czml", None),
+    ):
         with pytest.raises(adr_opt.MissingExtra, match=r"astropy.*\[astro\]"):
             write_plan(tiny, plan, tmp_path / name, file=FlightFile(frame=frame))
         assert not (tmp_path / name).exists()
@@ -462,7 +504,7 @@ def test_keywords_stand_in_the_order_of_messages_of_others(
     pattern = re.compile(r"^\s*([A-Z_0-9]+)\s*=", re.MULTILINE)
     compared = 0
     for kind in ("opm", "oem"):
-        write_plan(tiny, plan, tmp_path / f"a.{kind}", leg=1)
+        write_plan(tiny, plan, tmp_path / f"a.{kind}", file=FlightFile(frame="TEME"), leg=1)
         text = (tmp_path / f"a.{kind}").read_text(encoding="ascii")
         ours = list(dict.fromkeys(pattern.findall(text)))
         assert "REF_FRAME_EPOCH" in ours

@@ -24,6 +24,9 @@ SHORT = ("tiny", "nominal", "cloud")
 KINDS = (("tow",), ("tow", "visit"), ("tow", "kit", "visit"), ("tow",), ("kit",))
 """Kinds of service of a mission's targets, by turns."""
 
+MOST_ECCENTRICITY = 1e-3
+"""Of objects that are towed."""
+
 
 def drawn_removal(seed: int) -> Instance:
     """A mission to three to five neighbours of a field, of which most can be reached.
@@ -38,9 +41,11 @@ def drawn_removal(seed: int) -> Instance:
     duration_s = DAY_S * float(rng.uniform(1.0, 4.0) if short else rng.uniform(18.0, 45.0))
     kinds = KINDS[seed % len(KINDS)]
     targets = [
-        target.replace(
-            removal=kinds[0] if not number else str(rng.choice(kinds)),
-            mass_kg=float(rng.uniform(100.0, 2500.0)),
+        _nearly_round(
+            target.replace(
+                removal=kinds[0] if not number else str(rng.choice(kinds)),
+                mass_kg=float(rng.uniform(100.0, 2500.0)),
+            )
         )
         for number, target in enumerate(_neighbours(field, rng, int(rng.integers(3, 6))))
     ]
@@ -76,6 +81,14 @@ def _normal(target: Target) -> tuple[float, float, float]:
     assert target.orbit is not None
     i, node = math.radians(target.orbit.inclination_deg), math.radians(target.orbit.raan_deg)
     return math.sin(i) * math.sin(node), -math.sin(i) * math.cos(node), math.cos(i)
+
+
+def _nearly_round(target: Target) -> Target:
+    """A target whose orbit is so near a circle, where it is towed, that it is released on one."""
+    if target.removal != "tow" or target.orbit is None:
+        return target
+    most = min(target.orbit.eccentricity, MOST_ECCENTRICITY)
+    return target.replace(orbit=target.orbit.replace(eccentricity=most))
 
 
 def _lowest_m(target: Target) -> float:

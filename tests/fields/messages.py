@@ -57,3 +57,25 @@ def oem(
     for at, row in zip(labels, states(times), strict=True):
         lines.append(" ".join([at, *(f"{number / 1e3:.9f}" for number in row)]))
     return "\n".join(lines) + "\n"
+
+
+def oem_in_xml(text: str) -> str:
+    """The segments of a message in lines, as XML; a state on each line, as there."""
+    tags = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
+    out, is_metadata = '<?xml version="1.0"?>\n<oem version="2.0"><header/><body>', False
+    for line in text.splitlines()[3:]:
+        if line == "META_START":
+            out += "</data></segment>" if "<segment>" in out else ""
+            out += "\n<segment><metadata>"
+            is_metadata = True
+        elif line == "META_STOP":
+            out += "</metadata><data>"
+            is_metadata = False
+        elif is_metadata:
+            key, _, value = line.partition(" = ")
+            out += f"<{key}>{value}</{key}>"
+        else:
+            leaves = zip(tags, line.split(), strict=True)
+            row = "".join(f"<{tag}>{value}</{tag}>" for tag, value in leaves)
+            out += f"\n<stateVector>{row}</stateVector>"
+    return f"{out}</data></segment></body></oem>\n"

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from drifting_plans import drifting_instance, drifting_plan
-from plans import solved
+from plans import solved, unjudged
 
 import adr_opt
 from adr_opt.fly.dispersion import (
@@ -256,7 +256,7 @@ def test_wrong_parameters_are_one_sentence() -> None:
     with pytest.raises(adr_opt.InputError, match="leg 1: a flight with errors leads"):
         sample_flights(instance, refined, 10, FlightErrors(0.2, 10.0, 1e5, 100.0), corrections=0)
     with pytest.raises(adr_opt.InputError, match="no legs"):
-        sample_flights(instance, refined.replace(legs=()), 5)
+        sample_flights(instance, unjudged(instance, refined.replace(legs=())), 5)
 
 
 def test_fly_tells_of_errors(cli: Cli) -> None:

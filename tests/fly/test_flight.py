@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from plans import with_legs
+from plans import unjudged, with_legs
 
 import adr_opt
 from adr_opt.common.constants import MU_M3_S2
@@ -123,14 +123,14 @@ def test_the_approach_does_not_hide_in_the_arrival(tiny: Instance, plan: Plan) -
     """Without its first impulse the approach stays where it begins, L behind the target."""
     leg = plan.legs[0]
     approach = next(index for index, burn in enumerate(leg.burns) if burn.phase == "approach")
-    flight = fly(tiny, with_burn(plan, 1, approach, delta_v_m_s=(0.0, 0.0, 0.0)))
+    flight = fly(tiny, unjudged(tiny, with_burn(plan, 1, approach, delta_v_m_s=(0.0, 0.0, 0.0))))
     assert flight.legs[0].miss_m < WORST_MISS_M
     assert flight.legs[0].arrival_miss_m == pytest.approx(tiny.transfer.standoff_m, rel=1e-3)
 
 
 def test_an_empty_plan_misses_nothing(tiny: Instance, plan: Plan) -> None:
     """A plan without legs has no worst miss but zero."""
-    assert fly(tiny, with_legs(plan, ())) == Flight(0.0, ())
+    assert fly(tiny, unjudged(tiny, with_legs(plan, ()))) == Flight(0.0, ())
 
 
 def test_a_tampered_burn_misses(tiny: Instance, plan: Plan) -> None:
@@ -140,7 +140,9 @@ def test_a_tampered_burn_misses(tiny: Instance, plan: Plan) -> None:
     for number, burn in enumerate(before):
         vector = np.array(burn.delta_v_m_s)
         longer = vector + 0.01 * vector / np.linalg.norm(vector)
-        flight = fly(tiny, with_burn(plan, 2, number, delta_v_m_s=tuple(longer.tolist())))
+        flight = fly(
+            tiny, unjudged(tiny, with_burn(plan, 2, number, delta_v_m_s=tuple(longer.tolist())))
+        )
         last = number == len(before) - 1  # it acts at the stand-off itself
         assert last or flight.legs[1].miss_m > 5.0, burn
         assert flight.legs[1].relative_speed_m_s > 1e-3, burn
@@ -152,12 +154,12 @@ def test_a_tampered_time_misses(tiny: Instance, plan: Plan) -> None:
     """Burning a second late ends metres away, and not by less."""
     late = tuple(burn.replace(time_s=burn.time_s + 1.0) for burn in plan.legs[0].burns)
     tampered = with_leg(plan, 1, burns=late, arrival_s=plan.legs[0].arrival_s + 1.0)
-    assert fly(tiny, tampered).worst_miss_m > 10.0
+    assert fly(tiny, unjudged(tiny, tampered)).worst_miss_m > 10.0
 
 
 def test_a_docked_chaser_stays(tiny: Instance, plan: Plan) -> None:
     """After the last burn the chaser moves as the target does: an hour later it is still there."""
-    flight = fly(tiny, with_leg(plan, 1, arrival_s=plan.legs[0].arrival_s + 3600.0))
+    flight = fly(tiny, unjudged(tiny, with_leg(plan, 1, arrival_s=plan.legs[0].arrival_s + 3600.0)))
     assert flight.legs[0].arrival_miss_m < 1.0
 
 
@@ -190,19 +192,19 @@ def test_a_plan_of_another_instance_is_refused(plan: Plan) -> None:
 def test_an_unknown_body_is_refused(tiny: Instance, plan: Plan, end: str) -> None:
     """A leg from or to a body that the instance has not is named."""
     with pytest.raises(adr_opt.InputError, match="leg 2: 'nowhere' is not a body"):
-        fly(tiny, with_leg(plan, 2, **{end: "nowhere"}))
+        fly(tiny, unjudged(tiny, with_leg(plan, 2, **{end: "nowhere"})))
 
 
 def test_burns_that_cannot_be_flown_are_refused(tiny: Instance, plan: Plan) -> None:
     """Burns out of order, after the arrival or missing are named, not guessed at."""
     burns = plan.legs[0].burns
     with pytest.raises(adr_opt.InputError, match=r"leg 1: .*time order"):
-        fly(tiny, with_leg(plan, 1, burns=burns[::-1]))
+        fly(tiny, unjudged(tiny, with_leg(plan, 1, burns=burns[::-1])))
     for missing in ((), burns[:-2]):
         with pytest.raises(adr_opt.InputError, match=r"leg 1: .*approach"):
-            fly(tiny, with_leg(plan, 1, burns=missing))
+            fly(tiny, unjudged(tiny, with_leg(plan, 1, burns=missing)))
     with pytest.raises(adr_opt.InputError, match=r"leg 1: arrival_s = .* before the last burn"):
-        fly(tiny, with_leg(plan, 1, arrival_s=plan.legs[0].arrival_s - 1.0))
+        fly(tiny, unjudged(tiny, with_leg(plan, 1, arrival_s=plan.legs[0].arrival_s - 1.0)))
 
 
 @pytest.mark.parametrize(
@@ -218,7 +220,7 @@ def test_burns_that_lead_nowhere_are_refused(
 ) -> None:
     """An escape, an overflow or an absurd time ends in one sentence, and ends."""
     with pytest.raises(adr_opt.InputError, match="leg 1: cannot be flown"):
-        fly(tiny, with_burn(plan, 1, 0, **change))
+        fly(tiny, unjudged(tiny, with_burn(plan, 1, 0, **change)))
 
 
 def test_without_boinor_the_extra_is_named(

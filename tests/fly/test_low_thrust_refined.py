@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from electric_fields import electric
+from plans import unjudged
 from seeds import over_seeds
 
 import adr_opt
@@ -164,7 +165,7 @@ def test_legs_without_arcs_are_refused() -> None:
     for arcs, said in ((None, "two arcs"), (first.manoeuvres[::-1], "not in time order")):
         broken = route.replace(legs=(first.replace(manoeuvres=arcs), *others))
         with pytest.raises(InputError, match=said):
-            adr_opt.refine(instance, plan.replace(routes=(broken,)))
+            adr_opt.refine(instance, unjudged(instance, plan.replace(routes=(broken,))))
 
 
 @pytest.mark.slow
@@ -180,7 +181,9 @@ def test_legs_without_time_are_missing() -> None:
         for arc, start in zip(first.manoeuvres, (late[0], late[0] + 0.05 * DAY_S), strict=True)
     )
     hurried = first.replace(manoeuvres=arcs, arrival_s=late[1] + 3000.0)
-    found = adr_opt.refine(instance, plan.replace(routes=(route.replace(legs=(hurried, *others)),)))
+    found = adr_opt.refine(
+        instance, unjudged(instance, plan.replace(routes=(route.replace(legs=(hurried, *others)),)))
+    )
     assert [missing.leg for missing in found.missing] == [1]
     assert "in time" in found.missing[0].reason
 

@@ -9,7 +9,7 @@ import time
 import numpy as np
 import pytest
 from drifting_plans import drifting_instance, drifting_plan
-from plans import solved, with_legs
+from plans import solved, unjudged, with_legs
 from towed_fields import field
 
 import adr_opt
@@ -245,7 +245,9 @@ def test_a_leg_that_does_not_arrive_leaves_its_tank_unknown() -> None:
     short, drift = plan.legs
     vector = tuple(1.0001 * part for part in drift.burns[0].delta_v_m_s)
     burns = (drift.burns[0].replace(delta_v_m_s=vector), *drift.burns[1:])
-    found = fly_mean(instance, with_legs(plan, (short, drift.replace(burns=burns))))
+    found = fly_mean(
+        instance, unjudged(instance, with_legs(plan, (short, drift.replace(burns=burns))))
+    )
     assert found is not None
     assert found.flown[1] is not None
     assert found.flown[2] is None
@@ -332,7 +334,10 @@ def test_burns_of_no_sense_are_said_and_nothing_breaks(which: str) -> None:
     away = leg.burns[0].replace(delta_v_m_s=(2e4, 2e4, 2e4))
     approach = tuple(burn for burn in leg.burns if burn.phase == "approach")
     for burns in ((away, *leg.burns[1:]), approach):
-        found = fly_mean(instance, with_legs(plan, (leg.replace(burns=burns), *plan.legs[1:])))
+        found = fly_mean(
+            instance,
+            unjudged(instance, with_legs(plan, (leg.replace(burns=burns), *plan.legs[1:]))),
+        )
         assert found is not None
         assert found.flown[1] is None
         assert found.problems[1]
@@ -343,7 +348,7 @@ def test_burns_of_no_sense_are_said_and_nothing_breaks(which: str) -> None:
 def test_a_plan_without_legs_uses_no_tank() -> None:
     """Nothing is flown, and that is said."""
     instance, plan = drifting_instance(), drifting_plan()
-    found = fly_mean(instance, with_legs(plan, ()))
+    found = fly_mean(instance, unjudged(instance, with_legs(plan, ())))
     assert found is not None
     assert found.holds
     assert str(found) == "flown in mean motion under J2: no legs; no tank is used"

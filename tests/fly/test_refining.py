@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from drifting_plans import drifting_instance, drifting_plan
-from plans import solved, with_legs
+from plans import solved, unjudged, with_legs
 
 import adr_opt
 from adr_opt.fly.flight import fly_refined
@@ -229,7 +229,9 @@ def test_a_leg_without_a_trajectory_is_missing() -> None:
     velocity = np.array(leg.burns[0].delta_v_m_s)
     against = -6000.0 * velocity / np.linalg.norm(velocity)
     burns = (leg.burns[0].replace(delta_v_m_s=tuple(against.tolist())), *leg.burns[1:])
-    one = adr_opt.refine(instance, with_legs(plan, (leg.replace(burns=burns), *plan.legs[1:])))
+    one = adr_opt.refine(
+        instance, unjudged(instance, with_legs(plan, (leg.replace(burns=burns), *plan.legs[1:])))
+    )
     assert [missing.leg for missing in one.missing] == [1]
     assert [leg.leg for leg in one.legs] == list(range(2, len(plan.legs) + 1))
     assert fly_refined(instance, one).strayed == ()
@@ -322,12 +324,12 @@ def test_strangers_are_refused() -> None:
     with pytest.raises(adr_opt.InputError, match="jobs = -1"):
         adr_opt.refine(instance, plan, jobs=-1)
     with pytest.raises(adr_opt.InputError, match="put the legs in order"):
-        adr_opt.refine(instance, with_legs(plan, plan.legs[::-1]))
+        adr_opt.refine(instance, unjudged(instance, with_legs(plan, plan.legs[::-1])))
 
 
 def test_an_empty_plan_is_refined_and_flown() -> None:
     """A plan without legs has nothing to refine, and holds."""
     instance, plan = mission(0)
-    one = adr_opt.refine(instance, with_legs(plan, ()))
+    one = adr_opt.refine(instance, unjudged(instance, with_legs(plan, ())))
     assert (one.status, one.legs) == ("complete", ())
     assert fly_refined(instance, one).holds

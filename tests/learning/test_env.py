@@ -55,7 +55,7 @@ def play(env: MissionEnv, rng: np.random.Generator) -> tuple[float, list[Any]]:
         total += reward
         seen.append(observation)
         if terminated:
-            assert not env.action_masks().any()
+            assert np.flatnonzero(env.action_masks()).tolist() == [env.action_space.n - 1]
             return total, seen
 
 
@@ -239,10 +239,10 @@ WRONG: dict[str, Callable[[], Any]] = {
     "more than the 6 of the action space": lambda: MissionEnv(
         adr_opt.generate("tiny", 0, targets=6)
     ).reset(options={"instance": adr_opt.generate("tiny", 0, targets=7)}),
-    "instance = 'x.json': must be an": lambda: MissionEnv(instance="x.json"),
-    "instance = 'y.json': must be an": lambda: MissionEnv(tiny()).reset(
-        options={"instance": "y.json"}
-    ),
+    "x.json: no such file": lambda: MissionEnv(instance="x.json"),
+    "y.json: no such file": lambda: MissionEnv(tiny()).reset(options={"instance": "y.json"}),
+    "instance of type int: give an Instance": lambda: MissionEnv(3),  # type: ignore[arg-type]
+    "option 'target' is unknown; use": lambda: MissionEnv(fields={"target": 3}),
     "pool = -1: must be a whole number": lambda: MissionEnv(pool=-1),
     "pool_seed = 0.5: must be": lambda: MissionEnv(pool_seed=0.5),  # type: ignore[arg-type]
     "fields = 3: must be": lambda: MissionEnv(fields=3),
@@ -459,7 +459,7 @@ def test_fields_drawn_ahead_are_worked_out_once_and_shared(monkeypatch: pytest.M
         names.add(env.mission.instance.name)
     assert len(made) == 5 + 1  # and the lowest field once more, for the number of its events
     assert names == {each.name for each in made}
-    assert len({id(env._pool) for env in envs}) == 1
+    assert len({id(env._ground) for env in envs}) == 1
     MissionEnv(fields=SMALL, pool=4, pool_seed=77).reset()
     assert len(made) == 6 + 4 + 1
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -97,7 +99,16 @@ def test_weights_are_read_as_they_were_written(tmp_path: Path) -> None:
     LegScorer(bad, {}).save(tmp_path / "bad.npz")
     (tmp_path / "text.npz").write_text("no weights", encoding="utf-8")
     np.savez(tmp_path / "other.npz", facts=np.zeros(3))
-    for name in ("wrong.npz", "bad.npz", "text.npz", "other.npz", "none.npz"):
+    # Of a few bytes, but their heading states a terabyte.
+    content = io.BytesIO()
+    numbers = np.lib.format.header_data_from_array_1_0(np.zeros(4)) | {"shape": (2**37,)}
+    np.lib.format.write_array_header_1_0(content, numbers)
+    with zipfile.ZipFile(tmp_path / "large.npz", "w") as archive:
+        archive.writestr("leg.npy", content.getvalue())
+    with zipfile.ZipFile(tmp_path / "bomb.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("leg.npy", bytes(10**7))
+    names = "wrong", "bad", "text", "other", "none", "large", "bomb"
+    for name in (f"{name}.npz" for name in names):
         with pytest.raises(InputError, match="not a file of weights"):
             load_scorer(tmp_path / name)
 

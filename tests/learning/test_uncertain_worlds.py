@@ -298,9 +298,10 @@ def test_the_examples_of_the_page_run() -> None:
 UNKNOWN = Uncertainty(targets={"nobody": {"gone": 0.5}})
 
 WRONG = {
-    "uncertainty = 'much': must be an Uncertainty": lambda: MissionEnv(uncertainty="much"),
+    "much: no such file": lambda: MissionEnv(uncertainty="much"),
+    "uncertainty of type int: give an Uncertainty": lambda: MissionEnv(uncertainty=[3]),
     "uncertainty = []: must be an Uncertainty": lambda: MissionVecEnv(uncertainty=[]),
-    "uncertainty = (None,): must be": lambda: MissionEnv(uncertainty=(None,)),
+    "uncertainty of type NoneType: give an": lambda: MissionEnv(uncertainty=(None,)),
     "world = -1: must be a whole number": lambda: MissionEnv(
         tiny(), uncertainty=TROUBLED
     ).reset(options={"world": -1}),

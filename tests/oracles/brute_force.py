@@ -210,12 +210,13 @@ def labels_of(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
 
 
 def launch_s(mission: Mission) -> float:
-    """Since when a chaser may fly: launches of the file one after the other, so long apart [s]."""
+    """Since when a chaser may fly: launches in their order if they are so long apart [s]."""
     instance, last = mission.instance, -math.inf
+    apart = instance.mission.launch_separation_s
     for chaser in instance.chasers:
         since = chaser.available_s[0]
-        if chaser.start == "anywhere":
-            since = last = max(since, last + (instance.mission.launch_separation_s or 0.0))
+        if chaser.start == "anywhere" and apart is not None:
+            since = last = max(since, last + apart)
         if chaser == mission.chaser:
             return since
     raise AssertionError("no chaser of the instance")

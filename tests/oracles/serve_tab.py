@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
 from browser import Browser
@@ -127,3 +128,45 @@ def in_report(tab: Browser, expression: str) -> Any:
         return tab.wait_for(expression)
     finally:
         tab._session = mine
+
+
+class Tabs:
+    """More tabs of a browser, of which each is the one that is driven while it is gone through.
+
+    Parameters
+    ----------
+    tab : Browser
+    count : int
+    windows : bool
+        Whether each has a window of its own, so that all are seen.
+    """
+
+    def __init__(self, tab: Browser, count: int, *, windows: bool = False) -> None:
+        self._tab, self._count, self._windows = tab, count, windows
+        self._targets: list[tuple[str, str]] = []
+
+    def __enter__(self) -> Tabs:
+        self._mine, self._tab._session = self._tab._session, None
+        for _ in range(self._count):
+            target = self._tab.call(
+                "Target.createTarget", url="about:blank", newWindow=self._windows
+            )["targetId"]
+            session = self._tab.call("Target.attachToTarget", targetId=target, flatten=True)
+            self._targets.append((target, session["sessionId"]))
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        self._tab._session = None
+        for target, _ in self._targets:
+            self._tab.call("Target.closeTarget", targetId=target)
+        self._tab._session = self._mine
+
+    def __iter__(self) -> Iterator[int]:
+        for number, (_, session) in enumerate(self._targets):
+            self._tab._session = session
+            yield number

@@ -34,7 +34,7 @@ def test_an_instance_is_taken_by_its_file_and_by_its_content(tmp_path: Path) -> 
 
 
 WRONG: dict[str, Callable[[], Any]] = {
-    "instance of type int: give an adr_opt.Instance, the path": lambda: adr_opt.solve(3),  # type: ignore[arg-type]
+    "instance of type int: give an Instance, the path": lambda: adr_opt.solve(3),  # type: ignore[arg-type]
     "nowhere.json: no such file": lambda: adr_opt.solve("nowhere.json"),
     "instance: field name: missing": lambda: adr_opt.solve({}),
     "instance: cannot be written as JSON": lambda: adr_opt.Mission({"name": {1}}),

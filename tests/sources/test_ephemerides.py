@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from catalogue_files import as_json, field
 from conftest import Cli
-from messages import oem
+from messages import oem, oem_in_xml
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
-from adr_opt.fly.flight.as_interpolated import interpolated_states
+from adr_opt.judge.refined.as_interpolated import interpolated_states
 from adr_opt.problem.fit import Fit
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
@@ -27,6 +27,7 @@ from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of
 from adr_opt.sources.ephemerides.by_sgp4 import ByElements
+from adr_opt.sources.ephemerides.coverage import Coverage
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.ephemerides.fit import fitted, j3_offset
 from adr_opt.sources.ephemerides.imported import with_ephemerides
@@ -192,11 +193,12 @@ def test_three_readers_interpolate_alike(
                         frame=TEME)  # fmt: skip
     times = np.concatenate((np.linspace(-600.0, 1800.0, 97), [-599.9, 0.5, 1799.9]))
     ours = known.of(record.label).state(times)
-    judged = interpolated_states(read_oem(text.encode(), "a.oem"), times, EPOCH, TEME)
+    coverage = Coverage(record.label, read_oem(text.encode(), "a.oem"), EPOCH)
+    judged = interpolated_states(coverage, times, EPOCH, TEME)
     assert np.abs(judged - ours)[:, :3].max() < 1e-3
     assert np.abs(judged - ours)[:, 3:].max() < 1e-5
-    with pytest.raises(InputError, match="do not cover"):
-        interpolated_states(read_oem(text.encode(), "a.oem"), times + 1.0, EPOCH, TEME)
+    with pytest.raises(InputError, match=r"no state of .* after"):
+        interpolated_states(coverage, times + 1.0, EPOCH, TEME)
     if method == "LINEAR":
         return
     (tmp_path / "a.oem").write_text(text.replace("= TEME\n", "= EME2000\n"), encoding="ascii")
@@ -456,7 +458,8 @@ def test_a_message_of_others_is_interpolated_alike() -> None:
                         epoch=begin, frame=inertial)  # fmt: skip
     times = np.linspace(30.0, 86000.0, 60)
     ours = known.of(fields["OBJECT_NAME"]).state(times)
-    judged = interpolated_states(segments, times, begin, inertial)
+    coverage = Coverage(fields["OBJECT_NAME"], segments, begin)
+    judged = interpolated_states(coverage, times, begin, inertial)
     assert np.abs(judged - ours)[:, :3].max() < 1e-3
     states = third.OrbitEphemerisMessage.open(path).states
     at = astropy_time.Time(begin.replace(tzinfo=None), scale="utc")
@@ -472,21 +475,12 @@ def test_messages_in_xml_say_what_those_in_lines_say() -> None:
     record = RECORDS[2]
     text = oem(record.label, record.object_id, EPOCH, of_date(record))
     (plain,) = read_oem(text.encode(), "a.oem")
-    leaves = "".join(f"<{key}>{value}</{key}>" for key, value in plain.fields.items())
-    names = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
-    rows = "".join(
-        "<stateVector>"
-        + "".join(f"<{n}>{part}</{n}>" for n, part in zip(names, row.split(), strict=True))
-        + "</stateVector>"
-        for row in plain.rows
-    )
-    xml = (
-        '<?xml version="1.0"?><oem version="2.0"><header/><body><segment>'
-        f"<metadata>{leaves}</metadata><data>{rows}</data></segment></body></oem>"
-    )
+    xml = oem_in_xml(text)
     (other,) = read_oem(xml.encode(), "a.xml")
     assert (other.fields, other.rows) == (plain.fields, plain.rows)
+    twice = "<TIME_SYSTEM>UTC</TIME_SYSTEM>"
     for bad in (xml[:-20], xml.replace("<X>", "<Z>", 1).replace("</X>", "</Z>", 1),
+                xml.replace(twice, 2 * twice),
                 xml.replace("<X>", '<X units="m">', 1),
                 xml.replace("<oem", "<!DOCTYPE oem><oem", 1)):  # fmt: skip
         with pytest.raises(InputError, match=r"a\.xml"):

@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 from dataclasses import replace
+from datetime import UTC, datetime
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from adr_opt.sources.worth.breakup import EXPOSURES, KINDS, area_shares, fragmen
 from adr_opt.sources.worth.lifetimes import YEAR_S, lifetimes
 from adr_opt.sources.worth.pairs import with_one
 from adr_opt.sources.worth.speeds import mean_speeds
+from adr_opt.sources.worth.stages import STAGES
 
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
 
@@ -280,7 +282,7 @@ def test_sources_go_from_the_table_to_defaults(tmp_path: Path) -> None:
     records[2] = replace(records[2], mass_kg=77.0)
     records[3] = replace(records[3], name="OLD R/B", bstar=0.0)
     records[4] = replace(records[4], name="OLD DEB", size="MEDIUM")
-    records[5] = replace(records[5], decayed="2020-01-01")
+    records[5] = replace(records[5], decays=datetime(2020, 1, 1, tzinfo=UTC))
     bodies = worth.bodies_of(records, satcat, {1: worth.Measures(mass=5.0)})
     assert bodies.mass_sources == (
         "satcat, uncertain", "table", "element set", "default: rocket body", "default: debris",
@@ -327,7 +329,7 @@ def test_bad_satcats_are_refused(text: str, said: str, tmp_path: Path) -> None:
         ("object,mass\n10000,-3\n", "line 2: mass = -3: must be positive"),
         ("object,mass\n10000,x\n", "must be a number"),
         ("object,mass\n10000\n", "1 values under 2 columns"),
-        ("object,mass\n99,3\n", "no object has this number"),
+        ("object,mass\n99,3\n98,3\n", "none of its 2 objects, '99' for one, is in the catalogue"),
         ("object,mass\n10000,3\n10000,3\n", "has a row already"),
     ],
 )
@@ -337,6 +339,37 @@ def test_bad_tables_are_refused(text: str, said: str, tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=said):
         worth.read_measures(path, field(3))
+
+
+def test_a_table_may_have_more_objects_than_the_catalogue(tmp_path: Path) -> None:
+    """Rows of other objects are told apart, wherever they stand; those of the catalogue count."""
+    path = tmp_path / "t.csv"
+    path.write_text("object,mass\n99,3\n10001,5\nGONE,4\n", encoding="utf-8")
+    table = worth.read_measures(path, field(3))
+    assert table.known == {1: worth.Measures(mass=5.0)}
+    assert table.strange == ("99", "GONE")
+
+
+@pytest.mark.parametrize("mark", STAGES)
+def test_stage_families_weigh_what_their_source_says(mark: str) -> None:
+    """The name of a stage gives its mass, also among words; debris and other stages keep theirs."""
+    names = (mark, f"OLD {mark} 7", mark.replace("R/B", "DEB"), f"X{mark}", "SL-14 R/B")
+    records = [replace(each, name=name) for each, name in zip(field(5), names, strict=True)]
+    bodies = worth.bodies_of(records)
+    assert bodies.masses[:2].tolist() == [STAGES[mark].mass] * 2
+    assert bodies.mass_sources[:2] == ("stage family",) * 2
+    assert all(source.startswith("default") for source in bodies.mass_sources[2:])
+    assert bodies.masses[4] == 1400.0
+    assert sum(bodies.default_masses.values()) == 3
+    assert bodies.default_masses["rocket body 1400 kg"] >= 2
+
+
+def test_the_page_has_the_stage_families() -> None:
+    """Names and masses of the page are those of the module."""
+    page = Path("docs/worth.md").read_text(encoding="utf-8")
+    for mark, stage in STAGES.items():
+        assert f"`{mark.removesuffix(' R/B')}`" in page
+        assert f"{stage.mass:,.0f}" in page
 
 
 @pytest.mark.external

@@ -74,7 +74,7 @@ def test_help_does_not_wait_for_numba(arguments: list[str]) -> None:
     """Help and version import nothing that takes longer than they do, such as numba or torch."""
     heavy = "{'numba', 'pydantic', 'rich', 'ortools', 'torch', 'plotly', 'sgp4'}"
     code = (
-        "import sys; from adr_opt.__main__ import main; "
+        "import sys; from adr_opt.ui.cli.entry import main; "
         f"main({arguments!r}); sys.exit(len({heavy} & set(sys.modules)))"
     )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
@@ -84,7 +84,7 @@ def test_help_does_not_wait_for_numba(arguments: list[str]) -> None:
 def test_verb_imports_only_its_own_module() -> None:
     """Calling one verb leaves the modules of the others unimported."""
     code = (
-        "import sys; from adr_opt.__main__ import main; main(['schema', 'plan']); "
+        "import sys; from adr_opt.ui.cli.entry import main; main(['schema', 'plan']); "
         "cli = 'adr_opt.ui.cli'; "
         "sys.exit(f'{cli}.solve' in sys.modules or f'{cli}.schema' not in sys.modules)"
     )

@@ -75,6 +75,21 @@ def test_details_page_and_answer_agree(rated) -> None:
     assert "http" not in page.replace("http-equiv", "")
 
 
+def test_default_masses_are_named(rated) -> None:
+    """Without a satcat a note says how many masses are defaults, and which; `--json` has them."""
+    outcome = rated()
+    assert "note: 30 of 30 masses are defaults: " in outcome.err
+    assert " kg " in outcome.err
+    told = json.loads(rated("--json").out)
+    assert sum(told["default_masses"].values()) == 30
+    assert "defaults" not in rated("--satcat", "satcat.tsv", "--quiet").err
+    Path("t.csv").write_text("object,mass\n10001,5\n99999,7\n", encoding="utf-8")
+    outcome = rated("--table", "t.csv")
+    assert outcome.status == 0
+    assert "note: t.csv: 1 object not in the catalogue, '99999' for one; left out" in outcome.err
+    assert "note: 29 of 30 masses are defaults: " in outcome.err
+
+
 def test_a_satcat_of_another_year_is_counted(rated) -> None:
     """Objects that the satcat lacks have defaults, and a sentence says how many it has."""
     outcome = rated("--satcat", "satcat.tsv")

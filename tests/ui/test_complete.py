@@ -84,7 +84,7 @@ def test_a_shell_does_not_wait_for_numba() -> None:
              "adr-opt train --config ", "adr-opt solve ")  # fmt: skip
     program = f"""
 import os, sys
-from adr_opt.__main__ import main
+from adr_opt.ui.cli.entry import main
 os.environ["{complete.VARIABLE}"] = "bash_complete"
 for line in {lines!r}:
     os.environ["COMP_WORDS"], os.environ["COMP_CWORD"] = line, str(len(line.split()))

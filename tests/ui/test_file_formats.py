@@ -15,7 +15,6 @@ from pages import ROOT, read, tables
 from timed_fields import timed_mission
 
 import adr_opt
-from adr_opt.__main__ import main
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_model
 from adr_opt.common.stability import (
@@ -29,6 +28,7 @@ from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
 from adr_opt.sources.library import load_library
 from adr_opt.sources.uncertainty.table import TargetErrorsFile
 from adr_opt.sources.worth.worth_file import WorthFile
+from adr_opt.ui.cli.entry import main
 from adr_opt.ui.cli.schema import SCHEMAS
 from adr_opt.ui.serve.project.record import ProjectRecord, StepRecord
 from adr_opt.ui.serve.project.result_record import ResultRecord

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import html
 import json
 import math
 import os
@@ -82,7 +83,7 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     )  # fmt: skip
     posts = (
         "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",
-        "/jobs/stop", "/show",
+        "/jobs/stop", "/show", "/files/remove",
     )  # fmt: skip
     for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
         for path in gets:
@@ -146,12 +147,24 @@ def test_other_hosts_and_other_pages_are_refused(
     assert desk.state()["undoes"] is None
 
 
+def test_a_page_of_an_earlier_server_changes_nothing(desk: EditingSession) -> None:
+    """A page says which server it is of, and another one at the same port refuses it."""
+    client = let_in(desk)
+    mine = client.get("/").text.partition('data-server="')[2].partition('"')[0]
+    for said, status in ((mine, 200), (mine[::-1] + "0", 409), ("SERVER", 409)):
+        headers = {"adr-opt-server": said}
+        assert client.get("/choices", headers=headers).status_code == status
+        answer = client.post("/edit", json=of("north", prize=3.0), headers=headers)
+        assert answer.status_code == status
+    assert desk.revision == 1
+
+
 def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: EditingSession) -> None:
     """Other methods, other types and too large requests are refused, and change nothing."""
     client = let_in(desk)
     for path in (
         "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs/stop",
-        "/show",
+        "/show", "/files/remove",
     ):  # fmt: skip
         assert client.get(path).status_code == 405
     for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
@@ -241,12 +254,16 @@ def test_what_cannot_be_planned_is_said_on_the_page(desk: EditingSession) -> Non
         assert answer.status_code == 422
         assert named in answer.json()["error"]
     assert desk.look().phase == "idle"
+    client.post("/plan", json=GREEDY)
+    assert wait(desk).phase == "done"
+    assert client.get("/state").json()["plan"] is not None
     client.post("/edit", json=of("far", required=True))
     client.post("/plan", json=GREEDY)
     look = wait(desk)
     assert look.phase == "done"
     assert look.said.startswith("no plan: ")
     assert client.get("/state").json()["plan"] is None
+    assert look.said in html.unescape(client.get("/report").text)
 
 
 def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple[str, Any]]:
@@ -366,21 +383,50 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
     assert made.look().number == 4
 
 
-def test_a_planner_that_fails_is_heard_of(monkeypatch: pytest.MonkeyPatch, world: Path) -> None:
-    """Whatever goes wrong in a run is said, and the next run begins."""
-    made = session_of(hand_made(), None, Folder(world / "work", world / "my.json"))
+@pytest.mark.parametrize(
+    ("place", "error", "said"),
+    [
+        (
+            "adr_opt.run.front.run",
+            ZeroDivisionError("by nothing"),
+            "greedy-guarded failed: ZeroDivisionError: by nothing",
+        ),
+        (
+            "adr_opt.ui.serve.project.results.Results.keep_plan",
+            InputError("the disk is full"),
+            "the disk is full",
+        ),
+    ],
+)
+def test_a_planner_that_fails_leaves_its_reason_alone(
+    desk: EditingSession, monkeypatch: pytest.MonkeyPatch, place: str, error: Exception, said: str
+) -> None:
+    """Whatever goes wrong in a run is said, without figures of another one; the next one begins."""
+    client = let_in(desk)
+    desk.plan(PlanningOrder("greedy-guarded", 10.0))
+    assert wait(desk).phase == "done"
+    assert (desk.state()["result"], desk.state()["of_last_run"]) == (1, True)
 
     def broken(*given: Any, **more: Any) -> Result:
-        raise ZeroDivisionError("by nothing")
+        raise error
 
     with monkeypatch.context() as patch:
-        patch.setattr("adr_opt.run.front.run", broken)
-        made.plan(PlanningOrder("greedy-guarded", 10.0))
-        look = wait(made)
-    assert look.phase == "failed"
-    assert look.said == "greedy-guarded failed: ZeroDivisionError: by nothing"
-    made.plan(PlanningOrder("greedy-guarded", 10.0))
-    assert wait(made).phase == "done"
+        patch.setattr(place, broken)
+        desk.plan(PlanningOrder("greedy-guarded", 10.0))
+        look = wait(desk)
+    assert (look.phase, look.said) == ("failed", said)
+    state = client.get("/state").json()
+    assert (state["plan"], state["result"], state["of_last_run"]) == (None, None, True)
+    assert not any(visited for *_, visited, _, _, _ in state["targets"])
+    report = client.get("/report").text
+    assert said in report
+    assert "Planning failed" in report
+    # What is shown afterwards is not of the run that has failed.
+    desk.show(1)
+    assert (desk.state()["result"], desk.state()["of_last_run"]) == (1, False)
+    desk.plan(PlanningOrder("greedy-guarded", 10.0))
+    assert wait(desk).phase == "done"
+    assert desk.state()["of_last_run"]
 
 
 def test_a_plan_begins_from_the_one_before(

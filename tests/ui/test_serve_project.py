@@ -36,6 +36,36 @@ pytest.importorskip("sgp4")
 pytest.importorskip("starlette.testclient")
 
 
+def test_bad_rows_are_told_with_place_and_cause_and_files_removed(tmp_path: Path) -> None:
+    """Of a catalogue each of the first bad rows is named, also when it is reopened, or is bad."""
+    at = At(tmp_path / "project")
+    lines = catalogue(9).decode().splitlines()
+    rows = [row for row, line in enumerate(lines) if line.startswith("1 ")][:7]
+    for row in rows:
+        lines[row] = lines[row][:-1] + str((int(lines[row][-1]) + 1) % 10)
+    broken = "\n".join(lines).encode()
+    assert at.drop("few.tle", broken) == {"what": "catalogue", "count": 2, "skipped": 7}
+    at.drop("whole.tle", catalogue(20))
+    for opened in (at, At(tmp_path / "project")):
+        file, whole = opened.get("/state")["files"]
+        assert (file["skipped"], len(file["bad"]), whole["bad"]) == (7, 5, [])
+        assert [each.partition(" (")[0] for each in file["bad"]] == [
+            f"line {row + 1}" for row in rows[:5]
+        ]
+        assert all("checksum" in each for each in file["bad"]), file["bad"]
+    refused = at.drop("none.tle", "\n".join(lines[: rows[1]]).encode(), 422)
+    assert f"line {rows[0] + 1}" in refused["error"]
+    assert "checksum" in refused["error"]
+    at.post("/files/remove", {"file": file["id"]})
+    assert [each["name"] for each in at.get("/state")["files"]] == ["whole.tle"]
+    assert len(at.get("/objects")["names"]) == 20
+    assert "no such file" in at.post("/files/remove", {"file": file["id"]}, 422)["error"]
+    at.post("/files/remove", {"file": whole["id"]})
+    assert at.get("/objects")["names"] == []
+    assert at.get("/state")["stage"] == "empty"
+    assert list((tmp_path / "project" / "files").iterdir()) == []
+
+
 def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
     """Objects are dropped, chosen, edited, planned, checked and exported; undo outlasts a call."""
     folder = tmp_path / "project"
@@ -47,7 +77,8 @@ def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
     objects = at.get("/objects")
     assert {len(objects[name]) for name in ("names", "altitude_km", "raan_deg", "kind")} == {200}
     assert {"debris", "rocket body"} == set(objects["kind"])
-    assert at.get("/state")["files"] == [{"name": "all?.tle", "what": "catalogue", "count": 200}]
+    (file,) = at.get("/state")["files"]
+    assert (file["name"], file["what"], file["count"]) == ("all?.tle", "catalogue", 200)
 
     chosen = [name for name, raan in zip(objects["names"], objects["raan_deg"], strict=True)
               if 100.0 < raan < 130.0][:8]  # fmt: skip

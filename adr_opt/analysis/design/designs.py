@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -33,6 +34,12 @@ class Design:
     def value(self, kind: str) -> float | None:
         """Its value of a kind; None where that is not varied."""
         return dict(self.values).get(kind)
+
+    @property
+    def budget(self) -> float:
+        """What its plans may cost; +inf where that is not varied [euros]."""
+        value = self.value("budget")
+        return math.inf if value is None else value
 
     @property
     def title(self) -> str:

@@ -13,8 +13,9 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import parse_model
+from ...common.json_text import parse_json
 from ...common.lines_file import LinesFile
-from ...judge.check.verdict import check
+from ...judge.admit import admit
 from ...plan.plan import Plan
 from .designs import Design
 from .point import DesignPoint
@@ -76,13 +77,9 @@ class DesignsFile:
         if content.get("plan") is not None:
             plan = parse_model(json.dumps(content["plan"]), Plan, where)
             try:
-                violations = check(instance, plan)
+                plan = admit(instance, plan).plan
             except InputError as error:
-                raise InputError(f"{where}: {error}") from None
-            if violations:
-                raise InputError(
-                    f"{where}: the plan has a violation ({violations[0]}); name another file"
-                )
+                raise InputError(f"{where}: {error}; name another file") from None
         bound = math.inf if content.get("bound") is None else content["bound"]
         times = _number(content.get("runtime_s"), where), _number(content.get("cpu_s"), where)
         try:
@@ -91,7 +88,7 @@ class DesignsFile:
             raise InputError(
                 f"{where}: its plan avoids more than its bound; name another file"
             ) from None
-        if point.euros > (design.value("budget") or math.inf):
+        if point.euros > design.budget:
             raise InputError(f"{where}: its plan is beyond the budget; name another file")
         return point
 
@@ -119,10 +116,7 @@ def _of_other(key: str) -> str:
 
 def _parsed(where: str, line: bytes) -> tuple[str, Design, dict[str, Any]]:
     """A line as its place, its design, and its content."""
-    try:
-        content = json.loads(line)
-    except (ValueError, RecursionError):
-        content = None
+    content = parse_json(line, where, "not a line of results; name another file")
     values = content.get("design") if isinstance(content, dict) else None
     if not isinstance(values, dict) or not all(
         isinstance(value, (int, float)) for value in values.values()

@@ -90,7 +90,6 @@ def _flown(
     problem.do_without()
     routes = [orders.get(chaser.name, ()) for chaser in instance.chasers]
     made = certify_routes(problem, work.method, routes, seed=work.seed, runtime_s=0.0)
-    budget = point.design.value("budget") or math.inf
-    if made.plan is None or work.prices.of_plan(instance, made.plan) > budget:
+    if made.plan is None or work.prices.of_plan(instance, made.plan) > point.design.budget:
         return None
     return work.point(point.design, instance, made.plan, point.bound, point.runtime_s, point.cpu_s)

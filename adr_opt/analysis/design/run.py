@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -43,7 +42,7 @@ def run_design(
     """
     began, cpu_began = time.perf_counter(), time.process_time()
     allowed = work.spending(design)
-    budget = design.value("budget") or math.inf
+    budget = design.budget
     instance = work.rating.planned(work.priced(design) if allowed is None else allowed.planned)
     plan, bound = None, 0.0
     if allowed is not None:

@@ -10,6 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...common.stop import MaxRuntime, Stop
 from ...mission.problem import problem_of
 from ...problem.instance import Instance
@@ -100,7 +101,7 @@ def design_study(  # noqa: PLR0913
     file = None if path is None else DesignsFile(path, work)
     points = {} if file is None else file.points(designs)
     left = [design for design in designs if design not in points]
-    for point in _run(work, left, jobs or os.cpu_count() or 1, cluster, stop):
+    for point in _run(work, left, jobs or usable_cores(), cluster, stop):
         points[point.design] = point
         if file is not None:
             file.append(point)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from typing import TypeVar
 
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...common.stop import Stop
 
 W = TypeVar("W")
@@ -74,7 +74,7 @@ def elsewhere(
     if cluster is not None:
         calls = Workers(cluster)
     else:
-        jobs = jobs or os.cpu_count() or 1
+        jobs = jobs or usable_cores()
         # A fork of a process with threads may wait for a lock that is never released.
         processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
         calls = LocalPool(processes, jobs)

@@ -15,6 +15,8 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from ...common.errors import InputError
 from ...common.files import check_writable, read_text
+from ...common.json_text import REPEATED, parse_json, validated
+from ...common.sentences import sentence
 
 FORMAT = "adr-opt-rehearsals/1"
 
@@ -89,13 +91,10 @@ class RowsFile(Generic[R]):
         lines = read_text(self._path).splitlines()
         if not lines:
             return ()
-        try:
-            head = json.loads(lines[0])
-            known = isinstance(head, dict) and head.get("format") == FORMAT
-        except json.JSONDecodeError:
-            known = False
-        if not known:
-            raise InputError(f"{self._path}: not a file of rehearsals; name another file")
+        other_file = "not a file of rehearsals; name another file"
+        head = parse_json(lines[0], str(self._path), other_file)
+        if not isinstance(head, dict) or head.get("format") != FORMAT:
+            raise InputError(f"{self._path}: {other_file}")
         if head.get("of") != self._digest:
             raise InputError(
                 f"{self._path}: has rehearsals of another mission, plan, policy or uncertainty; "
@@ -104,10 +103,12 @@ class RowsFile(Generic[R]):
         found = []
         for number, line in enumerate(lines[1:], start=2):
             try:
-                found.append(self._kind.validate_json(line))
+                found.append(validated(self._kind, line))
             except ValidationError as error:
                 if error.errors()[0]["type"] == "json_invalid":
                     continue  # cut off
+                if error.errors()[0]["type"] == REPEATED:
+                    raise InputError(f"{self._path}: line {number}: {sentence(error)}") from None
                 raise InputError(
                     f"{self._path}: line {number} is no rehearsal or bound; name another file"
                 ) from None

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from ...common.clock import now_s
 from ...common.errors import InputError
 from ...common.stop import Stop
+from ...judge.admit import AnyPlan, admit, admit_made
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...problem.support import refuse
@@ -65,7 +66,7 @@ class Setting(NamedTuple):
 
 def rehearse(  # noqa: PLR0913
     instance: Instance,
-    plan: Plan | None,
+    plan: AnyPlan | None,
     uncertainty: Uncertainty,
     *,
     policy: str = "follow",
@@ -82,8 +83,9 @@ def rehearse(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    plan : Plan or None
-        Of this instance; None for a policy that plans, which then begins with a plan of "auto".
+    plan : Plan, Admitted or None
+        Of this instance, without violations; None for a policy that plans, which then begins with
+        a plan of "auto".
     uncertainty : Uncertainty
     policy : str
         "follow", "skip", "replan", "beam", "learned" (or "ppo"), or one that an installed
@@ -132,7 +134,7 @@ def rehearse(  # noqa: PLR0913
 
 
 def setting_of(
-    instance: Instance, plan: Plan | None, uncertainty: Uncertainty, policy: str
+    instance: Instance, plan: AnyPlan | None, uncertainty: Uncertainty, policy: str
 ) -> Setting:
     """What all rehearsals have in common, with a plan to begin with.
 
@@ -147,13 +149,16 @@ def setting_of(
     if plan is None:
         if policy in NEED_PLAN:
             raise InputError(f"policy {policy!r} keeps to a plan; give one")
-        plan = solve(instance, time_limit=PLANNING_S).plan
-        if plan is None:
+        made = solve(instance, time_limit=PLANNING_S).plan
+        if made is None:
             raise InputError(
                 f"no plan of {instance.name!r} was found to begin with; give one that 'solve' made"
             )
-    setting = Setting(instance, plan, uncertainty, policy)
-    intended(Ground(instance), plan)
+        begun = admit_made(instance, made)
+    else:
+        begun = admit(instance, plan)
+    setting = Setting(instance, begun.plan, uncertainty, policy)
+    intended(Ground(instance), begun.plan)
     return setting
 
 

@@ -109,15 +109,18 @@ def _services(ground: Ground, uncertainty: Uncertainty, level: float) -> dict[st
 
 
 def _instance(instance: Instance, uncertainty: Uncertainty, levels: Levels) -> Instance:
-    """The instance with launches after slips, and prizes that are mean worths."""
+    """The instance with launches after slips, and prizes that are mean worths.
+
+    Launches are kept apart as planned: the slip of one delays no other.
+    """
     chasers = []
-    for chaser in instance.chasers:
+    for chaser, (since, until) in zip(instance.chasers, instance.available_s, strict=True):
         slip = uncertainty.slip_of(chaser.name) if chaser.is_launched else None
         if slip is not None:
-            since, until = chaser.available_s
             since += slip_quantile(slip, levels.launch)
-            since = since if until is None else min(since, until)
-            chaser = chaser.replace(available_s=(since, until))
-        chasers.append(chaser)
-    instance = instance.replace(chasers=tuple(chasers))
+        if until is not None and since > until:  # never in time
+            since, chaser = until, chaser.replace(max_targets=0)
+        chasers.append(chaser.replace(available_s=(since, until)))
+    mission = instance.mission.replace(launch_separation_s=None)
+    instance = instance.replace(chasers=tuple(chasers), mission=mission)
     return with_worths(instance, mean_worths(instance, uncertainty))

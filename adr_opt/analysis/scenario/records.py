@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import ConfigDict, Field, TypeAdapter
+
+from ...common.json_text import loaded, validated
 
 CASES = ("with", "without")
 """Futures with campaigns and without."""
@@ -175,7 +176,7 @@ def records_of(line: bytes) -> dict[str, YearRecord]:
     ValueError
         It is not JSON, a part is missing, or a value is of another type.
     """
-    found, whole = RECORDS.validate_json(line), json.loads(line)
+    found, whole = validated(RECORDS, line), loaded(line)
     fields = YearRecord.__dataclass_fields__.keys()
     if whole.keys() != set(CASES) or any(whole[case].keys() != fields for case in CASES):
         raise ValueError("a part is missing, or there is one more")

@@ -11,6 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from datetime import datetime
 
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...problem.instance import Instance
 from ...run.method_call import spec_of
 from ...sources.worth.bodies import Bodies
@@ -81,7 +82,7 @@ def scenario(
         for seed in range(settings.seeds)
     ]
     of = settings.seeds * (settings.years + 1)
-    jobs = jobs or len(os.sched_getaffinity(0))
+    jobs = jobs or usable_cores()
     if jobs == 1 or settings.seeds == 1:
         futures = []
         for seed, file in enumerate(files):

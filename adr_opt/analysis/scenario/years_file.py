@@ -11,6 +11,7 @@ from pathlib import Path
 
 from ...common.errors import InputError
 from ...common.files import check_writable, write_both
+from ...common.json_text import parse_json
 from ...common.lines_file import LinesFile
 from .records import YearRecord, records_of
 
@@ -91,7 +92,9 @@ def _of_other(key: str) -> str:
 
 
 def _year(where: str, line: bytes) -> dict[str, YearRecord]:
+    otherwise = "not a year of a scenario; name another folder"
+    parse_json(line, where, otherwise)
     try:
         return records_of(line)
     except (ValueError, RecursionError):
-        raise InputError(f"{where}: not a year of a scenario; name another folder") from None
+        raise InputError(f"{where}: {otherwise}") from None

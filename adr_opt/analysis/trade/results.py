@@ -18,6 +18,7 @@ from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import write_text
+from ...common.json_text import loaded
 from .axes import Axis
 from .points import Point, Routes, Tradeoff
 
@@ -179,8 +180,8 @@ class ResultsFile:
         for name, value, holds in (
             ("delta_v_m_s", point.delta_v_m_s, 0.0 < point.delta_v_m_s < math.inf),
             ("duration_s", point.duration_s, 0.0 < point.duration_s < math.inf),
-            ("thrust_n", point.thrust_n, 0.0 < (point.thrust_n or 1.0) < math.inf),
-            ("isp_s", point.isp_s, 0.0 < (point.isp_s or 1.0) < math.inf),
+            ("thrust_n", point.thrust_n, _is_positive(point.thrust_n)),
+            ("isp_s", point.isp_s, _is_positive(point.isp_s)),
             ("prize", point.prize, point.prize < math.inf),
             ("upper_bound", point.upper_bound, not math.isnan(point.upper_bound)),
             ("runtime_s", point.runtime_s, 0.0 <= point.runtime_s < math.inf),
@@ -199,6 +200,11 @@ class ResultsFile:
             point.visits, cost, f"{point.runtime_s:.3f}", f"{point.cpu_s:.3f}",
             json.dumps(point.routes, ensure_ascii=False),
         )  # fmt: skip
+
+
+def _is_positive(value: float | None) -> bool:
+    """Whether an optional number is positive and finite where there is one."""
+    return value is None or 0.0 < value < math.inf
 
 
 def _write_all(handle: int, content: bytes) -> None:
@@ -222,7 +228,7 @@ def _cells(line: bytes) -> list[str] | None:
 def _is_cut_off(text: str) -> bool:
     """Whether a list ends before its brackets do, as in the last cell of a torn row."""
     try:
-        json.loads(text)
+        loaded(text)
     except json.JSONDecodeError:
         return True
     except RecursionError:
@@ -232,7 +238,7 @@ def _is_cut_off(text: str) -> bool:
 
 def _routes(text: str) -> Routes:
     """Names of bodies for each chaser; raises :class:`ValueError` for other texts."""
-    routes = json.loads(text)
+    routes = loaded(text)
     for route in routes:
         if not isinstance(route, list) or not all(isinstance(name, str) for name in route):
             raise ValueError(text)

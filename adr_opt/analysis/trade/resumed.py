@@ -12,7 +12,7 @@ from dataclasses import replace
 from itertools import chain
 
 from ...common.errors import InputError
-from ...judge.check.verdict import check
+from ...judge.admit import admit
 from ...mission.build_legs import legs
 from ...mission.problem import Problem
 from ...plan.expense import cost_of_routes
@@ -130,7 +130,7 @@ def _plan(point: Point, problem: Problem) -> Plan:
         routes=tuple(priced),
         unvisited=tuple(Unvisited(target=name, reason="not-considered") for name in left),
     )
-    violations = check(instance, plan)
-    if violations:
-        raise InputError(f"the routes cannot be flown: {violations[0]}")
+    admitted = admit(instance, plan, unjudged=True)
+    if not admitted.holds:
+        raise InputError(f"the routes cannot be flown: {admitted.violations[0]}")
     return plan

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from ...common.stop import MaxRuntime, Stop
 from ...common.tolerance import meets
 from ...mission.problem import Problem
@@ -141,7 +142,7 @@ def tradeoff(  # noqa: PLR0913
     if file is not None and file.found:
         known = Shared(instance, shared.longest_s, tanks=tanks)
         ran = take_in(board, file.found, known.problem, {method, QUICK})
-    jobs = jobs or os.cpu_count() or 1
+    jobs = jobs or usable_cores()
     runner: _Here | _Beside = _Here(shared, settings)
     work = _Work(instance, shared.longest_s, tanks, settings)
     if cluster is not None:

@@ -23,7 +23,7 @@ import numpy as np
 
 from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
 from ...common.errors import InputError
-from ...fly.trajectory.axes import USUAL, Axes, axes_of
+from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.bodies import body_states
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import Array
@@ -66,8 +66,7 @@ def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
     The chaser docks as the plan has it: at each arrival it takes over the state of the
     destination. A report file tells, at each arrival and before docking, where both are.
 
-    ``frame`` is as for :func:`adr_opt.fly.trajectory.axes.axes_of`; by default, where the instance
-    names one that GMAT has not, EME2000.
+    ``frame`` is as for :func:`adr_opt.fly.trajectory.axes.axes_of`.
 
     Raises
     ------
@@ -96,8 +95,6 @@ def to_gmat(trajectory: Trajectory, frame: str | None = None) -> str:
 
 def axes_in_gmat(instance: Instance, frame: str | None) -> Axes:
     """Axes of a script; raises :class:`InputError` for frames unknown to GMAT."""
-    if frame is None and instance.frame is not None and instance.frame.name not in AXES:
-        frame = USUAL
     if frame in FRAMES and frame not in AXES:
         raise InputError(
             f"frame = {frame!r}: GMAT has no such axes; use one of {', '.join(AXES)}, or write .oem"

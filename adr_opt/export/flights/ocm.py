@@ -142,7 +142,7 @@ def _thrust(
         "MAN_COMPOSITION = TIME_ABSOLUTE, MAN_DURA, DELTA_MASS, THR_X, THR_Y, THR_Z, THR_INTERP, "
         "THR_ISP"
     )
-    yield "MAN_UNITS = [n/a, s, kg, N, N, N, n/a, s]"
+    yield "MAN_UNITS = [s, kg, N, N, N, n/a, s]"
     for window, labels in run:
         spans = np.append(np.diff(window.times_s), 0.0)
         rows = zip(labels, spans, axes.turned(window.forces_n), strict=True)
@@ -166,7 +166,7 @@ def _impulses(course: FlightCourse, leg: CourseLeg, axes: Axes, clock: UtcClock)
     yield from _about(f"LEG-{leg.number}-IMPULSES", "IMPULSES", course, axes, clock)
     mass, unit = ("DELTA_MASS, ", "kg, ") if burnt else ("", "")
     yield f"MAN_COMPOSITION = TIME_ABSOLUTE, MAN_DURA, {mass}DV_X, DV_Y, DV_Z"
-    yield f"MAN_UNITS = [n/a, s, {unit}km/s, km/s, km/s]"
+    yield f"MAN_UNITS = [s, {unit}km/s, km/s, km/s]"
     for number, burn in enumerate(leg.all_burns):
         lost = f"{-burnt[number].lost_kg:.9f} " if burnt else ""
         x, y, z = axes.turned(np.array(burn.delta_v_m_s)) / 1e3

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Iterator
 from ...common.constants import EARTH_RADIUS_M, J2
 from ...common.errors import InputError
 from ...common.files import check_writable, write_both, write_text
-from ...fly.flight.flyable import refuse_foreign
 from ...fly.flight.tanks import refined_routes
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
 from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import STEP_S
+from ...judge.admit import AnyRefined, admit
 from ...kernels.orbits.gravity import J3, J4
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import chaser_wanted
@@ -29,7 +29,7 @@ from .write import ALL_FORMATS, BY_SUFFIX, TOGETHER, FlightFile, axes_in, check_
 
 def write_refined(
     instance: Instance,
-    refined: RefinedPlan,
+    refined: AnyRefined,
     path: str | os.PathLike[str],
     *,
     file: FlightFile = BY_SUFFIX,
@@ -43,7 +43,7 @@ def write_refined(
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
+    refined : RefinedPlan or Admitted
     path : path
     file : FlightFile
         Of the formats "oem", by default, "opm", "ocm", "czml" and "script". Messages of burns and
@@ -64,14 +64,15 @@ def write_refined(
     Raises
     ------
     InputError
-        A refined plan of another instance, an unknown frame or format, a body in another format
-        than "oem", low thrust in "opm", legs that do not follow each other in messages and scripts,
-        ephemerides that are missing, burns that do not lead from one of them to the next, what
-        :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot be written.
+        A refined plan of another instance or with violations, an unknown frame or format, a body
+        in another format than "oem", low thrust in "opm", legs that do not follow each other in
+        messages and scripts, ephemerides that are missing, burns that do not lead from one of them
+        to the next, what :func:`adr_opt.fly.refine.ephemeris.tracks` raises, or a file that cannot
+        be written.
     MissingExtra
         There is something to turn to the frame, and astropy is not installed.
     """
-    refuse_foreign(instance, refined)
+    refined = admit(instance, refined).plan
     format, frame, object_id = file.format or "oem", file.frame, file.object_id
     check_frame(frame)
     check_writable(path)

@@ -11,7 +11,7 @@ from ...common.files import check_writable, write_text
 from ...fly.flight.flyable import refuse_broken_chain
 from ...fly.trajectory.axes import Axes, axes_of
 from ...fly.trajectory.sampling import Trajectory, sample
-from ...plan.plan import Plan
+from ...judge.admit import AnyPlan, admit
 from ...plan.routes import chaser_wanted, owners
 from ...problem.frame import FRAMES as FRAMES
 from ...problem.instance import Instance
@@ -40,10 +40,9 @@ class FlightFile:
     format : {"oem", "opm", "ocm", "czml", "script"}, optional
         By default that of the file's suffix; "ocm" is for refined plans.
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        By default the frame of the instance, and EME2000 if it names none. Where it names one,
-        states and burns are turned from that to this, by astropy; else this is only a name. CZML
-        has only Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME, and a script
-        is in EME2000 for it.
+        By default GCRF, and EME2000 if the instance names no frame. Where it names one, states and
+        burns are turned from that to this, by astropy; else this is only a name. CZML has only
+        Cesium's INERTIAL, the ICRF, and takes no notice; GMAT has no TEME.
     object_id : str, optional
         International designator of what flies, for ``oem`` and ``opm``; else UNKNOWN.
     """
@@ -58,7 +57,7 @@ BY_SUFFIX = FlightFile()
 
 def write_plan(
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     path: str | os.PathLike[str],
     *,
     file: FlightFile = BY_SUFFIX,
@@ -71,7 +70,7 @@ def write_plan(
     Parameters
     ----------
     instance : Instance
-    plan : Plan
+    plan : Plan or Admitted
     path : path
         Its suffix chooses the format where ``file`` does not.
     file : FlightFile
@@ -93,8 +92,8 @@ def write_plan(
     ------
     InputError
         Unknown format, frame or chaser, several chasers and none is named, a plan of another
-        instance, without legs or that cannot be flown, legs that do not follow each other, no such
-        leg, a step that is not positive, or a file that cannot be written.
+        instance, with violations, without legs or that cannot be flown, legs that do not follow
+        each other, no such leg, a step that is not positive, or a file that cannot be written.
     MissingExtra
         There is something to turn, and astropy is not installed.
     """
@@ -109,7 +108,7 @@ def write_plan(
 
 def flown(
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     step_s: float | None = None,
     leg: int | None = None,
     chaser: str | None = None,
@@ -120,6 +119,7 @@ def flown(
 
     With ``together`` it may be that of several chasers.
     """
+    plan = admit(instance, plan).plan
     trajectory = sample(instance, plan, step_s)
     if not trajectory.legs:
         raise InputError("the plan has no legs: there is nothing to fly and so nothing to export")

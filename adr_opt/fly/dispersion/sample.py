@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -11,6 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.errors import InputError
+from ...common.processors import usable_cores
+from ...judge.admit import AnyRefined, admit
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...problem.instance import Instance
@@ -35,7 +36,7 @@ MOST_FLIGHTS, MOST_CORRECTIONS = 100_000, 10
 
 def sample_flights(  # noqa: PLR0913
     instance: Instance,
-    refined: RefinedPlan,
+    refined: AnyRefined,
     flights: int = 1000,
     errors: FlightErrors | None = None,
     *,
@@ -56,7 +57,7 @@ def sample_flights(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
+    refined : RefinedPlan or Admitted
     flights : int
     errors : FlightErrors, optional
         Those of :class:`FlightErrors` by default.
@@ -78,7 +79,7 @@ def sample_flights(  # noqa: PLR0913
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, names an unknown body or has no legs, a
+        The refined plan belongs to another instance, has violations or has no legs, a
         parameter is out of range, or errors are so large that a flight leads away.
     """
     errors = errors or FlightErrors()
@@ -88,6 +89,7 @@ def sample_flights(  # noqa: PLR0913
     _check("jobs", jobs or 0, 0, math.inf)
     if not 0.0 < share < 1.0:
         raise InputError(f"share = {share:g}: must lie between 0 and 1")
+    refined = admit(instance, refined).plan
     refuse_strangers(instance, refined)
     if refined.has_thrust:
         raise InputError("the refined plan has low thrust, which is not flown with errors")
@@ -108,7 +110,7 @@ def sample_flights(  # noqa: PLR0913
 
     flown: list[LegFlights] = []
     report(0, len(refined.legs))
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(jobs or usable_cores()) as pool:
         for leg_flights in pool.map(one, refined.legs):
             flown.append(leg_flights)
             report(len(flown), len(refined.legs))

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.errors import InputError
-from ...plan.plan import Burn, Leg, Plan
+from ...judge.admit import AnyPlan, admit
+from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from .aimed import Aim
@@ -21,7 +22,7 @@ from .result import EccentricFlight, Flight, LegFlight
 from .two_body import State, TwoBody, distance
 
 
-def fly(instance: Instance, plan: Plan) -> Flight:
+def fly(instance: Instance, plan: AnyPlan) -> Flight:
     """Fly the burns of a plan in the dynamics of its instance.
 
     Each leg begins on the origin's own orbit, or where the tow of the origin leads, which begins
@@ -34,18 +35,19 @@ def fly(instance: Instance, plan: Plan) -> Flight:
     Parameters
     ----------
     instance : Instance
-    plan : Plan
-        Need not be free of violations; :func:`adr_opt.check` judges that.
+    plan : Plan or Admitted
+        Free of violations, unless it was let in unjudged (:func:`adr_opt.judge.admit.admit`).
 
     Raises
     ------
     InputError
-        The plan belongs to another instance, names an unknown body, or has burns that cannot be
-        flown: out of time order, after the arrival, without an approach, or leading to no orbit;
-        or a tow is missing, or one too many.
+        The plan belongs to another instance or has violations; or, let in unjudged, it names an
+        unknown body, or has burns that cannot be flown: out of time order, after the arrival,
+        without an approach, or leading to no orbit; or a tow is missing, or one too many.
     MissingExtra
         boinor is not installed.
     """
+    plan = admit(instance, plan).plan
     refuse_what_cannot_be_flown(instance, plan)
     motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...common.errors import InputError
 from ...plan.plan import Leg, Plan
 from ...plan.routes import Flown, routes_of, several
 from ...problem.instance import Instance
 from ...problem.rules import CAMPAIGNS, FIRST, TOURS, Follower
 from ...problem.support import refuse
-
-if TYPE_CHECKING:
-    from ...plan.refined_plan import RefinedPlan
 
 TIME_TOLERANCE_S = 1e-3
 """Tolerance between the last burn and the stated arrival [s]."""
@@ -39,7 +34,7 @@ def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:
     chaser, or has burns out of time order, after the arrival or without an approach; or a tow is
     missing, or one too many.
     """
-    refuse(instance, REFINED)
+    refuse(instance, REFINED)  # for want of a trajectory, before want of burns
     refuse(instance, FLOWN)
     _refuse_wrong_legs(instance, plan)
 
@@ -54,7 +49,7 @@ def refuse_what_cannot_be_refined(instance: Instance, plan: Plan) -> None:
 
 
 def _refuse_wrong_legs(instance: Instance, plan: Plan) -> None:
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     spiralling = {
         number
         for flown in routes_of(instance, plan)
@@ -84,16 +79,6 @@ def _tows_before_s(plan: Plan) -> dict[int, float]:
             if leg.tow is not None and leg is not route.legs[-1]:
                 found[number + 1] = leg.tow.burns[-1].time_s if leg.tow.burns else leg.tow.end_s
     return found
-
-
-def refuse_foreign(instance: Instance, plan: Plan | RefinedPlan) -> None:
-    """Raise :class:`InputError` for a plan, or a refined one, of another instance."""
-    if not plan.instance.is_of(instance):
-        raise InputError(
-            f"the plan belongs to the instance {plan.instance.name!r} "
-            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
-        )
 
 
 def refuse_broken_chain(instance: Instance, plan: Plan) -> None:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...common.constants import MU_M3_S2
+from ...judge.admit import AnyPlan, admit
 from ...plan.leg_kinds import flown_kind_names
 from ...plan.plan import Burn, Leg, Plan
 from ...plan.plan_flight import TOW, FamilyFlight, PlanFlight, TankLeft
@@ -77,15 +78,14 @@ class MeanFlight:
 
 
 def fly_mean(
-    instance: Instance, plan: Plan, enough: Callable[[], bool] = lambda: False
+    instance: Instance, plan: AnyPlan, enough: Callable[[], bool] = lambda: False
 ) -> MeanFlight | None:
     """Fly a plan in the mean motion of its instance, on the true orbits of its bodies.
 
     Parameters
     ----------
     instance : Instance
-    plan : Plan
-        Need not be free of violations; :func:`adr_opt.check` judges that.
+    plan : Plan or Admitted
     enough : callable
         Asked between legs; once it says so, there is no flight.
 
@@ -94,6 +94,7 @@ def fly_mean(
     InputError
         As of :func:`.fly`.
     """
+    plan = admit(instance, plan).plan
     refuse_what_cannot_be_flown(instance, plan)
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
     lead_ins = plan.lead_ins

@@ -1,11 +1,8 @@
 """Judge of refined plans, with a different integrator from the one that made them.
 
-Nothing of :mod:`adr_opt.kernels` is used but constants and the compiler: the pull is written once
-more, and :mod:`.propagation` integrates the change of elements by an explicit method, where the
-refinement integrates positions by an implicit one. Bodies are propagated from the states at the
-epoch that the file states, the chaser from its origin's. Of a plan that was refined onto
-ephemerides, bodies are where :mod:`.as_reported` reads that they are, and the chaser begins at the
-stated state, whose distance from its origin counts as a miss.
+Bodies and coasts are those of :mod:`adr_opt.judge.refined.world`. The chaser begins at its origin's
+state; of a plan that was refined onto ephemerides at the stated state, whose distance from its
+origin counts as a miss.
 """
 
 from __future__ import annotations
@@ -18,40 +15,25 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
 from ...common.errors import InputError
-from ...kernels.orbits.gravity import J3, J4
-from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
+from ...judge.admit import AnyRefined, admit
+from ...judge.refined.holding import found_m_s
+from ...judge.refined.release import released
+from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
+from ...judge.refined.world import Places, Towing, World, begun, reported_of
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState
 from ...problem.instance import Instance
 from ...problem.support import refuse
-from .as_reported import ReportedStates
-from .flyable import REFINED, refuse_foreign
-from .held import found_m_s
-from .propagation import advance, elements_of, state_of
+from .flyable import REFINED
 from .refined_result import RefinedFlight, RefinedLegFlight
-from .release import released
 from .tanks import refined_routes, tanks_of
-from .thrust_flight import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
 
 Array = npt.NDArray[np.float64]
-
-STEPS = 72
-"""Steps per revolution at the lowest perigee: enough for agreement with the collocation within some
-centimetres after two years; more do not help."""
-
-FIELDS = {
-    "two-body": np.array([0.0, 0.0, 0.0]),
-    "j2": np.array([J2, 0.0, 0.0]),
-    "j3": np.array([J2, J3, 0.0]),
-    "j4": np.array([J2, J3, J4]),
-}
-MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
-"""Reflection that leaves zonal fields unchanged and makes retrograde orbits prograde."""
 
 
 def fly_refined(
     instance: Instance,
-    refined: RefinedPlan,
+    refined: AnyRefined,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> RefinedFlight:
     """Fly a refined plan in its gravity field and report its misses.
@@ -59,21 +41,21 @@ def fly_refined(
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
+    refined : RefinedPlan or Admitted
     report : callable
         Hears of how many legs are flown, and of how many there are.
 
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, names an unknown body, or leads away from
-        the Earth.
+        The refined plan belongs to another instance or has violations; or, let in unjudged, it
+        names an unknown body, or leads away from the Earth.
     """
+    refined = admit(instance, refined).plan
     refuse_strangers(instance, refined)
-    world = _World(refined.gravity)
-    onto = refined.ephemerides
-    reported = None if onto is None else ReportedStates(instance, onto)
-    bodies = _Ephemeris(world, refined, reported)
+    world = World(refined.gravity)
+    reported = reported_of(instance, refined)
+    bodies = Places(world, refined, reported)
     flown = []
     report(0, len(refined.legs))
     for leg in refined.legs:
@@ -99,7 +81,7 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
     Or for one that lacks a tow, or has one too many.
     """
     refuse(instance, REFINED)
-    refuse_foreign(instance, refined)
+    refined.instance.refuse_other(instance, "refined plan")
     for chaser, legs in refined_routes(instance, refined):
         for leg in legs:
             refuse_wrong_thrust(instance, leg, chaser)
@@ -113,114 +95,11 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
                 raise InputError(f"leg {leg.leg}: {name!r} is {wrong}; refine the plan again")
 
 
-class _World:
-    """Free motion of many states at once, as columns of shape (6, n) [m, m/s]."""
-
-    def __init__(self, gravity: str) -> None:
-        self.zonals = FIELDS[gravity]
-
-    def coast(self, states: Array, start_s: float, end_s: float) -> Array:
-        """The states after a coast.
-
-        Raises
-        ------
-        ArithmeticError
-            They lead into the centre of the Earth or out of numbers.
-        """
-        if start_s == end_s:
-            return states
-        revolution = math.tau * math.sqrt(_lowest(states) ** 3 / MU_M3_S2)
-        steps = math.ceil(abs(end_s - start_s) / revolution * STEPS)
-        found = np.empty(states.shape)
-        for at, state in enumerate(states.T):
-            retrograde = state[0] * state[4] < state[1] * state[3]
-            sides = MIRROR if retrograde else np.ones(6)
-            elements = elements_of(sides * state)
-            advance(elements, end_s - start_s, steps, self.zonals)
-            found[:, at] = sides * state_of(elements)
-        if not bool(np.isfinite(found).all()):
-            raise ArithmeticError("the states are no longer numbers")
-        return found
-
-
-def _lowest(states: Array) -> float:
-    """Lowest perigee of some states [m], at least a tenth of the Earth's radius.
-
-    Raises
-    ------
-    ArithmeticError
-        An orbit is not closed.
-    """
-    positions, velocities = states[:3].T, states[3:].T
-    radius = np.sqrt(np.sum(positions**2, axis=1))
-    inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
-    if not bool((inverse > 0.0).all()):
-        raise ArithmeticError("the burns lead away from the Earth")
-    momentum = np.sum(np.cross(positions, velocities) ** 2, axis=1)
-    e = np.sqrt(np.maximum(1.0 - momentum * inverse / MU_M3_S2, 0.0))
-    return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
-
-
-class _Ephemeris:
-    """States of bodies at the beginnings and ends of legs.
-
-    Those that nothing is reported of are propagated together from the epoch.
-    """
-
-    def __init__(
-        self, world: _World, refined: RefinedPlan, reported: ReportedStates | None
-    ) -> None:
-        self._world, self._reported = world, reported
-        elsewhere = () if reported is None else reported.bodies
-        wanted: dict[float, set[str]] = {}
-        for leg in refined.legs:
-            led = leg.tow_before
-            begins_s = leg.states[0].time_s if led is None else led.start_s
-            wanted.setdefault(begins_s, set()).add(leg.origin)
-            if leg.tow is not None:
-                wanted.setdefault(leg.tow.start_s, set()).add(leg.destination)
-            for time in (leg.standoff_s, leg.arrival_s):
-                wanted.setdefault(time, set()).add(leg.destination)
-        last = {name: time for time in sorted(wanted) for name in wanted[time]}
-        states = {
-            body.name: np.array([*body.position_m, *body.velocity_m_s])
-            for body in refined.bodies
-            if body.name in last and body.name not in elsewhere
-        }
-        self._known: dict[tuple[str, float], Array] = {}
-        now = 0.0
-        for time in sorted(wanted):
-            for name in wanted[time].difference(states):
-                assert reported is not None  # the others have a state at the epoch
-                self._known[name, time] = reported.state(name, time)
-            names = [name for name in states if last[name] >= time]
-            if not names:
-                continue
-            moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
-            states = dict(zip(names, moved.T, strict=True))
-            now = time
-            for name in wanted[time].intersection(states):
-                self._known[name, time] = states[name]
-
-    def state(self, name: str, time_s: float) -> Array:
-        """State of a body at a time named by a leg, shape (6,)."""
-        return self._known[name, time_s]
-
-    def following(self, name: str, time_s: float, length_m: float) -> Array:
-        """State of the point that follows a body on its orbit, slightly delayed."""
-        state = self._known[name, time_s]
-        if self._reported is not None and name in self._reported.bodies:
-            return self._reported.state(name, time_s - length_m / math.hypot(*state[3:]))
-        return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
-
-
-def _fly_leg(
-    world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance
-) -> RefinedLegFlight:
+def _fly_leg(world: World, bodies: Places, leg: RefinedLeg, instance: Instance) -> RefinedLegFlight:
     now = leg.states[0].time_s
-    begin, begun = leg.states[0], _begun(world, bodies, leg, instance)[:, 0]
+    begin, there = leg.states[0], begun(world, bodies, leg, instance)
     onto = leg.holding_delta_v_m_s is not None
-    chaser = _stated(begin) if onto else begun[:, None].copy()
+    chaser = _stated(begin) if onto else there[:, None].copy()
     at_standoff = None
     thrust = None
     if leg.thrust is not None:
@@ -248,8 +127,8 @@ def _fly_leg(
         kind=leg.kind,
         planned_delta_v_m_s=leg.planned_delta_v_m_s,
         flown_delta_v_m_s=burnt + (0.0 if thrust is None else thrust.delta_v_m_s),
-        departure_miss_m=math.dist(begin.position_m, begun[:3]),
-        departure_miss_m_s=math.dist(begin.velocity_m_s, begun[3:]) if onto else None,
+        departure_miss_m=math.dist(begin.position_m, there[:3]),
+        departure_miss_m_s=math.dist(begin.velocity_m_s, there[3:]) if onto else None,
         holding_delta_v_m_s=leg.holding_delta_v_m_s,
         standoff_miss_m=math.dist(at_standoff[:3], behind[:3]),
         standoff_miss_m_s=math.dist(at_standoff[3:], behind[3:]),
@@ -258,18 +137,8 @@ def _fly_leg(
         towing_m_s=leg.removal_m_s,
         planned_towing_m_s=leg.planned_removal_m_s,
         **_of_thrust(leg, thrust, burnt),
-        **({} if leg.tow is None else _of_tow(_Towing(world, bodies, instance, leg.leg), leg)),
+        **({} if leg.tow is None else _of_tow(Towing(world, bodies, instance, leg.leg), leg)),
     )
-
-
-def _begun(world: _World, bodies: _Ephemeris, leg: RefinedLeg, instance: Instance) -> Array:
-    """State of the chaser when a leg begins, before its first burn, shape (6, 1)."""
-    now = leg.states[0].time_s
-    if leg.tow_before is None:
-        return bodies.state(leg.origin, now)[:, None].copy()
-    end_s = leg.tow_before.released.time_s
-    led = _Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
-    return world.coast(led.state[:, None], end_s, now)
 
 
 def _stated(begin: RefinedState) -> Array:
@@ -305,25 +174,24 @@ def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLe
     InputError
         A state leads into the centre of the Earth or away from it.
     """
-    world = _World(refined.gravity)
-    onto = refined.ephemerides
-    reported = None if onto is None else ReportedStates(instance, onto)
-    bodies = _Ephemeris(world, refined, reported)
+    world = World(refined.gravity)
+    reported = reported_of(instance, refined)
+    bodies = Places(world, refined, reported)
     for leg in refined.legs:
         begin_s, end_s = leg.states[0].time_s, leg.standoff_s
         there = bodies.state(leg.destination, end_s)[:, None]
         try:
             if leg.holding_delta_v_m_s is None:
-                begun = _begun(world, bodies, leg, instance)
+                chaser = begun(world, bodies, leg, instance)
             else:
-                begun = _stated(leg.states[0])
+                chaser = _stated(leg.states[0])[:, 0]
             if reported is not None and leg.destination in reported.bodies:
                 body = reported.state(leg.destination, begin_s)
             else:
                 body = world.coast(there, end_s, begin_s)[:, 0]
             planned = PlannedLeg(
                 leg,
-                begun[:, 0],
+                chaser,
                 body,
                 bodies.following(leg.destination, end_s, instance.transfer.standoff_m),
             )
@@ -344,29 +212,7 @@ def _of_thrust(leg: RefinedLeg, thrust: ThrustFlown | None, burnt_m_s: float) ->
     }
 
 
-class _Towing(NamedTuple):
-    """What tows of a leg are flown with."""
-
-    world: _World
-    bodies: _Ephemeris
-    instance: Instance
-    leg: int
-
-    def flown(self, name: str, tow: RefinedTow) -> ThrustFlown:
-        """Fly a tow; one by burns has no mass and no shadow."""
-        world, state = self.world, self.bodies.state(name, tow.start_s)
-        if tow.thrust is not None:
-            course = Course(self.leg, tow.start_s, tow.released.time_s, 0.0)
-            return fly_thrust(self.instance, tow.thrust, course, state, world.zonals)
-        begin, end = tow.burns
-        moving = state[:, None].copy()
-        moving[3:, 0] += begin.delta_v_m_s
-        moving = world.coast(moving, begin.time_s, end.time_s).copy()
-        moving[3:, 0] += end.delta_v_m_s
-        return ThrustFlown(moving[:, 0], tow.delta_v_m_s, math.nan, 0.0)
-
-
-def _of_tow(towing: _Towing, leg: RefinedLeg) -> dict[str, float]:
+def _of_tow(towing: Towing, leg: RefinedLeg) -> dict[str, float]:
     """How far from the stated place a tow ends, and what is told of a spiral."""
     assert leg.tow is not None
     led = towing.flown(leg.destination, leg.tow)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from .held import LEAST_SHARE, SPARE_M_S
+from ...judge.check.violation import Violation
+from ...judge.refined.holding import LEAST_SHARE, SPARE_M_S
+from ...judge.refined.thrust import MOST_SHADOW_S
 from .result import TankFlight, WithTanks
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
@@ -17,9 +19,6 @@ ONTO_MISS_M, ONTO_MISS_M_S = 10.0, 1e-2
 MOST_RELEASE_OFF_M, MOST_RELEASE_ECCENTRICITY = 1e3, 1e-3
 """Largest difference between the mean altitude at the release of a spiral and that of disposal [m],
 and largest mean eccentricity there."""
-
-MOST_SHADOW_S = 1.0
-"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
 
 SPIRAL = ("tow_propellant_kg", "tow_shadow_s", "release_off_m", "release_eccentricity")
 """Fields that only legs with a spiral have."""
@@ -157,12 +156,15 @@ class RefinedFlight(WithTanks):
         Of the legs that were refined.
     missing : tuple of int
         Numbers of the legs that were not.
+    violations : tuple of Violation
+        That the judge found in the refined plan, where it was asked.
     """
 
     gravity: str
     legs: tuple[RefinedLegFlight, ...]
     tanks: tuple[TankFlight, ...]
     missing: tuple[int, ...] = ()
+    violations: tuple[Violation, ...] = ()
 
     @property
     def onto_ephemerides(self) -> bool:
@@ -215,11 +217,11 @@ class RefinedFlight(WithTanks):
     def holds(self) -> bool:
         """Whether all legs are present and arrive, none thrusts in shadow, and tanks suffice.
 
-        And whether spirals end on the circle of disposal, and legs state the ΔV of holding.
+        And whether spirals end on the circle of disposal, legs state the ΔV of holding, and the
+        judge found nothing.
         """
         wrong = self.missing or self.strayed or self.in_shadow or self.off_disposal
-        wrong = wrong or self.understated
-        return not (wrong or self.broken_tanks)
+        return not (wrong or self.understated or self.violations or self.broken_tanks)
 
     @property
     def planned_delta_v_m_s(self) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...judge.check.violation import DELTA_V_TOLERANCE_M_S, Violation
 from ...plan.leg_kinds import leg_kind
 
 
@@ -271,12 +271,20 @@ class Flight(WithTanks):
     tanks : tuple of TankFlight
     dynamics : {"two-body", "j2"}
         In which the legs were flown.
+    violations : tuple of Violation
+        That `check` found in the plan, where it was asked.
     """
 
     worst_miss_m: float
     legs: tuple[LegFlight, ...]
     tanks: tuple[TankFlight, ...] = ()
     dynamics: Literal["two-body", "j2"] = "two-body"
+    violations: tuple[Violation, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether all tanks suffice, and `check` found nothing."""
+        return not (self.broken_tanks or self.violations)
 
     @property
     def drifts(self) -> tuple[LegFlight, ...]:
@@ -338,7 +346,7 @@ class Flight(WithTanks):
         if self.chasers:
             told["chasers"] = [chaser.to_dict() for chaser in self.chasers]
         return told | {
-            "holds": not self.broken_tanks,
+            "holds": self.holds,
             "tanks": [tank.to_dict() for tank in self.tanks],
             "legs": [leg.to_dict() for leg in self.legs],
         }

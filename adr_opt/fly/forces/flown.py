@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from ...common.constants import MU_M3_S2
+from ...judge.admit import AnyRefined, admit
+from ...judge.refined.world import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedPlan
 from ...problem.frame import Frame
 from ...problem.instance import Instance
-from ..flight.refined import FIELDS, PlannedLeg, planned_legs, refuse_strangers
+from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
 from .corrected import Stretch, correction_m_s, last_lap
@@ -25,7 +27,7 @@ from .settings import Forces
 
 def fly_forced(
     instance: Instance,
-    refined: RefinedPlan,
+    refined: AnyRefined,
     forces: Forces | None = None,
     report: Callable[[int, int], None] = lambda done, total: None,
 ) -> ForcedFlight:
@@ -34,7 +36,7 @@ def fly_forced(
     Parameters
     ----------
     instance : Instance
-    refined : RefinedPlan
+    refined : RefinedPlan or Admitted
     forces : Forces, optional
         Those of :class:`Forces` by default.
     report : callable
@@ -43,10 +45,11 @@ def fly_forced(
     Raises
     ------
     InputError
-        The refined plan belongs to another instance, or names an unknown body.
+        The refined plan belongs to another instance, or has violations.
     MissingExtra
         The library is not installed.
     """
+    refined = admit(instance, refined).plan
     refuse_strangers(instance, refined)
     settings = Forces() if forces is None else forces
     world, acting = all_forces(instance, settings)

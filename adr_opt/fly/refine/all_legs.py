@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import closing
@@ -14,6 +13,9 @@ import numpy as np
 from ...common.clock import now_s
 from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
+from ...common.processors import usable_cores
+from ...judge.admit import Admitted, AnyPlan, admit
+from ...judge.refined import check_refined
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
@@ -75,7 +77,7 @@ class KnownBodies(NamedTuple):
 
 def refine(  # noqa: PLR0913
     instance: AnyInstance,
-    plan: Plan,
+    plan: AnyPlan,
     *,
     gravity: Gravity | None = None,
     freedom: Freedom | None = None,
@@ -94,8 +96,8 @@ def refine(  # noqa: PLR0913
     Parameters
     ----------
     instance : Instance, path or dict
-    plan : Plan
-        Need not be free of violations; :func:`adr_opt.check` judges that.
+    plan : Plan or Admitted
+        Free of violations, unless it was let in unjudged (:func:`adr_opt.judge.admit.admit`).
     gravity : {"two-body", "j2", "j3", "j4"}, optional
         The field, with zonal harmonics up to the one that is named; that of the instance's
         dynamics by default, and with ephemerides "j4".
@@ -121,28 +123,29 @@ def refine(  # noqa: PLR0913
     Returns
     -------
     RefinedPlan
-        Legs for which no trajectory was found, or no time was left, are among its ``missing``.
+        Legs for which no trajectory was found, or that come down below the limit of altitude, or
+        for which no time was left, are among its ``missing``.
 
     Raises
     ------
     InputError
-        The plan belongs to another instance or cannot be flown, its legs do not follow each
-        other, or a parameter is not one of those. With ephemerides: there are none, they are
-        others than the instance says, or a leg has low thrust.
+        The plan belongs to another instance or has violations, its legs cannot be flown or do not
+        follow each other, or a parameter is not one of those. With ephemerides: there are none,
+        they are others than the instance says, or a leg has low thrust.
     """
     wanted = Wanted(gravity, freedom, jobs, cluster, enough, report, ephemerides)
-    return refined_again(followed(instance, REFINED), plan, wanted, {})
+    return refined_again(admit(followed(instance, REFINED), plan), wanted, {})
 
 
 def refined_again(
-    instance: Instance, plan: Plan, wanted: Wanted, known: dict[Hashable, RefinedLeg]
+    admitted: Admitted[Plan], wanted: Wanted, known: dict[Hashable, RefinedLeg]
 ) -> RefinedPlan:
     """Refine a plan, legs of low thrust only where they are not known from another plan.
 
     Parameters
     ----------
-    instance : Instance
-    plan : Plan
+    admitted : Admitted
+        The plan, with its instance.
     wanted : Wanted
     known : dict
         Refined legs of low thrust of plans of the instance, in the same field, by what they were
@@ -153,6 +156,7 @@ def refined_again(
     InputError
         As of :func:`refine`.
     """
+    instance, plan = admitted.instance, admitted.plan
     jobs, cluster, enough, report = wanted[2:6]
     gravity = wanted.gravity or (DEFAULT_GRAVITY if wanted.ephemerides else instance.dynamics)
     _check_word("gravity", gravity, GRAVITIES)
@@ -223,9 +227,10 @@ def refined_again(
                 for future in left:
                     future.cancel()
     known |= {what: done[number] for number, what in made_of.items() if number in done}
-    return RefinedPlan(
+    made = RefinedPlan(
         instance=InstanceReference(name=instance.name, sha256=instance.sha256),
         plan=reference(plan),
+        planned=plan,
         ephemerides=ends.onto,
         gravity=gravity,
         freedom=freedom,
@@ -234,6 +239,24 @@ def refined_again(
         versions=versions(),
         bodies=tuple(_body(name, state) for name, state in bodies.epoch_states.items()),
         legs=tuple(done[number] for number in sorted(done)),
+        missing=tuple(missing[number] for number in sorted(missing)),
+    )
+    return _without_low(instance, plan, made)
+
+
+def _without_low(instance: Instance, plan: Plan, made: RefinedPlan) -> RefinedPlan:
+    """A refined plan without legs that come down below the limit of altitude."""
+    low = {
+        found.leg: Missing(leg=found.leg, reason=found.message)
+        for found in check_refined(instance, plan, made)
+        if found.rule == "altitude" and found.leg is not None
+    }
+    if not low:
+        return made
+    missing = {one.leg: one for one in made.missing} | low
+    return made.replace(
+        status="incomplete",
+        legs=tuple(leg for leg in made.legs if leg.leg not in low),
         missing=tuple(missing[number] for number in sorted(missing)),
     )
 
@@ -281,7 +304,7 @@ def _calls(jobs: int | None, cluster: str | None) -> Calls:
     """The executor that guides the legs."""
     if cluster is not None:
         return Workers(cluster)
-    count = jobs or os.cpu_count() or 1
+    count = jobs or usable_cores()
     return LocalPool(ThreadPoolExecutor(count), count)
 
 

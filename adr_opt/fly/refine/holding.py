@@ -10,7 +10,7 @@ from ...mission.problem import Problem
 from ...mission.result import proven_of
 from ...plan.expense import cost_of_routes
 from ...plan.plan import Leg, Plan, Route, Unvisited
-from ...plan.refined_plan import RefinedLeg, RefinedPlan, reference
+from ...plan.refined_plan import RefinedLeg, RefinedPlan
 from ...plan.routes import Flown, routes_of, weighed
 from ...plan.tows import removals_by_name
 from ...problem.chasers import AtStation
@@ -104,7 +104,7 @@ def beginning(
         for leg in refined.legs
         if leg.leg in kept
     ]
-    return shorter, _with(refined, reference(shorter).sha256, renumbered)
+    return shorter, _with(refined, renumbered).made_of(shorter)
 
 
 def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
@@ -147,7 +147,7 @@ def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
         if lost or not _may_end(problem.instance, flown, count):
             continue
         kept = [leg for leg in refined.legs if leg.leg in first]
-        if not troubles(problem, _with(refined, refined.plan.sha256, kept)):
+        if not troubles(problem, _with(refined, kept)):
             return count
     return 0
 
@@ -163,11 +163,10 @@ def _may_end(instance: Instance, flown: Flown, count: int) -> bool:
     return last not in instance.station_names
 
 
-def _with(refined: RefinedPlan, sha256: str, legs: list[RefinedLeg]) -> RefinedPlan:
+def _with(refined: RefinedPlan, legs: list[RefinedLeg]) -> RefinedPlan:
     """A refined plan with a subset of its legs, complete."""
     known = {name for leg in legs for name in (leg.origin, leg.destination)}
     return refined.replace(
-        plan=refined.plan.replace(sha256=sha256),
         status="complete",
         bodies=tuple(body for body in refined.bodies if body.name in known),
         legs=tuple(legs),

@@ -12,12 +12,13 @@ from ...common.card import Shown
 from ...common.errors import InputError
 from ...common.progress import Progress, silent
 from ...common.stop import Stop
+from ...judge.admit import admit_made
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
 from ...legs.corrections import Corrections
 from ...mission.problem import AnyProblem, Problem, problem_of
 from ...mission.result import Result
 from ...plan.plan import Plan
-from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan, reference
+from ...plan.refined_plan import Freedom, Gravity, RefinedLeg, RefinedPlan
 from ...plan.routes import routes_of
 from ...problem.support import refuse
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
@@ -32,6 +33,9 @@ from .reported import opened
 
 MOST_ROUNDS = 10
 """Default maximum number of rounds."""
+
+MODEL_TANK = frozenset({"delta-v", "delta-v-left"})
+"""Rules that plans break which spend what flight has saved: tanks as the model counts them."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +244,8 @@ def solve_refined(  # noqa: PLR0913
             reason = f"round {len(held) + 1} found no plan: {method} ended with {result.status}"
             return _ended(mission, result, best, tuple(held), reason)
         plan = result.plan
-        refined = refined_again(mission.instance, plan, refining, known)
+        admitted = admit_made(mission.instance, plan, excused=MODEL_TANK if spend_savings else ())
+        refined = refined_again(admitted, refining, known)
         wrong = troubles(kept_back, refined)
         held.append(
             Round(
@@ -298,5 +303,5 @@ def _ended(
             f"{worst.budget_m_s:g}"
         )
         plan = plan.replace(notes=(*plan.notes, f"{said}; refined, the plan holds"))
-        kept = kept.replace(plan=reference(plan))
+        kept = kept.made_of(plan)
     return RefinedResult(replace(result, plan=plan), kept, rounds, "")

@@ -10,8 +10,14 @@ from ...problem.frame_rotation import rotation
 from ...problem.instance import Instance
 from .kepler import Array
 
-USUAL: FrameName = "EME2000"
-"""Name given to the frame of an instance that does not state its own."""
+UNKNOWN: FrameName = "EME2000"
+"""Name given by default to the frame of an instance that does not state its own."""
+
+KNOWN: FrameName = "GCRF"
+"""Frame by default where that of the instance is known.
+
+Not its own: readers take TEME for that of each state's date, whatever ``REF_FRAME_EPOCH`` says.
+"""
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ def axes_of(instance: Instance, frame: str | None = None) -> Axes:
     ----------
     instance : Instance
     frame : {"EME2000", "GCRF", "ICRF", "TEME"}, optional
-        By default that of the instance, and EME2000 if it names none. Where the instance names one,
+        By default GCRF, and EME2000 if the instance names none. Where the instance names one,
         vectors are turned from that to this; else this is only a name. The axes of TEME are those
         of the instance's epoch, but where it is the instance's own, those that it says.
 
@@ -74,7 +80,7 @@ def axes_of(instance: Instance, frame: str | None = None) -> Axes:
         There is something to turn, and astropy is not installed.
     """
     own = instance.frame
-    wanted = _named(frame or (USUAL if own is None else own.name), instance)
+    wanted = _named(frame or (UNKNOWN if own is None else KNOWN), instance)
     if own is None:
         return Axes(wanted)
     if wanted.name == own.name:

@@ -11,10 +11,12 @@ import numpy.typing as npt
 
 from ...common.constants import SLACK_M_S, SLACK_S
 from ...kernels.orbits import ephemeris
+from ...plan.leg_kinds import GIVEN, LAUNCH
 from ...plan.plan import Leg, Plan
 from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import Drive, drive_of
 from ...problem.instance import Instance
+from .altitude import Heights
 from .leg import Physics, check_transfer
 from .shared import Drawn, check_apart, launch_times
 from .tank import TankLevel
@@ -127,6 +129,7 @@ def _check_route(
     route: tuple[Leg, ...],
 ) -> Generator[Violation, None, bool]:
     """Follow one chaser up to the end of its last leg; returns whether it got there."""
+    heights, led_from, oblateness_m2 = Heights(instance), set[str](), instance.oblateness_m2
     for at, leg in enumerate(route):
         number, following = first + at, route[at + 1] if at + 1 < len(route) else None
         leads_on = yield from _check_order(bodies, now, visited, number, leg)
@@ -149,7 +152,12 @@ def _check_route(
         end = yield from _check_service(
             instance, bodies, now, number, leg, arrival, physics.elements[j], towed
         )
-        yield from check_tow(towed, number, leg, end, following)
+        yield from check_tow(towed, number, leg, end, following, oblateness_m2)
+        if instance.given is None and leg.kind != GIVEN.name:
+            until = end if leg.tow is None else leg.tow.start_s
+            led = leg.kind == LAUNCH.name or leg.origin in led_from
+            yield from heights.check(number, leg, arrival, until, led=led)
+        led_from |= {leg.destination} & set(physics.towed)
         yield from _check_tank(bodies, now, visited, number, leg, delta_v, towed)
         if leg.destination in bodies.stations:
             now.since_refuelling = 0

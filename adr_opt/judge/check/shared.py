@@ -19,14 +19,15 @@ PROPELLANT_TOLERANCE, PROPELLANT_TOLERANCE_KG = 1e-9, 1e-6
 def launch_times(instance: Instance) -> dict[str, float]:
     """Earliest launch of each launched chaser, by name [s].
 
-    In the order of the file, each so long after the one before it as the mission says.
+    Where the mission gives an interval, in the order of the file, each so long after the one before
+    it; each on its own if it gives none.
     """
-    apart = instance.mission.launch_separation_s or 0.0
+    apart = instance.mission.launch_separation_s
     found: dict[str, float] = {}
     for chaser in instance.chasers:
         if chaser.start == "anywhere":
             earliest = chaser.available_s[0]
-            if found:
+            if found and apart is not None:
                 earliest = max(earliest, list(found.values())[-1] + apart)
             found[chaser.name] = earliest
     return found

@@ -9,13 +9,20 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import as_left, with_orbit
 from ...plan.plan import Burn, Leg
+from ...problem.bodies import Target
 from ...problem.drives import Drive
 from ...problem.instance import Instance
-from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
+from .violation import (
+    DELTA_V_TOLERANCE_M_S,
+    MOST_RELEASE_OFF_M,
+    TIME_TOLERANCE_S,
+    Violation,
+)
+from .zone_crossings import KEPLER_STEPS, Stretch
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,6 +46,10 @@ class Towed(NamedTuple):
         How far its node moves [rad].
     slower : (float, float) or None
         What its burns take off the speed [m/s]; None for a spiral of low thrust.
+    sinks_m_s : float
+        How fast its orbit shrinks.
+    offset : (float, float)
+        Constant part of its eccentricity vector, towards the node and a quarter lap later.
     """
 
     orbit: FloatArray
@@ -48,12 +59,14 @@ class Towed(NamedTuple):
     mass_kg: float
     shift: float
     slower: tuple[float, float] | None
+    sinks_m_s: float
+    offset: tuple[float, float]
 
 
 def towed_bodies(instance: Instance, elements: FloatArray, drive: Drive | None) -> dict[str, Towed]:
     """Objects towed by chasers with a drive, or with impulses, by name."""
     return {
-        target.name: _towed(instance, elements[body], float(target.mass_kg or 0.0), drive)
+        target.name: _towed(instance, elements[body], target, drive)
         for body, target in enumerate(instance.targets, start=instance.first_target)
         if target.removal == "tow"
     }
@@ -81,7 +94,8 @@ def _spiral(
     return time, end - start, node * time, latitude * time
 
 
-def _towed(instance: Instance, orbit: FloatArray, mass_kg: float, drive: Drive | None) -> Towed:
+def _towed(instance: Instance, orbit: FloatArray, target: Target, drive: Drive | None) -> Towed:
+    mass_kg, sinks_m_s = float(target.mass_kg or 0.0), (target.decay_m_per_day or 0.0) / DAY_S
     low = EARTH_RADIUS_M + float(instance.mission.disposal_altitude_m or 0.0)
     high = float(ephemeris.radius_at(orbit, ephemeris.EPOCH_S))
     tilt = float(ephemeris.inclination_at(orbit, ephemeris.EPOCH_S))
@@ -105,11 +119,17 @@ def _towed(instance: Instance, orbit: FloatArray, mass_kg: float, drive: Drive |
         coasting_node_rate=float(ephemeris.node_rate(low, tilt, oblateness)),
     )
     slower = None if drive is not None else burns
-    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower)
+    offset = (0.0, 0.0) if target.fit is None else target.fit.eccentricity_offset
+    return Towed(orbit, left, time, delta_v, mass_kg, shift, slower, sinks_m_s, offset)
 
 
 def check_tow(
-    towed: Towed | None, number: int, leg: Leg, end: float, following: Leg | None
+    towed: Towed | None,
+    number: int,
+    leg: Leg,
+    end: float,
+    following: Leg | None,
+    oblateness_m2: float,
 ) -> Iterator[Violation]:
     """Check the tow after a leg if one is due, and its absence otherwise.
 
@@ -123,6 +143,8 @@ def check_tow(
         Of the service [s].
     following : Leg or None
         The leg that the same chaser flies next.
+    oblateness_m2 : float
+        J2 R², 0 for two bodies.
     """
     if towed is None or leg.tow is None:
         if (towed is None) != (leg.tow is None):
@@ -153,6 +175,61 @@ def check_tow(
         return
     for which, burn in enumerate(leg.tow.burns):
         yield from _check_burn(towed, number, which, burn, times)
+    low, high = released_between(towed, times, oblateness_m2)
+    circle = float(ephemeris.radius_at(towed.left, ephemeris.EPOCH_S))
+    if max(abs(low - circle), abs(high - circle)) > MOST_RELEASE_OFF_M:
+        low, high, circle = ((radius - EARTH_RADIUS_M) / 1e3 for radius in (low, high, circle))
+        yield Violation(
+            number,
+            "release",
+            f"{leg.destination!r} is released at {low:.1f} × {high:.1f} km, more than "
+            f"{MOST_RELEASE_OFF_M / 1e3:g} km off the circle at {circle:g} km",
+        )
+
+
+def released_between(
+    towed: Towed, times: tuple[float, float], oblateness_m2: float
+) -> tuple[float, float]:
+    """Radii of perigee and apogee of an object that two burns against the motion lead down [m].
+
+    It begins on its true orbit, as large as that is by then.
+    """
+    assert towed.slower is not None
+    position, velocity = _true_state(towed, times[0])
+    velocity -= towed.slower[0] / float(np.linalg.norm(velocity)) * velocity
+    arc = Stretch(position, velocity, *times, oblateness_m2)
+    position, velocity = arc.state_at_end()
+    velocity -= towed.slower[1] / float(np.linalg.norm(velocity)) * velocity
+    after = Stretch(position, velocity, times[1], times[1], oblateness_m2)
+    shape = math.hypot(after.e_cos, after.e_sin)
+    return after.a * (1.0 - shape), after.a * (1.0 + shape)
+
+
+def _true_state(towed: Towed, time_s: float) -> tuple[FloatArray, FloatArray]:
+    """Position and velocity of an object on its true orbit at a time [m], [m/s]."""
+    row = towed.orbit
+    e, perigee = (
+        float(of(row, time_s)) for of in (ephemeris.eccentricity_at, ephemeris.perigee_at)
+    )
+    axis = float(ephemeris.radius_at(row, time_s)) - towed.sinks_m_s * time_s
+    # With what odd harmonics add to the eccentricity vector.
+    to_node = e * math.cos(perigee) + towed.offset[0]
+    after = e * math.sin(perigee) + towed.offset[1]
+    e, perigee = math.hypot(to_node, after), math.atan2(after, to_node)
+    mean = math.remainder(float(ephemeris.latitude_at(row, time_s)) - perigee, math.tau)
+    anomaly = mean
+    for _ in range(KEPLER_STEPS):
+        anomaly -= (anomaly - e * math.sin(anomaly) - mean) / (1.0 - e * math.cos(anomaly))
+    ascending, ahead, _ = ephemeris.frame(
+        ephemeris.inclination_at(row, time_s), ephemeris.node_at(row, time_s)
+    )
+    to_perigee = math.cos(perigee) * ascending + math.sin(perigee) * ahead
+    across = math.cos(perigee) * ahead - math.sin(perigee) * ascending
+    root, motion = math.sqrt(1.0 - e * e), math.sqrt(MU_M3_S2 / axis**3)
+    c, s = math.cos(anomaly), math.sin(anomaly)
+    pace = axis * motion / (1.0 - e * c)
+    position = axis * ((c - e) * to_perigee + root * s * across)
+    return position, pace * (root * c * across - s * to_perigee)
 
 
 def _check_burn(

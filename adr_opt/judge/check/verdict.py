@@ -47,12 +47,7 @@ def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:
             "adr_opt.analysis.price, which makes a plan of it"
         )
     instance = followed(instance, FOLLOWS)
-    if not plan.instance.is_of(instance):
-        raise InputError(
-            f"the plan belongs to the instance {plan.instance.name!r} "
-            f"(sha256 {plan.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
-        )
+    plan.instance.refuse_other(instance)
     return (
         *check_model(plan),
         *check_routes(instance, plan),

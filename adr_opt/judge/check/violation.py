@@ -23,6 +23,13 @@ EXPENSE_TOLERANCE = 1e-9
 """Relative tolerance on expenses."""
 
 
+ALTITUDE_TOLERANCE_M = 10.0
+"""Tolerance on altitudes of mean orbits."""
+
+MOST_RELEASE_OFF_M = 10e3
+"""Largest distance of perigee and apogee of a released object from the circle of disposal."""
+
+
 @dataclass(frozen=True)
 class Violation:
     """An error in a plan.

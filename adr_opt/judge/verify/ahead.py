@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.constants import SLACK_S
+from ...common.memory import available_bytes
 from ...kernels.core.compile import inlined, kernel
 from .cargo import after_service, changes, is_unused
 from .legs import Legs
@@ -34,8 +35,11 @@ LARGEST = 2**28
 SHARE = 1.0 / 60.0
 """Step length as a share of the shortest leg."""
 
-ROOM_BYTES = 1e9
-"""Memory limit of the values; slots are widened until they fit [bytes]."""
+ROOM_BYTES, SHARE_OF_MEMORY = 1e9, 0.25
+"""Memory limits of the values [bytes], [1 / free memory]; slots are widened until they fit."""
+
+MOST_SLOTS = 32766
+"""Number of slots beyond which they are widened as well, as they tell nothing more."""
 
 
 class Ahead(NamedTuple):
@@ -276,6 +280,11 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
                 )  # fmt: skip
 
 
+def most_slots(slot_bytes: float) -> float:
+    """How many slots of a size in memory there may be."""
+    return min(MOST_SLOTS, min(ROOM_BYTES, SHARE_OF_MEMORY * available_bytes()) / slot_bytes)
+
+
 def look_ahead(
     legs: Legs,
     gain: Sequence[Fraction],
@@ -300,8 +309,9 @@ def look_ahead(
     last = np.empty(departures.size)
     length = max(0.0, min(SHARE * legs.shortest, legs.shortest - 4.0 * SLACK_S))
     last = last[: _steps(departures, length, last)]
-    tables = 8.0 * layers * last.size * bodies
-    while slot_m_s < tank and tables * tank / slot_m_s > ROOM_BYTES:
+    tables = 8.0 * layers * (last.size + 1) * bodies
+    most = most_slots(tables)
+    while slot_m_s < tank and tank / slot_m_s > most:
         slot_m_s *= 2.0
     tops = np.array([slots_in(full, slot_m_s) for full in cargo.full.tolist()])
     slots = int(tops[0]) + 1

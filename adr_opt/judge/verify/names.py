@@ -22,12 +22,7 @@ def check_names(instance: Instance, certificate: Certificate) -> None:
     InputError
         It does not, or belongs to another instance.
     """
-    if certificate.instance.sha256 != instance.sha256:
-        raise InputError(
-            f"the certificate belongs to the instance {certificate.instance.name!r} "
-            f"(sha256 {certificate.instance.sha256[:12]}…), not to {instance.name!r} "
-            f"(sha256 {instance.sha256[:12]}…); give the instance it was made for"
-        )
+    certificate.instance.refuse_other(instance, "certificate")
     often = how_often(instance)
     for name in certificate.multipliers:
         if name not in often:

@@ -18,10 +18,12 @@ missions and the longest leg, which only forbid plans."""
 def kept_apart(instance: Instance) -> tuple[Chaser, ...]:
     """The chasers, each available from its earliest possible launch.
 
-    They are launched in the order of the file, each so long after the one before as the instance
-    says, whether that one is used or not.
+    Where the instance gives an interval, they are launched in the order of the file, each so long
+    after the one before, whether that one is used or not. Otherwise no launch waits for another.
     """
-    apart_s, earliest_s, found = instance.mission.launch_separation_s or 0.0, -math.inf, []
+    apart_s, earliest_s, found = instance.mission.launch_separation_s, -math.inf, []
+    if apart_s is None:
+        return instance.chasers
     for chaser in instance.chasers:
         since, until = chaser.available_s
         if chaser.is_launched:

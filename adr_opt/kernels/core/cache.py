@@ -8,13 +8,13 @@ not seen: it appears under its name at once or not at all. What the folder lacks
 :mod:`.archive` that a wheel brings along.
 
 Files are optional: an unreadable one is compiled anew, an unwritable one is skipped, and
-:func:`trouble` says why. The least recently used are removed first.
+:func:`trouble` says why. The least recently used are removed first. What is read is executed:
+folders and files that other users could have written are not used.
 """
 
 import hashlib
 import os
 import pickle
-import stat
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -50,8 +50,8 @@ _is_pruned = False
 
 
 def trouble() -> str | None:
-    """Reason why compiled kernels could not be kept; None if they could."""
-    return _troubles[0] if _troubles else None
+    """Reason why compiled kernels could not be kept as they should; None if they could."""
+    return next(iter((*refused(), *_troubles)), None)
 
 
 def used() -> set[Path]:
@@ -61,6 +61,16 @@ def used() -> set[Path]:
 
 def folders() -> list[Path]:
     """Folders to read from and write to, in order of preference; they need not exist."""
+    return [folder for folder in _places() if refusal(folder) is None]
+
+
+def refused() -> list[str]:
+    """Folders that would be used and are not, each with the reason in brackets."""
+    found = ((folder, refusal(folder)) for folder in _places())
+    return [f"{folder} ({reason})" for folder, reason in found if reason is not None]
+
+
+def _places() -> list[Path]:
     named = os.environ.get(VARIABLE)
     if named:
         return [Path(named)]
@@ -70,15 +80,31 @@ def folders() -> list[Path]:
 
 
 def _temporary() -> list[Path]:
-    """Folder in place of an unwritable home; no other user may write to it."""
+    """Folder in place of an unwritable home."""
     with suppress(OSError, AttributeError):  # AttributeError: Windows, where homes are writable
         path = Path(tempfile.gettempdir()) / f"adr-opt-{os.getuid()}"
         path.mkdir(mode=0o700, exist_ok=True)
-        status = path.lstat()
-        if stat.S_ISDIR(status.st_mode) and status.st_uid == os.getuid():
-            if not status.st_mode & 0o022:
-                return [path]
+        if not path.is_symlink():
+            return [path]
     return []
+
+
+def refusal(folder: Path) -> str | None:
+    """Why a folder is not used, as others may have put something there; None if it is."""
+    try:
+        status = folder.stat()
+    except OSError:
+        return None  # it does not exist, or cannot be read from
+    if is_ours(status):
+        return None
+    return "others can write to it, and what lies there is executed: chmod go-w it as its owner"
+
+
+def is_ours(status: os.stat_result) -> bool:
+    """Whether nobody but this user, or root, can have written a file or into a folder."""
+    if not hasattr(os, "getuid"):
+        return True
+    return status.st_uid in (0, os.getuid()) and not status.st_mode & 0o022
 
 
 Processor = tuple[str, ...]
@@ -167,9 +193,10 @@ class KernelCache(_Cache):
 
 
 def read(path: Path) -> bytes | None:
-    """Content of a file; None if it is missing or damaged."""
+    """Content of a file; None if it is missing or damaged, or another user's."""
     try:
-        content = path.read_bytes()
+        with path.open("rb") as file:
+            content = file.read() if is_ours(os.fstat(file.fileno())) else b""
     except OSError:
         return None
     checksum, payload = content[:32], content[32:]
@@ -186,7 +213,8 @@ def _write(name: str, payload: bytes) -> Path | None:
     for folder in folders():
         unfinished = folder / f".{uuid4().hex}"
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            folder.mkdir(mode=0o755, parents=True, exist_ok=True)
+            unfinished.touch(mode=0o644)  # whatever the mask is, as others could write otherwise
             unfinished.write_bytes(hashlib.sha256(payload).digest() + payload)
             unfinished.replace(folder / name)
         except OSError as error:
@@ -196,7 +224,9 @@ def _write(name: str, payload: bytes) -> Path | None:
         else:
             _prune(folder)
             return folder / name
-    _troubles.append(failures[0] if failures else "there is no folder to keep them in")
+    # One that is refused says so itself.
+    if failures or not refused():
+        _troubles.append(failures[0] if failures else "there is no folder to keep them in")
     return None
 
 

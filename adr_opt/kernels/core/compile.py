@@ -9,11 +9,15 @@ from numba import njit, types
 from numba.core import event
 
 from ...common.clock import leave_out
+from . import enabled
 from .archive import find
 from .cache import KernelCache
 from .inner import InnerCompiler, OuterCompiler
 
 Function = Callable[..., Any]
+
+# What is imported by way of this module cannot be called in Python, and says so before any work.
+enabled.need()
 
 
 def _compiled(**options: Any) -> Callable[[Function], Function]:
@@ -29,9 +33,8 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
 
     def decorator(function: Function) -> Function:
         dispatcher: Any = decorate(function)
-        if dispatcher is not function:  # it is where NUMBA_DISABLE_JIT is set
-            dispatcher._cache = KernelCache(dispatcher, find)
-            _call_within(dispatcher, decorate_within(function))
+        dispatcher._cache = KernelCache(dispatcher, find)
+        _call_within(dispatcher, decorate_within(function))
         return dispatcher  # type: ignore[no-any-return]
 
     return decorator

@@ -172,7 +172,7 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
             if there < points:
                 stair[there] = min(stair[there], delta_v[short])
             short -= 1
-        if floor > most:
+        if floor > most or begin * step > times.leave_by:
             continue
         last = min(begin + furthest, points - 1)
         cheapest = most + resolution

@@ -103,7 +103,9 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
     ConnectionArrays
     """
     pair = co_elliptic.prepare(orbit_i, orbit_j, extra_delta_v, rule, EPOCH_S)
-    found, order = short(pair, rule, duration, times.interval, times.most, resolution)
+    found, order = short(
+        pair, rule, duration, times.interval, times.most, times.leave_by, resolution
+    )
     size = order.size
     _by_departure(found.departure, found.arrival, order)
     arrival = chosen(found.arrival, order, size)

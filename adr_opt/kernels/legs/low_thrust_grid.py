@@ -53,6 +53,8 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed, known):
         while before > 0 and leaves[before - 1] >= begin:
             before -= 1
             stair[lands[before]] = min(stair[lands[before]], paid[before])
+        if begin * step > times.leave_by:
+            continue
         cheapest = most + resolution
         for t in range(begin + 1, min(begin + furthest, points - 1) + 1):
             cheapest = min(cheapest, stair[t])

@@ -264,7 +264,7 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
 
 
 @kernel
-def short(pair, rule, duration, spacing, most, resolution):
+def short(pair, rule, duration, spacing, most, leave_by, resolution):
     """Undominated short transfers of a pair.
 
     Parameters
@@ -277,6 +277,8 @@ def short(pair, rule, duration, spacing, most, resolution):
         Between departure events, at least [s].
     most : float
         Dearer ones are left out [m/s].
+    leave_by : float
+        Those of later events are left out [s].
     resolution : float
         A transfer that saves no more than this is dominated [m/s].
 
@@ -287,7 +289,7 @@ def short(pair, rule, duration, spacing, most, resolution):
     order : (transfers,) int64
         Those that there are, event by event and then by arrival.
     """
-    half_turns, numbers = events_of(pair, duration, spacing)
+    half_turns, numbers = events_of(pair, min(duration, leave_by), spacing)
     curves, lap = phasing.curves_of(pair, rule), TURN_RAD / pair.rate_j
     least_turn = least_speed(pair, rule)
     # Events whose planes are near enough, and their flight times in the first row.

@@ -55,6 +55,11 @@ def allocate_slots(
     )
 
 
+def size_of_slots(slots: int, bodies: int, most: int, *, regular: bool) -> float:
+    """Memory of the entries and departures that :func:`allocate_slots` would make [bytes]."""
+    return float(slots) * bodies * most * bodies * 8 * (2 if regular else 3)
+
+
 def put(tables: Table, slot: int, table: Table) -> None:
     """Copy a table of all pairs into a slot that may have space for more bodies and events."""
     bodies, most = table.entries.shape[:2]

@@ -2,7 +2,8 @@
 
 Importing this package registers ``adr_opt/Mission-v0`` and ``adr_opt/UncertainMission-v0`` with
 Gymnasium. :class:`MissionEnv` is one mission; :class:`MissionVecEnv` hundreds of them in Numba, for
-Stable-Baselines3. With ``uncertainty`` both play in the worlds of rehearsals.
+Stable-Baselines3, and what ``gymnasium.make_vec`` makes is the same for Gymnasium. With
+``uncertainty`` all play in the worlds of rehearsals.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ except ImportError:
 from ..episodes.board import OBSERVATIONS
 from .fields import PUBLISHED, VARIED, Fields, Limits
 from .mission_env import MissionEnv
+from .plain import in_json
 from .spaces import space
 from .variants import RANDOMISED, REDUCED_FUEL, REDUCED_TIME, TROUBLED, TROUBLES
 
@@ -49,11 +51,14 @@ UNCERTAIN_ID = "adr_opt/UncertainMission-v0"
 
 _ENTRY_POINT = "adr_opt.learning.environment.mission_env:MissionEnv"
 
-gymnasium.register(id=ID, entry_point=_ENTRY_POINT)
+_VECTOR_ENTRY_POINT = "adr_opt.learning.environment.native:MissionVectorEnv"
+
+gymnasium.register(id=ID, entry_point=_ENTRY_POINT, vector_entry_point=_VECTOR_ENTRY_POINT)
 gymnasium.register(
     id=UNCERTAIN_ID,
     entry_point=_ENTRY_POINT,
-    kwargs={"observation": "transfer-worlds", "uncertainty": TROUBLED},
+    vector_entry_point=_VECTOR_ENTRY_POINT,
+    kwargs={"observation": "transfer-worlds", "uncertainty": in_json(TROUBLED)},
 )
 
 

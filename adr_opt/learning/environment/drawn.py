@@ -1,15 +1,21 @@
-"""Pre-drawn fields with their timetables, shared by the environments of a process."""
+"""Fields with their timetables: drawn ahead and shared by the environments of a process, or one.
+
+Both are read-only once made, so copies of an environment share them; a pickle holds what they are
+made of, and makes them again.
+"""
 
 from __future__ import annotations
 
-import os
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Self
 from weakref import WeakValueDictionary
 
 import numpy as np
 
+from ...common.processors import usable_cores
 from ...kernels.orbits import elements
 from ...kernels.orbits.ephemeris import EPOCH_S
 from ...mission.mission import Mission
@@ -64,7 +70,64 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
     return pool
 
 
-class DrawnFields:
+class Ground(ABC):
+    """Fields that episodes are played on.
+
+    Attributes
+    ----------
+    pool : FieldPool
+        Nothing is installed in it any more.
+    """
+
+    pool: FieldPool
+
+    def __init__(self) -> None:
+        self._uncertain: dict[tuple[str, ...], UncertainPool] = {}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    @abstractmethod
+    def __reduce__(self) -> tuple[Any, ...]:
+        """What a pickle makes the same fields of."""
+
+    @abstractmethod
+    def mission(self, slot: int, delta_v_m_s: float, duration_s: float) -> Mission:
+        """The mission of an episode on the field of a slot."""
+
+    def uncertain(self, models: Sequence[Uncertainty]) -> UncertainPool:
+        """What is uncertain about the fields by some models, shared like the pool."""
+        key = tuple(model.to_json() for model in models)
+        if key not in self._uncertain:
+            self._uncertain[key] = UncertainPool(self.pool, models)
+        return self._uncertain[key]
+
+
+class OwnField(Ground):
+    """The field of one instance, for its own limits.
+
+    Parameters
+    ----------
+    instance : Instance
+    bodies : int
+        Room for this many bodies.
+    """
+
+    def __init__(self, instance: Instance, bodies: int) -> None:
+        super().__init__()
+        self.instance, self._bodies, self._mission = instance, bodies, Mission(instance)
+        self.pool = FieldPool.for_one(self._mission, bodies)
+        self.pool.install(0, self._mission)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return OwnField, (self.instance, self._bodies)
+
+    def mission(self, slot: int, delta_v_m_s: float, duration_s: float) -> Mission:
+        """The mission of the instance."""
+        return self._mission
+
+
+class DrawnFields(Ground):
     """Fields drawn from a distribution with their timetables, reproducible by seed.
 
     Where planes drift, connections depend on the tank, so each field comes with a budget and a
@@ -77,40 +140,39 @@ class DrawnFields:
     slots : int
         Number of fields.
     seed : int
-
-    Attributes
-    ----------
-    pool : FieldPool
-        Shared; nothing is installed in it any more.
     """
 
     def __init__(self, fields: Fields, slots: int, seed: int) -> None:
+        super().__init__()
+        self._key = fields, slots, seed
         rng = np.random.default_rng(seed)
         instances = [fields.draw_field(rng) for _ in range(slots)]
-        self._fields = fields
         self._fixed_limits = Mission(instances[0]).connecting.is_listed
         if self._fixed_limits:
             instances = [_limited(each, fields.draw_limits(rng)) for each in instances]
-        with ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="fields") as workers:
+        with ThreadPoolExecutor(usable_cores(), thread_name_prefix="fields") as workers:
             self.pool = work_out(instances, fields.most_targets + 1, workers)
-        self._uncertain: dict[tuple[str, ...], UncertainPool] = {}
 
-    def uncertain(self, models: Sequence[Uncertainty]) -> UncertainPool:
-        """What is uncertain about the fields by some models, shared like the pool."""
-        key = tuple(model.to_json() for model in models)
-        if key not in self._uncertain:
-            self._uncertain[key] = UncertainPool(self.pool, models)
-        return self._uncertain[key]
+    def __reduce__(self) -> tuple[Any, ...]:
+        return shared, self._key
+
+    def mission(self, slot: int, delta_v_m_s: float, duration_s: float) -> Mission:
+        """A mission that works out a timetable of its own when it is first planned with."""
+        return Mission(self._field(slot).with_limits(duration_s, delta_v_m_s))
+
+    def _field(self, slot: int) -> Instance:
+        field = self.pool.instances[slot]
+        assert field is not None
+        return field
 
     def draw(self, rng: np.random.Generator) -> tuple[int, Instance, Limits]:
         """Draw a slot of the pool, with its field and the limits of a mission on it."""
         slot = int(rng.integers(len(self.pool.instances)))
-        field = self.pool.instances[slot]
-        assert field is not None
+        field = self._field(slot)
         if self._fixed_limits:
             tank = field.chaser.tank
             return slot, field, Limits(tank.delta_v_m_s, field.mission.duration_s)
-        return slot, field, self._fields.draw_limits(rng)
+        return slot, field, self._key[0].draw_limits(rng)
 
 
 def _limited(instance: Instance, limits: Limits) -> Instance:

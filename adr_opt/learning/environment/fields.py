@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal, get_args
 
@@ -13,6 +14,7 @@ from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...problem.instance import Instance
 from ...sources.generator import family, generate
+from ..episodes import playing_time_s
 
 FIRST_SEED, LAST_SEED = 1_000_000, 2**31 - 1
 """Seeds of fields drawn at random start here, so that library instances, and every seed below a
@@ -69,7 +71,8 @@ class Fields:
         Least and largest ΔV budget [m/s] and duration [s], drawn uniformly for every mission; the
         family's if None.
     limits : tuple of Limits
-        Pairs of budget and duration that are drawn besides; plain pairs become :class:`Limits`.
+        Pairs of budget and duration that are drawn besides; plain pairs and dictionaries become
+        :class:`Limits`.
     share_of_limits : float
         How often one of ``limits`` is drawn, each equally often, instead of the ranges.
     share_of_family : float
@@ -96,9 +99,7 @@ class Fields:
     def __post_init__(self) -> None:
         family(self.family)
         try:
-            pairs = tuple(
-                limits if isinstance(limits, Limits) else Limits(*limits) for limits in self.limits
-            )
+            pairs = tuple(_limits_of(limits) for limits in self.limits)
         except TypeError:
             raise InputError(
                 f"limits = {self.limits!r}: give pairs of ΔV budget and duration"
@@ -112,6 +113,7 @@ class Fields:
             whole = name in ("targets", "zones")
             try:
                 low, high = span
+                object.__setattr__(self, name, (low, high))  # a list in JSON
                 good = least <= low <= high < float("inf")
                 if whole:
                     good = good and (operator.index(low), operator.index(high)) == (low, high)
@@ -210,15 +212,77 @@ class Fields:
         return budgets, durations
 
 
-def check_kind(given: Any) -> None:
-    """Refuse values that are not distributions of missions.
+def _limits_of(given: Any) -> Limits:
+    if isinstance(given, Limits):
+        return given
+    return Limits(**given) if isinstance(given, Mapping) else Limits(*given)
+
+
+@dataclass(frozen=True)
+class Alone:
+    """The distribution of one instance, with its own budget and duration.
+
+    Attributes
+    ----------
+    instance : Instance
 
     Raises
     ------
     InputError
+        It has no targets, or several chasers.
     """
-    if not isinstance(given, Fields):
-        raise InputError(f"fields = {given!r}: must be an adr_opt.learning.environment.Fields")
+
+    instance: Instance
+
+    def __post_init__(self) -> None:
+        _ = self.instance.chaser  # an episode is that of one; several are refused
+        if not self.instance.targets:
+            raise InputError("the instance has no targets; there is nothing to decide")
+
+    @property
+    def most_targets(self) -> int:
+        """Number of its targets."""
+        return len(self.instance.targets)
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Its ΔV budget [m/s] and duration [s], possibly 0."""
+        return self.instance.chaser.tank.delta_v_m_s, playing_time_s(self.instance)
+
+    def draw_field(self, rng: np.random.Generator) -> Instance:
+        """The instance."""
+        return self.instance
+
+    def draw_many_limits(
+        self, rng: np.random.Generator, count: int
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Its ΔV budget [m/s] and duration [s], each of shape (count,)."""
+        delta_v_m_s, duration_s = self.limits
+        return np.full(count, delta_v_m_s), np.full(count, duration_s)
+
+
+AnyFields = Fields | str | Mapping[str, Any]
+"""A distribution of missions, the name of a family, or the fields of :class:`Fields` by name."""
+
+
+def fields_of(given: AnyFields) -> Fields:
+    """The distribution of missions that a caller passes.
+
+    Raises
+    ------
+    InputError
+        It is none, see :class:`Fields`.
+    """
+    if isinstance(given, Fields):
+        return given
+    if isinstance(given, str):
+        return Fields(given)
+    if isinstance(given, Mapping):
+        return Fields.from_options(dict(given), PUBLISHED)
+    raise InputError(
+        f"fields = {given!r}: must be an adr_opt.learning.environment.Fields, the name of a "
+        "family, or a dictionary"
+    )
 
 
 PUBLISHED = Fields()

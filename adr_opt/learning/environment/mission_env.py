@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -15,20 +15,20 @@ from ...common.constants import SLACK_M_S
 from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
 from ...mission.mission import Mission
-from ...problem.instance import Instance
+from ...problem.instance import AnyInstance, Instance, instance_of
 from ...problem.uncertainty import Uncertainty
 from ..episodes import (
+    AnyUncertainty,
     Board,
-    FieldPool,
     Observation,
-    UncertainPool,
+    allowed,
     models_of,
     new_episodes,
-    playing_time_s,
     start,
 )
-from .drawn import DrawnFields, shared
-from .fields import PUBLISHED, Fields, check_kind
+from .drawn import DrawnFields, Ground, OwnField, shared
+from .fields import PUBLISHED, Alone, AnyFields, Fields, fields_of
+from .plain import SpecHolder
 from .played_world import PlayedWorld, world_number
 from .rendering import picture, sentence
 from .spaces import space
@@ -41,14 +41,15 @@ POOL = 32
 NONE_BEGUN = "no mission has begun; call reset first"
 
 
-class MissionEnv(gymnasium.Env[Observation, np.int64]):
+class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
     """Collect as much prize as possible before ΔV and time run out.
 
     ## Action Space
 
     ``Discrete(N + 1)``: the targets in the order of the instance, then the station (refuelling).
-    :meth:`action_masks` and ``info["action_mask"]`` say which actions are legal; there is at least
-    one until the episode ends.
+    :meth:`action_masks` and ``info["action_mask"]`` say which actions are legal. When no move is
+    left they allow the station, as vectorised environments that reset at the next step draw an
+    action that they ignore.
 
     ## Observation Space
 
@@ -91,16 +92,23 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     gymnasium.make("adr_opt/Mission-v0", instance=adr_opt.load("my.json"))
     ```
 
+    ## Copies
+
+    ``copy.deepcopy`` and ``pickle`` give an environment in the middle of the same episode, with the
+    same draws to come, and independent of this one. Copies share timetables; a pickle works them
+    out again unless its process has them.
+
     ## Version History
 
     v0: first version.
 
     Parameters
     ----------
-    instance : Instance, optional
+    instance : Instance, path or dict, optional
         Play this one at every reset.
-    fields : Fields
-        Where missions are drawn from otherwise.
+    fields : Fields, str or dict
+        Where missions are drawn from otherwise: a distribution, the name of a family, or the fields
+        of :class:`Fields` by name.
     pool : int
         Number of fields that are drawn ahead; 0 to draw and work out another one at every reset.
     pool_seed : int
@@ -108,7 +116,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
     observation : str
         One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
     render_mode : {"ansi", "rgb_array"}, optional
-    uncertainty : Uncertainty or sequence of them, optional
+    uncertainty : Uncertainty, path or dict, or a sequence of them, optional
         Episodes are played in worlds of it; of several, each episode draws one.
 
     Attributes
@@ -128,47 +136,47 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
 
     def __init__(
         self,
-        instance: Instance | None = None,
+        instance: AnyInstance | None = None,
         *,
-        fields: Fields = PUBLISHED,
+        fields: AnyFields = PUBLISHED,
         pool: int = POOL,
         pool_seed: int = 0,
         observation: str = "transfer",
         render_mode: str | None = None,
-        uncertainty: Uncertainty | Sequence[Uncertainty] | None = None,
+        uncertainty: AnyUncertainty | Sequence[AnyUncertainty] | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             known = ", ".join(self.metadata["render_modes"])
             raise InputError(f"render_mode {render_mode!r} is unknown; use one of: {known}")
-        _check_kind(instance)
-        check_kind(fields)
+        self._fixed = None if instance is None else instance_of(instance)
+        self.fields = fields_of(fields)
         for name, value in (("pool", pool), ("pool_seed", pool_seed)):
             if not isinstance(value, (int, np.integer)) or value < 0:
                 raise InputError(f"{name} = {value!r}: must be a whole number from 0 on")
         self.render_mode = render_mode
-        self.fields = fields
         self._models = models_of(uncertainty)
         self._world: PlayedWorld | None = None
-        self._fixed = instance
-        targets = fields.most_targets if instance is None else len(instance.targets)
-        if instance is not None:
-            _ = instance.chaser  # an episode is that of one; several are refused
-        if targets == 0:
-            raise InputError("the instance has no targets; there is nothing to decide")
+        if self._fixed is None:
+            targets = self.fields.most_targets
+        else:
+            targets = Alone(self._fixed).most_targets
         self.observation_space = space(observation, targets)
         self.action_space = spaces.Discrete(targets + 1)
         self._targets = targets
         self._ahead = int(pool), int(pool_seed)
         self._drawn: DrawnFields | None = None
-        self._own: tuple[Mission, FieldPool] | None = None
-        self._played: Callable[[], Mission] | None = None
+        self._ground: Ground | None = None
+        self._own: OwnField | None = None
         self._mission: Mission | None = None
-        self._pool: FieldPool | None = None
         self._episodes = new_episodes(1, targets + 1)
         self._board = Board(observation, 1, targets)
         self._chosen_world: int | None = None
         self._over = True
         self.sequence: list[int] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        # The mission is made again from the ground and the state when it is asked for.
+        return {**self.__dict__, "_mission": None}
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -180,8 +188,8 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         seed : int, optional
             Seeds the draws of this reset and of those after it.
         options : dict, optional
-            ``instance``, or fields of :class:`.Fields`; ``world`` besides, where worlds are
-            uncertain.
+            ``instance``, as an object, a path or a dictionary, or fields of :class:`.Fields`;
+            ``world`` besides, where worlds are uncertain.
 
         Raises
         ------
@@ -193,12 +201,12 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         if not isinstance(options or {}, Mapping):
             raise InputError(f"options = {options!r}: must be a dictionary")
         changes = dict(options or {})
-        fixed = changes.pop("instance", self._fixed)
+        given = changes.pop("instance", None)
+        fixed = self._fixed if given is None else instance_of(given)
         self._chosen_world = None
         if self._models and "world" in changes:
             self._chosen_world = world_number(changes.pop("world"))
         fields = Fields.from_options(changes, self.fields)
-        _check_kind(fixed)
         if fixed is not None and changes:
             raise InputError(
                 f"option {next(iter(changes))!r} changes the distribution of missions, but an "
@@ -230,14 +238,9 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
                 f"{instance.name} has {len(instance.targets)} targets, more than the "
                 f"{self._targets} of the action space; make the environment with this instance"
             )
-        if self._own is None or not self._own[0].instance.same(instance):
-            mission = Mission(instance)
-            pool = FieldPool.for_one(mission, self._targets + 1)
-            pool.install(0, mission)
-            self._own = mission, pool
-        mission, pool = self._own
-        budget = instance.chaser.tank.delta_v_m_s
-        self._start(pool, 0, budget, playing_time_s(instance), lambda: mission)
+        if self._own is None or not self._own.instance.same(instance):
+            self._own = OwnField(instance, self._targets + 1)
+        self._start(self._own, 0, *Alone(instance).limits)
         return instance.name
 
     def _begin_drawn(self) -> str:
@@ -245,40 +248,22 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         if self._drawn is None:
             self._drawn = shared(self.fields, *self._ahead)
         slot, field, limits = self._drawn.draw(self.np_random)
-
-        def played() -> Mission:
-            return Mission(field.with_limits(limits.duration_s, limits.delta_v_m_s))
-
-        self._start(self._drawn.pool, slot, limits.delta_v_m_s, limits.duration_s, played)
+        self._start(self._drawn, slot, limits.delta_v_m_s, limits.duration_s)
         return field.name
 
-    def _start(
-        self,
-        pool: FieldPool,
-        slot: int,
-        delta_v_m_s: float,
-        duration_s: float,
-        played: Callable[[], Mission],
-    ) -> None:
-        self._pool, self._played, self._mission = pool, played, None
-        start(pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
+    def _start(self, ground: Ground, slot: int, delta_v_m_s: float, duration_s: float) -> None:
+        self._ground, self._mission = ground, None
+        start(ground.pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
         if self._models:
-            self._begin_world(pool)
-        self._board.observe(pool.arrays, self._episodes, 0, 1)
+            if self._world is None or self._world.ground is not ground:
+                self._world = PlayedWorld(ground, self._models)
+            self._world.begin(self._episodes, self.np_random, self._chosen_world)
+        self._observe(ground)
         self.sequence = []
 
-    def _begin_world(self, pool: FieldPool) -> None:
-        """Play the episode that has begun in an uncertain world."""
-        if self._drawn is not None and pool is self._drawn.pool:
-            uncertain = self._drawn.uncertain(self._models)
-        elif self._world is not None and self._world.pool.fields is pool:
-            uncertain = self._world.pool
-        else:
-            uncertain = UncertainPool(pool, self._models)
-        if self._world is None or self._world.pool is not uncertain:
-            self._world = PlayedWorld(uncertain)
-        self._world.begin(self._episodes, self.np_random, self._chosen_world)
-        self._board.worlds = self._world.worlds
+    def _observe(self, ground: Ground) -> None:
+        worlds = None if self._world is None else self._world.worlds
+        self._board.observe(ground.pool.arrays, self._episodes, 0, 1, worlds)
 
     def step(
         self, action: int | np.integer[Any]
@@ -290,7 +275,7 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         InputError
             The episode is over, or has not begun, or the action is not a whole number.
         """
-        if self._over or self._pool is None:
+        if self._over or self._ground is None:
             raise InputError("the episode is over; call reset before the next step")
         try:
             actions = np.array([operator.index(action)], dtype=np.int64)
@@ -300,34 +285,35 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
             ) from None
         rewards = np.zeros(1, dtype=np.float32)
         if self._world is None:
-            kernels.act(self._pool.arrays, self._episodes, 0, 1, actions, rewards)
+            kernels.act(self._ground.pool.arrays, self._episodes, 0, 1, actions, rewards)
         else:
             self._world.act(self._episodes, actions, rewards)
         reward = float(rewards[0])
         if reward >= 0.0:
             self.sequence.append(int(kernels.body_of(int(actions[0]), self._targets)))
-        self._board.observe(self._pool.arrays, self._episodes, 0, 1)
+        self._observe(self._ground)
         self._over = reward < 0.0 or not self._board.legal[0]
         return self._board.copy(0), reward, self._over, False, self._info()
 
     def action_masks(self) -> npt.NDArray[np.bool_]:
-        """Legal actions, shape (actions,), as required by sb3-contrib.
+        """Legal actions, shape (actions,), as required by sb3-contrib; at least one.
+
+        When no move is left, the station: see the action space.
 
         Raises
         ------
         InputError
             None has begun.
         """
-        if self._pool is None:
+        if self._ground is None:
             raise InputError(NONE_BEGUN)
-        mask: npt.NDArray[np.bool_] = self._board.mask[0].copy()
-        return mask
+        return allowed(self._board.mask[0])
 
     def _info(self) -> dict[str, Any]:
         episodes = self._episodes
         of_world = {} if self._world is None else self._world.info()
         return {
-            "action_mask": self._board.mask[0].astype(np.int8),
+            "action_mask": allowed(self._board.mask[0]).astype(np.int8),
             "serviced": int(episodes.serviced[0]),
             "refuelled": int(episodes.refuelled[0]),
             "collected": float(episodes.collected[0]),
@@ -358,21 +344,19 @@ class MissionEnv(gymnasium.Env[Observation, np.int64]):
         InputError
             None has begun.
         """
-        if self._played is None:
+        if self._ground is None:
             raise InputError(NONE_BEGUN)
         if self._mission is None:
-            self._mission = self._played()
+            episodes = self._episodes
+            self._mission = self._ground.mission(
+                int(episodes.slot[0]), float(episodes.budget[0]), float(episodes.duration[0])
+            )
         return self._mission
 
     def render(self) -> Any:
         """The state as text (``ansi``) or as a picture (``rgb_array``)."""
-        if self.render_mode is None or self._pool is None:
+        if self.render_mode is None or self._ground is None:
             return None
         state = {**self._info(), "body": int(self._episodes.body[0])}
         draw = sentence if self.render_mode == "ansi" else picture
         return draw(self.mission, state, self._episodes.visited[0])
-
-
-def _check_kind(instance: Any) -> None:
-    if instance is not None and not isinstance(instance, Instance):
-        raise InputError(f"instance = {instance!r}: must be an adr_opt.Instance; load it first")

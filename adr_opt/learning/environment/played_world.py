@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ...kernels.episodes.episodes import Episodes
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import OUTCOMES
 from ..episodes import UncertainPool, begin_in_worlds, new_worlds
+from .drawn import Ground
 
 LAST_WORLD = 2**31 - 1
 """Worlds are drawn from those below."""
@@ -26,37 +28,57 @@ class PlayedWorld:
 
     Parameters
     ----------
-    pool : UncertainPool
+    ground : Ground
+        The fields that it is played on.
+    models : sequence of Uncertainty
 
     Attributes
     ----------
-    pool : UncertainPool
-    worlds : adr_opt.kernels.episodes.worlds.Worlds
+    ground : Ground
     losses : dict of str to str
         Targets that were lost so far, and the station where the way to it was too dear, each with
         the reason.
     """
 
-    def __init__(self, pool: UncertainPool) -> None:
-        self.pool, self.worlds = pool, new_worlds(pool, 1)
+    def __init__(self, ground: Ground, models: Sequence[Uncertainty]) -> None:
+        self.ground, self._models, self._slot = ground, models, 0
+        self._pool: UncertainPool | None = None
+        self._states = new_worlds(self._uncertain, 1).states
         self.losses: dict[str, str] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_pool": None}
+
+    @property
+    def _uncertain(self) -> UncertainPool:
+        """What is uncertain about the fields, which all copies share."""
+        if self._pool is None:
+            self._pool = self.ground.uncertain(self._models)
+            self._pool.install(self._slot)
+        return self._pool
+
+    @property
+    def worlds(self) -> kernels.Worlds:
+        """The world as kernels take it."""
+        return kernels.Worlds(self._uncertain.tables, self._states)
 
     @property
     def seed(self) -> int:
         """Number of the world."""
-        return int(self.worlds.states.seed[0])
+        return int(self._states.seed[0])
 
     @property
     def uncertainty(self) -> Uncertainty:
         """The model that the world is drawn from."""
-        return self.pool.models[int(self.worlds.states.model[0])]
+        return self._models[int(self._states.model[0])]
 
     def begin(self, episodes: Episodes, rng: np.random.Generator, seed: int | None) -> None:
         """Begin the episode, in a world that is given or drawn."""
-        self.pool.install(int(episodes.slot[0]))
-        model = rng.integers(len(self.pool.models), size=1)
+        self._slot = int(episodes.slot[0])
+        self._uncertain.install(self._slot)
+        model = rng.integers(len(self._models), size=1)
         seeds = rng.integers(LAST_WORLD, size=1) if seed is None else np.array([seed])
-        begin_in_worlds(self.pool.fields, episodes, self.worlds, ALONE, (seeds, model))
+        begin_in_worlds(self.ground.pool, episodes, self.worlds, ALONE, (seeds, model))
         self.losses = {}
 
     def act(
@@ -66,9 +88,9 @@ class PlayedWorld:
         rewards: np.ndarray[Any, np.dtype[np.float32]],
     ) -> None:
         """Take an action, and note what was lost."""
-        fields = self.pool.fields
+        fields = self.ground.pool
         kernels.act_in_worlds(fields.arrays, episodes, self.worlds, 0, 1, actions, rewards, ALONE)
-        outcome = int(self.worlds.states.outcome[0])
+        outcome = int(self._states.outcome[0])
         if outcome >= kernels.FAILED:
             field = fields.instances[int(episodes.slot[0])]
             assert field is not None
@@ -76,11 +98,11 @@ class PlayedWorld:
 
     def info(self) -> dict[str, Any]:
         """What the environment tells of the world."""
-        outcome = int(self.worlds.states.outcome[0])
+        outcome = int(self._states.outcome[0])
         return {
             "world": self.seed,
             "outcome": "" if outcome == kernels.ILLEGAL else OUTCOMES[outcome],
-            "tries": int(self.worlds.states.tries[0]),
+            "tries": int(self._states.tries[0]),
             "losses": dict(self.losses),
         }
 

@@ -1,6 +1,6 @@
-"""Variants of the published study, by the fields and the uncertainty that episodes are drawn from.
+"""Variants of the published missions, by the fields and uncertainty that episodes are drawn from.
 
-Its nominal missions are :data:`.fields.PUBLISHED`; the uncertainties are ours.
+The study has those of :data:`.fields.PUBLISHED`; variants and uncertainties are ours.
 """
 
 from __future__ import annotations

@@ -17,8 +17,9 @@ from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
 from ...kernels.episodes import worlds as world_kernels
 from ...mission.mission import Mission
-from ...problem.uncertainty import Uncertainty
+from ...problem.instance import AnyInstance, Instance, instance_of
 from ..episodes import (
+    AnyUncertainty,
     Board,
     Observation,
     UncertainPool,
@@ -28,7 +29,7 @@ from ..episodes import (
     new_worlds,
 )
 from .drawn import ready, work_out
-from .fields import PUBLISHED, Fields, check_kind
+from .fields import PUBLISHED, Alone, AnyFields, Fields, fields_of
 from .last_words import last_words
 from .played_world import LAST_WORLD
 from .spaces import space
@@ -52,8 +53,10 @@ class MissionVecEnv(VecEnv):
     ----------
     count : int
         Missions at once.
-    fields : Fields
+    fields : Fields, str or dict
         Where fields, budgets and durations are drawn from.
+    instance : Instance, path or dict, optional
+        Play this one, in a pool of one slot, in place of drawn ones.
     observation : str
         One of :data:`adr_opt.learning.episodes.OBSERVATIONS`.
     slots : int
@@ -69,7 +72,7 @@ class MissionVecEnv(VecEnv):
         Factor of every reward.
     seed : int
         Fields and limits do not depend on the uncertainty.
-    uncertainty : Uncertainty or sequence of them, optional
+    uncertainty : Uncertainty, path or dict, or a sequence of them, optional
         Missions are played in worlds of it; of several, each draws one.
 
     Attributes
@@ -91,15 +94,16 @@ class MissionVecEnv(VecEnv):
     def __init__(  # noqa: PLR0913
         self,
         count: int = 256,
-        fields: Fields = PUBLISHED,
+        fields: AnyFields = PUBLISHED,
         *,
+        instance: AnyInstance | None = None,
         observation: str = "transfer",
         slots: int = 64,
         refresh_every: int = 0,
         threads: int = 1,
         reward_scale: float = 1.0,
         seed: int = 0,
-        uncertainty: Uncertainty | Sequence[Uncertainty] | None = None,
+        uncertainty: AnyUncertainty | Sequence[AnyUncertainty] | None = None,
     ) -> None:
         for name, value, least in (
             ("count", count, 1),
@@ -110,12 +114,13 @@ class MissionVecEnv(VecEnv):
         ):
             if not isinstance(value, (int, np.integer)) or value < least:
                 raise InputError(f"{name} = {value!r}: must be a whole number from {least} on")
-        check_kind(fields)
         if not math.isfinite(reward_scale):
             raise InputError(f"reward_scale = {reward_scale!r}: must be a finite number")
-        self.fields = fields
+        self.fields: Fields | Alone = fields_of(fields)
+        if instance is not None:
+            self.fields, slots, refresh_every = Alone(instance_of(instance)), 1, 0
         self._models = models_of(uncertainty)
-        self._targets = fields.most_targets
+        self._targets = self.fields.most_targets
         self.render_mode = None
         super().__init__(
             count, space(observation, self._targets), spaces.Discrete(self._targets + 1)
@@ -128,11 +133,24 @@ class MissionVecEnv(VecEnv):
         self._refresh_every = refresh_every
         self._slots = slots
         self.threads = threads
-        self._workers = ThreadPoolExecutor(threads, thread_name_prefix="missions")
-        self._builder = ThreadPoolExecutor(1, thread_name_prefix="fields")
+        self._start_threads()
         self._actions: npt.NDArray[np.int64] | None = None
         self._coming: Future[Mission] | None = None
+        self._awaited: Instance | None = None
         self._begin(seed)
+
+    def _start_threads(self) -> None:
+        self._workers = ThreadPoolExecutor(self.threads, thread_name_prefix="missions")
+        self._builder = ThreadPoolExecutor(1, thread_name_prefix="fields")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_workers": None, "_builder": None, "_coming": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._start_threads()
+        if self._awaited is not None:
+            self._coming = self._builder.submit(ready, self._awaited)
 
     def _begin(self, seed: int) -> None:
         """Draw the pool and all other data that depend on a seed."""
@@ -153,15 +171,20 @@ class MissionVecEnv(VecEnv):
             for slot in range(self._slots):
                 self._uncertain.install(slot)
             self.worlds = new_worlds(self._uncertain, self.num_envs)
-        self._board.worlds = self._other.worlds = self.worlds
         self._users = np.zeros(self._slots, dtype=np.int64)
         self._retiring = -1
         self._next_slot = 0
         self._steps = 0
-        self._coming = None
+        self._coming = self._awaited = None
         self._fresh = True
         self._begun = False
         self._seed = seed
+
+    def draw_anew(self, seed: int) -> None:
+        """Seed the choice of fields of the pool, limits and worlds; the pool stays."""
+        episode_seed, world_seed = np.random.SeedSequence(seed).spawn(2)
+        self._rng = np.random.default_rng(episode_seed)
+        self._world_rng = np.random.default_rng(world_seed)
 
     # -- what Stable-Baselines3 asks for ---------------------------------------------------------
 
@@ -178,7 +201,7 @@ class MissionVecEnv(VecEnv):
         self._actions = None
         self._renew(np.arange(self.num_envs, dtype=np.int32))
         self._begun = True
-        return self._board.copy()
+        return self.observations()
 
     def step_async(self, actions: npt.NDArray[np.int64]) -> None:
         """Store the actions for :meth:`step_wait`.
@@ -238,7 +261,7 @@ class MissionVecEnv(VecEnv):
             kernels.act(pool, self.episodes, *taken)
         else:
             world_kernels.act_in_worlds(pool, self.episodes, self.worlds, *taken)
-        board.observe(pool, self.episodes, first, last)
+        board.observe(pool, self.episodes, first, last, self.worlds)
 
     def _last_words(self, ended: npt.NDArray[np.int32], infos: list[dict[str, Any]]) -> None:
         """Add the information on ended episodes that Stable-Baselines3 expects."""
@@ -277,12 +300,13 @@ class MissionVecEnv(VecEnv):
     def _look(self, which: npt.NDArray[np.int32]) -> None:
         """Write the observations of some missions."""
         if which.size < FEW:
-            self._board.observe_these(self.pool.arrays, self.episodes, which)
+            self._board.observe_these(self.pool.arrays, self.episodes, which, self.worlds)
             return
         in_order = which[np.argsort(self.episodes.slot[which], kind="stable")]
 
         def look(first: int, last: int) -> None:
-            self._board.observe_these(self.pool.arrays, self.episodes, in_order[first:last])
+            these = in_order[first:last]
+            self._board.observe_these(self.pool.arrays, self.episodes, these, self.worlds)
 
         self._share(look, which.size)
 
@@ -295,7 +319,8 @@ class MissionVecEnv(VecEnv):
             self._steps -= self._refresh_every
             self._retiring = self._next_slot
             # Drawn here and now, worked out elsewhere: the order of the draws is certain.
-            self._coming = self._builder.submit(ready, self.fields.draw_field(self._field_rng))
+            self._awaited = self.fields.draw_field(self._field_rng)
+            self._coming = self._builder.submit(ready, self._awaited)
         if self._coming is not None and not self._users[self._retiring]:
             mission = self._coming.result()
             # A field with too many events for the pool is passed over.
@@ -305,7 +330,11 @@ class MissionVecEnv(VecEnv):
                     self._uncertain.install(self._retiring)
             self._next_slot = (self._retiring + 1) % self._slots
             self._retiring = -1
-            self._coming = None
+            self._coming = self._awaited = None
+
+    def observations(self) -> Observation:
+        """A copy of what is seen now of all missions."""
+        return self._board.copy()
 
     def action_masks(self) -> npt.NDArray[np.bool_]:
         """Legal actions of all missions, shape (missions, actions)."""

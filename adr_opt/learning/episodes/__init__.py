@@ -4,7 +4,15 @@ What the environment (:mod:`adr_opt.learning.environment`) and the learned plann
 NumPy and Numba alone.
 """
 
-from .board import OBSERVATIONS, Board, Observation, check_observation, move_fields, published_size
+from .board import (
+    OBSERVATIONS,
+    Board,
+    Observation,
+    allowed,
+    check_observation,
+    move_fields,
+    published_size,
+)
 from .pool import (
     FOLLOWS,
     FieldPool,
@@ -15,16 +23,25 @@ from .pool import (
     start,
 )
 from .practice import practise
-from .worlds import LOSS_WORDS, UncertainPool, begin_in_worlds, models_of, new_worlds
+from .worlds import (
+    LOSS_WORDS,
+    AnyUncertainty,
+    UncertainPool,
+    begin_in_worlds,
+    models_of,
+    new_worlds,
+)
 
 __all__ = [
     "FOLLOWS",
     "LOSS_WORDS",
     "OBSERVATIONS",
+    "AnyUncertainty",
     "Board",
     "FieldPool",
     "Observation",
     "UncertainPool",
+    "allowed",
     "begin_in_worlds",
     "check_observation",
     "check_playable",

@@ -68,6 +68,17 @@ def published_size(targets: int) -> int:
     return 7 * targets + 8
 
 
+def allowed(legal: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """A copy of masks for drawing actions, shape (…, actions): where none is legal, the last one.
+
+    It is the station's. Environments that reset at the next step ignore the action of that step,
+    but it is drawn, and there must be something to draw.
+    """
+    mask = legal.copy()
+    mask[..., -1] |= ~mask.any(axis=-1)
+    return mask
+
+
 class Board:
     """The arrays of one observation of many episodes.
 
@@ -89,8 +100,6 @@ class Board:
         Order in which :meth:`observe` takes the episodes; that of their numbers at first.
     promises : Promises or None
         What chains promise, where the observation follows them; no part of it.
-    worlds : Worlds or None
-        To be set where episodes are played in uncertain worlds.
     """
 
     def __init__(self, name: str, count: int, targets: int) -> None:
@@ -99,7 +108,6 @@ class Board:
         self.legal = np.zeros(count, dtype=np.int32)
         self.order = np.arange(count, dtype=np.int32)
         self.promises: lookahead.Promises | None = None
-        self.worlds: Worlds | None = None
         if follows_chains(name):
             self.promises = lookahead.Promises(*np.zeros((3, count, targets + 1)))
         if name == "published":
@@ -112,30 +120,45 @@ class Board:
                 self._moves, self._mission, self.mask, self.legal
             )
 
-    def observe(self, pool: StackedFields, episodes: Episodes, first: int, last: int) -> None:
-        """Write mask and observation of the episodes ``order[first:last]``."""
-        self._observe(pool, episodes, self.order, first, last)
+    def observe(
+        self,
+        pool: StackedFields,
+        episodes: Episodes,
+        first: int,
+        last: int,
+        worlds: Worlds | None = None,
+    ) -> None:
+        """Write mask and observation of the episodes ``order[first:last]``.
+
+        ``worlds`` are theirs where they are uncertain.
+        """
+        self._observe(pool, episodes, self.order, (first, last), worlds)
 
     def observe_these(
-        self, pool: StackedFields, episodes: Episodes, which: npt.NDArray[np.int32]
+        self,
+        pool: StackedFields,
+        episodes: Episodes,
+        which: npt.NDArray[np.int32],
+        worlds: Worlds | None = None,
     ) -> None:
         """Write mask and observation of some episodes."""
-        self._observe(pool, episodes, which, 0, which.size)
+        self._observe(pool, episodes, which, (0, which.size), worlds)
 
     def _observe(
         self,
         pool: StackedFields,
         episodes: Episodes,
         order: npt.NDArray[np.int32],
-        first: int,
-        last: int,
+        part: tuple[int, int],
+        worlds: Worlds | None,
     ) -> None:
+        first, last = part
         if self.name == "published":
             observe_published(pool, episodes, order, first, last, self._flat, self.mask, self.legal)
             return
         prized, into = sees_prizes(self.name), self._into
         if sees_worlds(self.name):
-            world_view.observe_worlds(pool, episodes, order, first, last, into, self.worlds)
+            world_view.observe_worlds(pool, episodes, order, first, last, into, worlds)
         elif self.promises is None:
             kernels.observe_transfer(pool, episodes, order, first, last, into, prized)
         else:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from ...common.errors import InputError
+from ...common.memory import available_bytes
 from ...kernels.episodes import outlook as outlook_kernels
 from ...kernels.episodes.episodes import (
     CLOSES,
@@ -45,9 +47,22 @@ class FieldPool:
         Written by :meth:`install` alone.
     instances : list of Instance or None
         What stands in each slot.
+
+    Raises
+    ------
+    InputError
+        They would take more memory than is free.
     """
 
     def __init__(self, slots: int, bodies: int, events: int, *, regular: bool = True) -> None:
+        needed = stacked_timetables.size_of_slots(slots, bodies, events, regular=regular)
+        free = available_bytes()
+        if needed > free:
+            raise InputError(
+                f"episodes need the connections of all pairs: those of {bodies} bodies with "
+                f"{events} departures each take {needed / 2**30:.1f} GiB of "
+                f"memory, and {free / 2**30:.1f} GiB are free; use another method or fewer targets"
+            )
         tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
         steps = timetable_kernels.most_steps(tables)
         self.arrays = StackedFields(

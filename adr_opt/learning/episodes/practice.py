@@ -38,8 +38,7 @@ def practise() -> None:
             board.observe_these(pool.arrays, episodes, which)
             if sees_worlds(name):
                 begin_in_worlds(pool, episodes, worlds, which, (slots, slots))
-                board.worlds = worlds
-                board.observe(pool.arrays, episodes, 0, 1)
-                board.observe_these(pool.arrays, episodes, which)
+                board.observe(pool.arrays, episodes, 0, 1, worlds)
+                board.observe_these(pool.arrays, episodes, which, worlds)
                 taken = 0, 1, actions, rewards, board.order
                 world_kernels.act_in_worlds(pool.arrays, episodes, worlds, *taken)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import InputError
+from ...common.files import parse_content
 from ...kernels.episodes import world_view
 from ...kernels.episodes import worlds as kernels
 from ...kernels.episodes.episodes import SERVICE, Episodes
@@ -29,6 +31,10 @@ LOSS_WORDS = OUTCOMES[-kernels.LOSSES :]
 """Reasons of losses, in the order of :attr:`.worlds.WorldStates.losses`."""
 
 
+AnyUncertainty = Uncertainty | str | os.PathLike[str] | Mapping[str, Any]
+"""A model of uncertainty, the path of its file, or the file's content as a dictionary."""
+
+
 def models_of(given: Any) -> tuple[Uncertainty, ...]:
     """Models of uncertainty that were given as one or as several; none for None.
 
@@ -39,16 +45,21 @@ def models_of(given: Any) -> tuple[Uncertainty, ...]:
     """
     if given is None:
         return ()
-    models = (given,) if isinstance(given, Uncertainty) else given
-    if (
-        not isinstance(models, Sequence)
-        or not models
-        or not all(isinstance(each, Uncertainty) for each in models)
-    ):
+    alone = isinstance(given, (Uncertainty, Mapping, str, os.PathLike))
+    models = (given,) if alone else given
+    if not isinstance(models, Sequence) or not models:
         raise InputError(
             f"uncertainty = {given!r}: must be an Uncertainty, or several in a sequence"
         )
-    return tuple(models)
+    return tuple(_model_of(each) for each in models)
+
+
+def _model_of(given: Any) -> Uncertainty:
+    if isinstance(given, Uncertainty):
+        return given
+    if isinstance(given, (str, os.PathLike)):
+        return Uncertainty.load(given)
+    return parse_content(given, Uncertainty, "uncertainty")
 
 
 class UncertainPool:

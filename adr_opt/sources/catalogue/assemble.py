@@ -26,6 +26,7 @@ from ...problem.least_time import too_short
 from ...problem.orbit import Orbit
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.transfer_sizes import transfers_for
+from .coming_down import end_windows
 from .crew import Crew
 from .demands import Demands, check_musts, filled, targets_of, told_left_out, told_masses
 from .drag import drag_warning
@@ -33,6 +34,7 @@ from .filters import Filters
 from .finding import ANY, Finder
 from .propagation import FLOAT, mean_elements, true_anomaly
 from .records import Catalogue, Dropped, ElementSet
+from .records import shown as shown_name
 from .selection import named, nearest, within_limits
 from .station import densest, parse_orbit
 
@@ -214,7 +216,7 @@ def to_instance(
     choice = demands.choice(records, host)
     candidates = named(records, host, filters, dropped, choice)
     if not candidates:
-        raise _nothing_left(len(records), dropped)
+        raise _nothing_left(len(records), dropped, _names_told(records))
     moved = candidates if host is None else [host, *candidates]
     epoch = mission.epoch or max(record.epoch for record in moved)
     elements, failed = mean_elements(moved, epoch)
@@ -225,7 +227,7 @@ def to_instance(
         told, elements = elements[0], elements[1:]
     rows = within_limits(candidates, elements, filters, dropped, choice)
     if rows.size == 0:
-        raise _nothing_left(len(records), dropped)
+        raise _nothing_left(len(records), dropped, filters.told_ranges(elements))
     place = told if told is not None else densest(elements[rows])
     if max_targets is not None and rows.size > max_targets:
         rows = nearest(candidates, elements, rows, place, max_targets, dropped, choice)
@@ -235,7 +237,10 @@ def to_instance(
     check_musts(choice, targets, candidates, dropped)
     asked = demands.of(targets, records, choice)
     crew, refuelling = crew or Crew(), mission.refuelling
-    fields = filled(asked, targets, records, crew, by_criticality=demands.by_criticality)
+    fields, falling = end_windows(
+        filled(asked, targets, records, crew, by_criticality=demands.by_criticality),
+        targets, host, epoch, mission.duration_s,
+    )  # fmt: skip
     instance = _instance(
         replace(mission, name=mission.name or _default_name(targets, len(rows)), epoch=epoch),
         Station(name=home, object_id=host.designator if host else None) if refuelling else None,
@@ -253,6 +258,7 @@ def to_instance(
         warnings=(
             *((told_masses(targets, fields),) if demands.by_criticality else ()),
             *((told_left_out(asked.left_out),) if asked.left_out else ()),
+            *((falling,) if falling else ()),
             *_warnings(targets, host, instance, epoch),
         ),
         station=LAUNCHED if 0 in instance.launches else placed,
@@ -357,12 +363,24 @@ def _failed_sentence(failed: Sequence[Dropped], epoch: datetime, host: ElementSe
     return f"{said}{more}); leave such objects out with --skip-bad{other}"
 
 
-def _nothing_left(read: int, dropped: Sequence[Dropped]) -> InputError:
+NAMES_TOLD = 3
+"""Maximum number of names told of a catalogue of which no name fits."""
+
+
+def _names_told(records: Sequence[ElementSet]) -> str:
+    names = list(dict.fromkeys(record.name for record in records if record.name))
+    more = ", …" if len(names) > NAMES_TOLD else ""
+    return f"names are {', '.join(map(shown_name, names[:NAMES_TOLD]))}{more}" if names else ""
+
+
+def _nothing_left(read: int, dropped: Sequence[Dropped], has: str) -> InputError:
     counts = Counter(drop.reason for drop in dropped)
     listed = ", ".join(f"{reason} {count}" for reason, count in counts.items())
     advice = "widen the filters" if counts.keys() - set(NO_FILTERS) else "give other files"
     if counts.keys() & set(AT_ANOTHER_EPOCH):
         advice += ", or another --epoch"
+    if has and advice.startswith("widen"):
+        advice += f": in the catalogue {has}"
     return InputError(f"no object is left of {read} (left out: {listed or 'none'}); {advice}")
 
 

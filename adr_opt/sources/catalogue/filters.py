@@ -95,6 +95,29 @@ class Filters:
                 found["raan"] = np.zeros(len(elements), dtype=bool)
         return found
 
+    def told_ranges(self, elements: npt.NDArray[np.float64]) -> str:
+        """What objects have of the quantities that are filtered; empty for none.
+
+        Parameters
+        ----------
+        elements : (object, element) float64
+            As for :meth:`outside`; rows of NaN do not count.
+        """
+        known = elements[np.isfinite(elements[:, 0])]
+        if not len(known):
+            return ""
+        told = [
+            f"{what} are {low:.4g} to {high:.4g} {unit}"
+            for what, asked, values, unit in (
+                ("altitudes", self.altitude_km, (known[:, 0] - EARTH_RADIUS_M) / 1e3, "km"),
+                ("inclinations", self.inclination_deg, np.degrees(known[:, 2]), "deg"),
+                ("RAANs", self.raan_deg, np.degrees(known[:, 3]) % 360.0, "deg"),
+            )
+            if asked is not None
+            for low, high in ((float(values.min()), float(values.max())),)
+        ]
+        return ", ".join(told)
+
 
 def _outside(values: npt.NDArray[np.float64], limits: Range) -> npt.NDArray[np.bool_]:
     outside: npt.NDArray[np.bool_] = (values < limits[0]) | (values > limits[1])

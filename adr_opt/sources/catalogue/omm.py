@@ -30,14 +30,14 @@ UNITS = {
 }
 """The only permitted units, which a file may repeat."""
 
+USER_DEFINED = ("DECAY_DATE", "EPOCH_MICROSECONDS", "RCS_SIZE")
+"""Fields of Space-Track's own: user-defined in XML and KVN, plain keys in JSON and CSV."""
+
 FIELDS = frozenset(UNITS) | {
     "OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "MEAN_ELEMENT_THEORY",
     "EPOCH", "ECCENTRICITY", "NORAD_CAT_ID", "ELEMENT_SET_NO", "REV_AT_EPOCH", "EPHEMERIS_TYPE",
-    "CLASSIFICATION_TYPE", "DECAY_DATE", "RCS_SIZE",
+    "CLASSIFICATION_TYPE", *USER_DEFINED,
 }  # fmt: skip
-
-USER_DEFINED = "USER_DEFINED_RCS_SIZE"
-"""KVN spelling of the one non-standard field that is used."""
 
 SIZES = ("SMALL", "MEDIUM", "LARGE")
 """Classes of the radar cross-section: below 0.1 m², up to 1 m², above."""
@@ -50,8 +50,10 @@ MU_KM3_S2 = 398600.8
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _INTEGER = re.compile(r"[+-]?\d{1,18}(?:\.0*)?", re.ASCII)
 _ALPHA_5 = re.compile(r"[A-HJ-NP-Z]\d{4}", re.ASCII)
-_EPOCH = re.compile(
-    r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))[T ](\d\d):(\d\d):(\d\d)(?:\.(\d{0,30}))?Z?", re.ASCII
+_TIME = re.compile(
+    r"(\d{4})-(?:(\d\d)-(\d\d)|(\d{3}))"
+    r"(?:[T ](\d\d):(\d\d):(\d\d)(?:\.(\d{0,30}))?Z?)?",
+    re.ASCII,
 )
 
 
@@ -102,7 +104,7 @@ def _record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | No
         name=clean_name(_text(fields, "OBJECT_NAME")),
         object_id=clean_name(_text(fields, "OBJECT_ID")),
         number=_catalogue_number(fields),
-        epoch=_epoch(fields.get("EPOCH")),
+        epoch=_epoch(fields),
         mean_motion_rev_day=mean_motion,
         eccentricity=eccentricity,
         inclination_deg=_number(fields, "INCLINATION", 0.0, 180.0),
@@ -116,14 +118,21 @@ def _record(fields: Mapping[str, Any], source: str, line: int, ordinal: int | No
         ephemeris_type=_integer(fields, "EPHEMERIS_TYPE"),
         element_set=_integer(fields, "ELEMENT_SET_NO"),
         revolution=_integer(fields, "REV_AT_EPOCH"),
-        decayed=clean_name(_text(fields, "DECAY_DATE")),
         not_sgp4=not_sgp4,
         mass_kg=_number(fields, "MASS", 0.0, 1e9, default=0.0) or None,
         size=_size(fields),
+        decays=_decays(fields),
         source=source,
         line=line,
         ordinal=ordinal,
     )
+
+
+def keyword(said: str) -> str:
+    """The keyword of a field as a file spells it."""
+    key = said.strip().upper()
+    own = key.removeprefix("USER_DEFINED_")
+    return own if own in USER_DEFINED else key
 
 
 def label(fields: Mapping[str, Any]) -> str:
@@ -226,13 +235,38 @@ def _catalogue_number(fields: Mapping[str, Any]) -> int | None:
     return number
 
 
-def _epoch(given: Any) -> datetime:
+def _epoch(fields: Mapping[str, Any]) -> datetime:
+    """The epoch, completed by its microseconds where they are a field of their own."""
+    given = fields.get("EPOCH")
     if given is None or given == "":
         raise RowError("field EPOCH: missing")
-    parts = _EPOCH.fullmatch(given.strip()) if isinstance(given, str) else None
-    if parts is None:
-        raise RowError(f"field EPOCH = {shown(given)}: must be a time like 2025-04-02T14:17:36.41")
-    year, month, day, of_year, hour, minute, second, fraction = parts.groups()
+    epoch, decimals = _time("EPOCH", given, "a time like 2025-04-02T14:17:36.41")
+    if fields.get("EPOCH_MICROSECONDS") in (None, ""):
+        return epoch
+    apart = _integer(fields, "EPOCH_MICROSECONDS")
+    if not 0 <= apart < 10**6:
+        raise RowError(f"field EPOCH_MICROSECONDS = {apart}: must be between 0 and 999999")
+    completed = epoch.replace(microsecond=apart)
+    # An epoch with decimals says the same, to as many as it has.
+    if decimals and abs((completed - epoch).total_seconds()) > 10.0**-decimals:
+        raise RowError(
+            f"field EPOCH_MICROSECONDS = {apart}: EPOCH = {shown(given)} has others; keep one"
+        )
+    return completed
+
+
+def _decays(fields: Mapping[str, Any]) -> datetime | None:
+    said = _text(fields, "DECAY_DATE")
+    return _time("DECAY_DATE", said, "a date like 2025-04-02")[0] if said else None
+
+
+def _time(key: str, given: Any, wanted: str) -> tuple[datetime, int]:
+    """A time, and how many decimals its seconds have; a date alone is its first moment."""
+    parts = _TIME.fullmatch(given.strip()) if isinstance(given, str) else None
+    if parts is None or (key == "EPOCH" and parts[5] is None):
+        raise RowError(f"field {key} = {shown(given)}: must be {wanted}")
+    year, month, day, of_year, *clock, fraction = parts.groups()
+    hour, minute, second = (int(part or 0) for part in clock)
     try:
         if of_year is None:
             date = datetime(int(year), int(month), int(day), tzinfo=UTC)
@@ -240,13 +274,12 @@ def _epoch(given: Any) -> datetime:
             date = datetime(int(year), 1, 1, tzinfo=UTC) + timedelta(days=int(of_year) - 1)
             if date.year != int(year):
                 raise ValueError
-        if int(hour) > 23 or int(minute) > 59 or int(second) > 60:
+        if hour > 23 or minute > 59 or second > 60:
             raise ValueError
-        return date + timedelta(
-            hours=int(hour),
-            minutes=int(minute),
-            seconds=int(second),
-            microseconds=round(float(f"0.{fraction or 0}") * 1e6),
+        microseconds = round(float(f"0.{fraction or 0}") * 1e6)
+        return (
+            date + timedelta(hours=hour, minutes=minute, seconds=second, microseconds=microseconds),
+            len(fraction) if fraction and microseconds else 0,
         )
     except (ValueError, OverflowError):
-        raise RowError(f"field EPOCH = {shown(given)}: there is no such time") from None
+        raise RowError(f"field {key} = {shown(given)}: there is no such time") from None

@@ -36,7 +36,7 @@ def read_csv(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
             yield Dropped(source, number, "", error.reason, error.detail)
             continue
         if not header:
-            header = [value.strip().upper() for value in values]
+            header = [omm.keyword(value) for value in values]
             _check_header(header, source, number)
             continue
         fault = None

@@ -15,7 +15,7 @@ _BLANK = re.compile(r"[ \t\r\n]*")
 
 
 class _Object(dict[str, Any]):
-    """A JSON object that records OMM keywords given twice, in any spelling."""
+    """A JSON object that records a key given twice, and OMM keywords in any spelling."""
 
     twice: str | None = None
 
@@ -23,11 +23,14 @@ class _Object(dict[str, Any]):
     def of(cls, pairs: list[tuple[str, Any]]) -> _Object:
         """The object made from key–value pairs in file order."""
         made, seen = cls(pairs), set[str]()
-        for key, _ in pairs:
-            keyword = key.strip().upper()
-            if keyword in seen and keyword in omm.FIELDS:
-                made.twice = keyword
-            seen.add(keyword)
+        for key, value in pairs:
+            keyword = omm.keyword(key)
+            name = keyword if keyword in omm.FIELDS else key
+            if name in seen:
+                made.twice = name
+            elif isinstance(value, _Object) and value.twice is not None:
+                made.twice = value.twice
+            seen.add(name)
         return made
 
 
@@ -87,15 +90,15 @@ def _one(item: Any, source: str, line: int, ordinal: int) -> ElementSet | Droppe
     if not isinstance(item, dict):
         detail = f"{shown(item)!r} is not a JSON object with the keywords of OMM"
         return Dropped(source, line, "", "malformed", detail, ordinal)
-    fields = {key.strip().upper(): value for key, value in item.items()}
+    fields = {omm.keyword(key): value for key, value in item.items()}
     fault = None
     if isinstance(item, _Object) and item.twice is not None:
-        fault = RowError(f"field {item.twice} is given twice in one object")
+        fault = RowError(f"field {shown(item.twice)} is given twice in one object")
     return omm.read_message(fields, source, line, ordinal, fault=fault)
 
 
 def _refuse_message(item: Any, source: str) -> None:
-    if isinstance(item, dict) and not any(str(key).strip().upper() in omm.FIELDS for key in item):
+    if isinstance(item, dict) and not any(omm.keyword(key) in omm.FIELDS for key in item):
         raise InputError(
             f"{source}: a JSON object that is no OMM but says {shown(json.dumps(item), 60)}; "
             "download the catalogue again"

@@ -20,7 +20,7 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
         if not line or line.split(None, 1)[0] == "COMMENT":
             continue
         key, sign, value = line.partition("=")
-        key = key.strip().upper()
+        key = omm.keyword(key)
         if key == HEADER:
             if begin:
                 yield omm.read_message(fields, source, begin, fault=fault, fault_line=fault_line)
@@ -34,8 +34,6 @@ def read_kvn(lines: Iterable[str], source: str) -> Iterator[ElementSet | Dropped
                 raise RowError(f"{shown(line)!r} is not KEYWORD = value")
             if len(raw) > LONGEST_LINE:
                 raise RowError(f"the line is longer than {LONGEST_LINE} characters")
-            if key == omm.USER_DEFINED:
-                key = "RCS_SIZE"
             if key in omm.FIELDS:
                 if key in fields:
                     raise RowError(f"field {key} is given twice in one message")

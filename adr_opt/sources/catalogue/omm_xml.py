@@ -1,8 +1,4 @@
-"""OMM as XML, single (``<omm>``) or in a list (``<ndm>``), by the standard library's parser.
-
-The parser is used directly because it knows line numbers, and because a document type, which an
-OMM never has and which entity bombs need, can be refused as soon as it begins.
-"""
+"""OMM as XML, single (``<omm>``) or in a list (``<ndm>``)."""
 
 from __future__ import annotations
 
@@ -10,6 +6,7 @@ from collections.abc import Iterator
 from xml.parsers import expat
 
 from ...common.errors import InputError
+from ..xml_parser import new_parser
 from . import omm
 from .records import Dropped, ElementSet, RowError
 
@@ -32,7 +29,7 @@ def read_xml(data: bytes, source: str) -> Iterator[ElementSet | Dropped]:
         The file has a document type, or is another message than an OMM.
     """
     reader = _Reader(source)
-    parser = expat.ParserCreate(encoding="utf-8")
+    parser = new_parser(source, "an OMM")
     reader.attach(parser)
     for begin in range(0, len(data) + CHUNK, CHUNK):
         chunk = data[begin : begin + CHUNK]
@@ -66,8 +63,6 @@ class _Reader:
         self.text = ""
 
     def attach(self, parser: expat.XMLParserType) -> None:
-        parser.buffer_text = True
-        parser.StartDoctypeDeclHandler = self.refuse_document_type
         parser.StartElementHandler = self.open
         parser.EndElementHandler = self.close
         parser.CharacterDataHandler = self.hear
@@ -77,12 +72,6 @@ class _Reader:
         found, self.found = self.found, []
         return found
 
-    def refuse_document_type(self, *_: object) -> None:
-        raise InputError(
-            f"{self.source}: line {self.parser.CurrentLineNumber}: a document type (DOCTYPE), "
-            "which an OMM does not have; download the catalogue again"
-        )
-
     def open(self, tag: str, attributes: dict[str, str]) -> None:
         self.depth += 1
         line = self.parser.CurrentLineNumber
@@ -91,8 +80,8 @@ class _Reader:
                 f"{self.source}: line {line}: elements nested {DEEPEST} deep; this is no OMM"
             )
         tag = tag.rpartition(":")[2]
-        if tag == "USER_DEFINED" and attributes.get("parameter") == "RCS_SIZE":
-            tag = "RCS_SIZE"
+        if tag == "USER_DEFINED":
+            tag = omm.keyword(f"USER_DEFINED_{attributes.get('parameter', '')}")
         if self.depth <= 2 and tag in ("opm", "oem", "ocm", "aem", "apm", "cdm", "tdm", "rdm"):
             raise InputError(
                 f"{self.source}: line {line}: an {tag.upper()}, not an OMM; give mean elements"

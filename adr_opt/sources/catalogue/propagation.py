@@ -178,8 +178,8 @@ def true_anomaly(mean_anomaly: FLOAT, eccentricity: FLOAT) -> FLOAT:
 def _unfit(record: ElementSet, epoch: datetime) -> tuple[str, str] | None:
     if record.not_sgp4:
         return "not-sgp4", record.not_sgp4
-    if record.decayed:
-        return "decayed", f"decayed on {record.decayed}, says the file"
+    if record.is_down(epoch):
+        return "decayed", f"decayed on {record.decays:%Y-%m-%d}, says the file"
     days = (epoch - record.epoch).total_seconds() / DAY_S
     if abs(days) > LARGEST_DAYS:
         return "far-epoch", f"its elements are {abs(days):.0f} days from the epoch"

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ...common.errors import InputError
+from ..beginnings import UTF_16, ephemeris_format, head_of
 from .omm_csv import read_csv
 from .omm_json import read_json
 from .omm_kvn import read_kvn
@@ -23,9 +24,6 @@ LARGEST_BYTES = 256 * 2**20
 
 MOST_BAD_ROWS = 100_000
 """Maximum number of bad rows; with more, the file is not a catalogue."""
-
-HEAD = 4096
-"""Number of bytes examined to recognise a format."""
 
 Paths = str | os.PathLike[str] | Sequence[str | os.PathLike[str]]
 
@@ -110,7 +108,7 @@ def read_bytes(data: bytes, source: str, *, skip_bad: bool = False) -> Catalogue
                 "give a catalogue"
             )
     if not records:
-        first = f"; the first of {len(dropped)} bad rows: {dropped[0].detail}" if dropped else ""
+        first = f"; the first of {len(dropped)} bad rows: {dropped[0].within}" if dropped else ""
         raise InputError(f"{source}: no element set in it ({kind}){first}; give a catalogue")
     return Catalogue(tuple(records), tuple(dropped), {source: kind})
 
@@ -143,11 +141,10 @@ def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dro
     """Name of the format, and its reader applied to the data."""
     if data.startswith((b"\x1f\x8b", b"PK\x03\x04", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd")):
         raise InputError(f"{source}: compressed; unpack it first")
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise InputError(f"{source}: a text in UTF-16; save it as UTF-8")
     data = data.removeprefix(b"\xef\xbb\xbf")
-    # Bytes that are no UTF-8 spoil the row in which they stand, not the file.
-    head = data.lstrip()[:HEAD].decode("utf-8", "replace")
+    head = head_of(data)
+    if data.startswith(UTF_16) and not head.startswith("<"):
+        raise InputError(f"{source}: a text in UTF-16; save it as UTF-8")
     if not head:
         raise InputError(f"{source}: empty; download the catalogue again")
     if "\0" in head:
@@ -160,6 +157,11 @@ def _recognise(data: bytes, source: str) -> tuple[str, Iterable[ElementSet | Dro
         return "OMM XML", read_xml(data.lstrip(), source)
     if head.startswith(("[", "{")):
         return "OMM JSON", read_json(data.decode("utf-8", "replace"), source)
+    if ephemeris_format(head):
+        raise InputError(
+            f"{source}: {ephemeris_format(head)}, not mean elements; give a catalogue, and this "
+            "by --oem"
+        )
     begin = next((line for line in head.splitlines() if _says_something(line)), "")
     message = re.match(r"\s*CCSDS_(\w+)_VERS\s*=", begin)
     if message is not None:

@@ -40,14 +40,14 @@ class ElementSet:
         Half the first and a sixth of the second derivative, as the formats give them.
     classification : str
     ephemeris_type, element_set, revolution : int
-    decayed : str
-        When the object decayed, if the file says so.
     not_sgp4 : str
         Why SGP4 cannot propagate these elements; empty if it can.
     mass_kg : float or None
         Where the file says it.
     size : str
         Class of the radar cross-section, ``SMALL``, ``MEDIUM`` or ``LARGE``; empty if none is said.
+    decays : datetime or None
+        When the object came or comes down, if the file says so; a date is its first moment.
     source : str
         The file.
     line : int
@@ -73,11 +73,11 @@ class ElementSet:
     ephemeris_type: int = 0
     element_set: int = 0
     revolution: int = 0
-    decayed: str = ""
     not_sgp4: str = ""
     # Of the object and not of its orbit: most spellings have no place for them.
     mass_kg: float | None = field(default=None, compare=False)
     size: str = field(default="", compare=False)
+    decays: datetime | None = field(default=None, compare=False)
     source: str = field(default="", compare=False)
     line: int = field(default=0, compare=False)
     ordinal: int | None = field(default=None, compare=False)
@@ -94,6 +94,10 @@ class ElementSet:
         if self.object_id.upper() not in NO_DESIGNATOR:
             return (self.object_id, self.name)
         return (self,)
+
+    def is_down(self, time: datetime) -> bool:
+        """Whether the object has come down at a time, as the file says."""
+        return self.decays is not None and self.decays <= time
 
     @property
     def designator(self) -> str | None:
@@ -136,13 +140,18 @@ class Dropped:
         """A rejected record."""
         return cls(record.source, record.line, record.label, reason, detail, record.ordinal)
 
-    def __str__(self) -> str:
+    @property
+    def within(self) -> str:
+        """Place and reason within the file."""
         where = f"line {self.line}" if self.line else ""
         if self.ordinal is not None:
             where += f", record {self.ordinal}"
         if self.object:
             where += f" ({self.object})"
-        return ": ".join(part for part in (self.source, where, self.detail) if part)
+        return ": ".join(part for part in (where, self.detail) if part)
+
+    def __str__(self) -> str:
+        return ": ".join(part for part in (self.source, self.within) if part)
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON data."""

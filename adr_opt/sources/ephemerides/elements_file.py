@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...common.errors import InputError
+from ...common.json_text import parse_json
 from ..catalogue.omm import read_message
 from ..catalogue.records import Dropped, ElementSet
 
@@ -34,10 +35,7 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
     InputError
         Not such a file, an unknown field, two element sets of one body, or a bad element set.
     """
-    try:
-        data = json.loads(content.decode("utf-8"), object_pairs_hook=_no_twins)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{source}: not a file of element sets ({error})") from None
+    data = parse_json(content, source)
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'{source}: its format is not "{FORMAT}"; import the catalogue anew')
     strange = sorted(data.keys() - {"format", "bodies"})
@@ -79,15 +77,6 @@ def json_schema() -> dict[str, Any]:
         "required": ["format", "bodies"],
         "additionalProperties": False,
     }
-
-
-def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    made = dict(pairs)
-    if len(made) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"{twice!r} stands there twice")
-    return made
 
 
 def _fields(record: ElementSet) -> dict[str, Any]:

@@ -92,7 +92,8 @@ def fitted(ephemeris: Ephemeris, duration_s: float, *, decays: bool = True) -> F
     decay = 2.0 / 3.0 * size / anomaly_rate * bend * DAY_S
     if not abs(decay) <= LARGEST_DECAY_M_PER_DAY:
         raise InputError(
-            f"{ephemeris.body!r}: no orbit fits its ephemeris, which decays by {decay:.0f} m a day"
+            f"{ephemeris.body!r}: no orbit fits its ephemeris; the nearest one would lose "
+            f"{decay:.0f} m a day"
         )
     return FittedOrbit(
         _orbit(ephemeris.body, size, eccentricity, tilt, ascending, perigee, start - perigee),

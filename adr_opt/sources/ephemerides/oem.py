@@ -1,7 +1,7 @@
 """CCSDS Orbit Ephemeris Messages (502.0-B, section 5), in key-value notation here.
 
 Reading finds the segments and their metadata; the states of a segment are parsed when they are
-asked for.
+asked for. Ephemerides in other formats become segments of such messages.
 """
 
 from __future__ import annotations
@@ -9,26 +9,35 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...common.errors import InputError
+from ..beginnings import ephemeris_format, head_of
 from ..catalogue.records import shown
-from .oem_segment import MessageSegment, checked
+from .modified_itc import read_itc
+from .oem_segment import MessageSegment, Rows, segment_of
 from .oem_xml import read_xml
+from .stk import read_stk
 
 
 def read_oem(content: bytes, source: str) -> list[MessageSegment]:
-    """The segments of a message.
+    """The segments of a message, or of an ephemeris in another format that is known.
 
     Raises
     ------
     InputError
         It is none, or a segment lacks metadata or states.
     """
-    text = content.decode("utf-8", "replace").lstrip("\ufeff \t\r\n")
-    if text.startswith("<"):
+    begin = head_of(content)
+    if begin.startswith("<"):
         found = read_xml(content, source)
-    elif text.startswith("CCSDS_OEM_VERS"):
-        found = list(_segments(text, source))
+    elif begin.startswith("CCSDS_OEM_VERS"):
+        found = list(_segments(content.decode("utf-8-sig", "replace"), source))
+    elif ephemeris_format(begin):
+        read = read_stk if "STK" in ephemeris_format(begin) else read_itc
+        found = [read(content.decode("utf-8-sig", "replace"), source)]
     else:
-        raise InputError(f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS")
+        raise InputError(
+            f"{source}: no OEM, it does not begin with CCSDS_OEM_VERS, and neither an STK nor a "
+            "Modified ITC ephemeris"
+        )
     if not found:
         raise InputError(f"{source}: an OEM without a segment; give one with states")
     return found
@@ -36,7 +45,7 @@ def read_oem(content: bytes, source: str) -> list[MessageSegment]:
 
 def _segments(text: str, source: str) -> Iterator[MessageSegment]:
     fields: dict[str, str] = {}
-    rows: list[str] = []
+    rows = Rows()
     covariances: list[str] = []
     begin, in_metadata, in_covariance = 0, False, False
     for number, row in enumerate(text.splitlines(), 1):
@@ -45,7 +54,7 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
             continue
         if line == "META_START":
             if begin:
-                yield _segment(source, begin, fields, rows, covariances)
+                yield segment_of(source, begin, fields, rows, covariances)
             fields, rows, covariances, begin = {}, [], [], number
             in_metadata, in_covariance = True, False
         elif line == "META_STOP":
@@ -59,13 +68,9 @@ def _segments(text: str, source: str) -> Iterator[MessageSegment]:
                 fault = "is given twice" if is_given else "has no value"
                 raise InputError(f"{source}: line {number}: {shown(keyword)} {fault}")
             fields[keyword] = value.strip()
+        elif in_covariance:
+            covariances.append(line)
         elif begin:
-            (covariances if in_covariance else rows).append(line)
+            rows.append((number, line))
     if begin:
-        yield _segment(source, begin, fields, rows, covariances)
-
-
-def _segment(
-    source: str, begin: int, fields: dict[str, str], rows: list[str], covariances: list[str]
-) -> MessageSegment:
-    return checked(MessageSegment(source, begin, fields, tuple(rows), tuple(covariances)))
+        yield segment_of(source, begin, fields, rows, covariances)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ NEEDED = ("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM",
 COLUMNS = (7, 10)
 """Number of columns of a state: time, position and velocity, and perhaps acceleration."""
 
+Rows = list[tuple[int, str]]
+"""States while a file is read: the line of each and its text."""
+
 
 @dataclass(frozen=True)
 class MessageSegment:
@@ -33,6 +37,8 @@ class MessageSegment:
         Metadata by keyword.
     rows : tuple of str
         Lines of states.
+    row_lines : tuple of int
+        Where each of them stands in the file.
     covariance_rows : tuple of str
         Lines of covariances, their keywords included; those of XML are not read.
     """
@@ -41,12 +47,17 @@ class MessageSegment:
     line: int
     fields: dict[str, str]
     rows: tuple[str, ...]
+    row_lines: tuple[int, ...]
     covariance_rows: tuple[str, ...] = ()
 
     @property
     def where(self) -> str:
-        """File, line and object, for messages."""
-        return f"{self.source}: line {self.line} ({shown(self.fields['OBJECT_NAME'])})"
+        """File, line of the metadata and object, for messages."""
+        return self.at(self.line)
+
+    def at(self, line: int) -> str:
+        """File, a line and object, for messages."""
+        return f"{self.source}: line {line} ({shown(self.fields['OBJECT_NAME'])})"
 
     @property
     def names(self) -> tuple[str, str]:
@@ -89,7 +100,7 @@ class MessageSegment:
             A row is no state.
         """
         times, numbers = [], []
-        for row in self.rows:
+        for at, row in enumerate(self.rows):
             parts = row.split()
             try:
                 if len(parts) not in COLUMNS:
@@ -97,20 +108,35 @@ class MessageSegment:
                 numbers.append([float(part) for part in parts[1:7]])
             except ValueError:
                 raise InputError(
-                    f"{self.where}: {shown(row)!r} is no time with six numbers"
+                    f"{self.at(self.row_lines[at])}: {shown(row)!r} is no time with six numbers"
                 ) from None
             times.append(parts[0])
         states = 1e3 * np.array(numbers)
-        if not np.isfinite(states).all():
-            raise InputError(f"{self.where}: a state is not finite")
+        bad = np.flatnonzero(~np.isfinite(states).all(axis=1))
+        if bad.size:
+            raise InputError(f"{self.at(self.row_lines[bad[0]])}: a state is not finite")
         return times, states
 
 
-def checked(segment: MessageSegment) -> MessageSegment:
-    """A segment, if it has the metadata and states that it needs."""
-    missing = [keyword for keyword in NEEDED if not segment.fields.get(keyword)]
+def segment_of(
+    source: str,
+    line: int,
+    fields: dict[str, str],
+    rows: Rows,
+    covariance_rows: Sequence[str] = (),
+) -> MessageSegment:
+    """A segment from its parts, if it has the metadata and states that it needs.
+
+    Raises
+    ------
+    InputError
+        It has not.
+    """
+    missing = [keyword for keyword in NEEDED if not fields.get(keyword)]
     if missing:
-        raise InputError(f"{segment.source}: line {segment.line}: {missing[0]} is missing")
-    if len(segment.rows) < 2:
+        raise InputError(f"{source}: line {line}: {missing[0]} is missing")
+    lines, texts = tuple(zip(*rows, strict=True)) or ((), ())
+    segment = MessageSegment(source, line, fields, texts, lines, tuple(covariance_rows))
+    if len(rows) < 2:
         raise InputError(f"{segment.where}: fewer than two states")
     return segment

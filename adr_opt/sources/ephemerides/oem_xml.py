@@ -6,7 +6,8 @@ from xml.parsers import expat
 
 from ...common.errors import InputError
 from ..catalogue.records import shown
-from .oem_segment import MessageSegment, checked
+from ..xml_parser import new_parser
+from .oem_segment import MessageSegment, Rows, segment_of
 
 STATE = ("EPOCH", "X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
 """Elements of a state, in the order of a row."""
@@ -24,7 +25,7 @@ def read_xml(content: bytes, source: str) -> list[MessageSegment]:
         It is none, or a segment lacks metadata or states.
     """
     reader = _Reader(source)
-    parser = expat.ParserCreate(encoding="utf-8")
+    parser = new_parser(source, "an OEM")
     reader.attach(parser)
     try:
         parser.Parse(content.removeprefix(b"\xef\xbb\xbf").lstrip(), True)
@@ -40,21 +41,15 @@ class _Reader:
 
     def __init__(self, source: str) -> None:
         self.source, self.found = source, list[MessageSegment]()
-        self.fields, self.rows, self.state = dict[str, str](), list[str](), dict[str, str]()
-        self.inside, self.text, self.line = "", "", 0
+        self.fields, self.rows, self.state = dict[str, str](), Rows(), dict[str, str]()
+        self.inside, self.text, self.line, self.row_line = "", "", 0, 0
 
     def attach(self, parser: expat.XMLParserType) -> None:
         """Take part in the parsing."""
-        parser.buffer_text = True
-        parser.StartDoctypeDeclHandler = self.refuse_document_type
         parser.StartElementHandler = self.open
         parser.EndElementHandler = self.close
         parser.CharacterDataHandler = self.hear
         self.parser = parser
-
-    def refuse_document_type(self, *_: object) -> None:
-        """Refuse what entity bombs need and an OEM never has."""
-        raise InputError(f"{self.source}: a document type (DOCTYPE), which an OEM does not have")
 
     def open(self, tag: str, attributes: dict[str, str]) -> None:
         """An element begins."""
@@ -62,7 +57,7 @@ class _Reader:
         if tag == "segment":
             self.fields, self.rows, self.line = {}, [], self.parser.CurrentLineNumber
         elif tag in ("metadata", "stateVector"):
-            self.inside, self.state = tag, {}
+            self.inside, self.state, self.row_line = tag, {}, self.parser.CurrentLineNumber
         elif self.inside == "stateVector" and attributes.get("units", "km") not in UNITS:
             raise InputError(
                 f"{self.source}: line {self.parser.CurrentLineNumber}: {tag} in "
@@ -83,11 +78,16 @@ class _Reader:
                     f"{self.source}: line {self.parser.CurrentLineNumber}: a state without "
                     f"{missing[0]}"
                 )
-            self.rows.append(" ".join(self.state[name] for name in STATE))
+            row = " ".join(self.state[name] for name in STATE)
+            self.rows.append((self.row_line, row))
         elif tag == "segment":
-            segment = MessageSegment(self.source, self.line, self.fields, tuple(self.rows))
-            self.found.append(checked(segment))
+            self.found.append(segment_of(self.source, self.line, self.fields, self.rows))
         elif self.inside == "metadata" and tag not in ("COMMENT", "metadata"):
+            if tag in self.fields:
+                raise InputError(
+                    f"{self.source}: line {self.parser.CurrentLineNumber}: {shown(tag)} is given "
+                    "twice"
+                )
             self.fields[tag] = self.text.strip()
         elif self.inside == "stateVector":
             self.state[tag] = self.text.strip()

@@ -1,7 +1,7 @@
 """Field of the published study: circular orbits in a narrow belt of altitudes and planes.
 
 The spread of the planes and of the phases is a *calibration*: the published study does not state
-it. It was chosen so that the published algorithms give the published numbers
+it. It was chosen so that the published greedy planner gives the published numbers; others do not
 (docs/model.md section 7).
 """
 

@@ -12,7 +12,7 @@ equations are numbered in docs/worth.md.
 
 from .answer import answer
 from .bodies import Bodies, bodies_of
-from .measures import Measures, read_measures
+from .measures import Measures, MeasuresTable, read_measures
 from .prizes import RemovalPrizes, prizes_of
 from .reasons import reason
 from .satcat import Satcat, read_satcat
@@ -23,6 +23,7 @@ from .worth_file import load_set_worths, pairs_json
 __all__ = [
     "Bodies",
     "Measures",
+    "MeasuresTable",
     "RemovalPrizes",
     "RemovalWorth",
     "Satcat",

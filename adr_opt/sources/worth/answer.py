@@ -34,6 +34,7 @@ def answer(prizes: RemovalPrizes, satcat: Satcat | None) -> dict[str, Any]:
         if satcat is None
         else {"objects": len(satcat), "updated": satcat.updated, "matched": bodies.matched},
         "masses": dict(Counter(bodies.mass_sources)),
+        "default_masses": bodies.default_masses,
         "sizes": dict(Counter(bodies.size_sources)),
         "areas": dict(Counter(bodies.area_sources)),
         "candidates": len(prizes.candidates),

@@ -1,7 +1,8 @@
 """Orbits, masses and sizes of the objects of a catalogue, each with its source.
 
 The best source that knows a quantity counts: a table of the user, the General Catalog, the element
-set itself, and otherwise a default by kind of object and class of the radar cross-section.
+set itself, the family of a rocket stage, and otherwise a default by kind of object and class of the
+radar cross-section.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import math
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,7 @@ from ..catalogue.records import ElementSet
 from .air import ALTITUDES_KM, FLOAT
 from .measures import Measures
 from .satcat import Quantity, Satcat, SatcatRow
+from .stages import stage_of
 
 BALLISTIC_M2_KG = 12.741621
 """Drag coefficient × area over mass for a B* of one per Earth radius: 2 / ρ₀ of SGP4, with its
@@ -51,8 +54,8 @@ DEFAULTS = {
 """By kind of object and class of the cross-section. A payload without a class is of half a tonne, a
 rocket body like the commonest one, debris near the least that is catalogued."""
 
-TABLE, SATCAT, UNSURE, OMM, BSTAR, DEFAULT = (
-    "table", "satcat", "satcat, uncertain", "element set", "B*", "default",
+TABLE, SATCAT, UNSURE, OMM, FAMILY, BSTAR, DEFAULT = (
+    "table", "satcat", "satcat, uncertain", "element set", "stage family", "B*", "default",
 )  # fmt: skip
 """Sources of masses, sizes and areas over mass, best first."""
 
@@ -98,6 +101,13 @@ class Bodies:
     def __len__(self) -> int:
         return len(self.records)
 
+    @property
+    def default_masses(self) -> dict[str, int]:
+        """Numbers of objects with default masses, by kind and mass, the commonest first."""
+        each = zip(self.kinds, self.masses.tolist(), self.mass_sources, strict=True)
+        told = (f"{kind} {mass:g} kg" for kind, mass, source in each if source.startswith(DEFAULT))
+        return dict(Counter(told).most_common())
+
 
 class _Measured(NamedTuple):
     mass: float
@@ -127,6 +137,7 @@ def bodies_of(
         Names to leave out, as of :class:`.Filters`: operating satellites that dodge, for example.
     """
     dodging = Filters(names=tuple(excluded))
+    latest = max((record.epoch for record in records), default=datetime.max.replace(tzinfo=UTC))
     kept: list[ElementSet] = []
     shells: list[tuple[float, float]] = []
     kinds: list[str] = []
@@ -135,7 +146,7 @@ def bodies_of(
     for at, record in enumerate(records):
         shell = _shell(record)
         reason = ""
-        if record.decayed or shell[0] < _lowest():
+        if record.is_down(latest) or shell[0] < _lowest():
             reason = "decayed"
         elif excluded and dodging.match_name(record):
             reason = "excluded"
@@ -196,10 +207,16 @@ def _kind(name: str) -> str:
     return "debris" if "DEB" in words or "DEBRIS" in words else "payload"
 
 
+def default_of(kind: str, size: str) -> Default:
+    """Mass and diameter of an object by its kind and the class of its cross-section."""
+    return DEFAULTS.get((kind, size)) or DEFAULTS[kind, ""]
+
+
 def _measured(
     record: ElementSet, kind: str, row: SatcatRow | None, measures: Measures
 ) -> _Measured:
-    default = DEFAULTS.get((kind, record.size)) or DEFAULTS[kind, ""]
+    default = default_of(kind, record.size)
+    stage = stage_of(record.name) if kind == "rocket body" else None
     mass, mass_source = default.mass, f"{DEFAULT}: {kind}"
     if measures.mass is not None:
         mass, mass_source = measures.mass, TABLE
@@ -207,6 +224,8 @@ def _measured(
         mass, mass_source = row.mass.value, _certainty(row.mass)
     elif record.mass_kg is not None:
         mass, mass_source = record.mass_kg, OMM
+    elif stage is not None:
+        mass, mass_source = stage.mass, FAMILY
     size, size_source = default.size, f"{DEFAULT}: {kind}"
     if measures.size is not None:
         size, size_source = measures.size, TABLE
@@ -216,6 +235,8 @@ def _measured(
             cylinder(length.value, row.diameter.value),
             _certainty(length, row.diameter),
         )
+    elif stage is not None and stage.length is not None and stage.diameter is not None:
+        size, size_source = cylinder(stage.length, stage.diameter), FAMILY
     elif not mass_source.startswith(DEFAULT):
         # A known mass and no size: of the same density over area as the default.
         size = default.size * math.sqrt(mass / default.mass)

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from ...common.errors import InputError
 from ...common.files import read_text
+from ...common.wording import counted
 from ..catalogue.finding import Finder
 from ..catalogue.records import ElementSet, shown
 
@@ -28,17 +29,31 @@ class Measures(NamedTuple):
     size: float | None = None
 
 
-def read_measures(
-    path: str | os.PathLike[str], records: Sequence[ElementSet]
-) -> dict[int, Measures]:
-    """Read a table; returns the measures of records by their index.
+class MeasuresTable(NamedTuple):
+    """A table that was read.
+
+    Attributes
+    ----------
+    known : dict of int to Measures
+        By index of the record.
+    strange : tuple of str
+        Objects that are not among the records: a table may be of a larger or an older catalogue.
+    """
+
+    known: dict[int, Measures]
+    strange: tuple[str, ...]
+
+
+def read_measures(path: str | os.PathLike[str], records: Sequence[ElementSet]) -> MeasuresTable:
+    """Read a table.
 
     Raises
     ------
     InputError
-        It cannot be read, a column or a value is wrong, or an object is not among the records.
+        It cannot be read, a column or a value is wrong, or none of its objects is among the
+        records.
     """
-    finder, found = Finder(records), dict[int, Measures]()
+    finder, found, strange = Finder(records), dict[int, Measures](), list[str]()
     rows = csv.reader(read_text(path).removeprefix("\ufeff").splitlines(), skipinitialspace=True)
     header: list[str] = []
     for row in rows:
@@ -56,13 +71,22 @@ def read_measures(
         if len(cells) != len(header):
             raise InputError(f"{where}: {len(cells)} values under {len(header)} columns")
         fields = dict(zip(header, cells, strict=True))
+        measures = Measures(*(_number(fields.get(name), where, name) for name in COLUMNS))
+        if fields["object"] and not finder.all(fields["object"]):
+            strange.append(fields["object"])
+            continue
         at = finder.one(fields["object"], f"{where}: object")
         if at in found:
             raise InputError(f"{where}: {records[at].label} has a row already; keep one")
-        found[at] = Measures(*(_number(fields.get(name), where, name) for name in COLUMNS))
+        found[at] = measures
     if not header:
         raise InputError(f"{path}: empty; give a line with the columns object, mass, size")
-    return found
+    if strange and not found:
+        raise InputError(
+            f"{path}: none of its {counted(len(strange), 'object')}, {shown(strange[0])!r} for "
+            "one, is in the catalogue; give catalogue numbers, names or designators of it"
+        )
+    return MeasuresTable(found, tuple(strange))
 
 
 def _number(text: str | None, where: str, name: str) -> float | None:

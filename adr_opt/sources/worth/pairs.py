@@ -6,7 +6,6 @@ blocks, so that they do not depend on the number of threads.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
@@ -15,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ...common.processors import usable_cores
 from ...kernels.orbits.collisions import (
     CollidingObjects,
     CollisionTables,
@@ -55,7 +55,7 @@ class Totals(NamedTuple):
 
 def threads(jobs: int) -> int:
     """Number of threads for a number of jobs, 0 for all cores."""
-    return jobs or len(os.sched_getaffinity(0))
+    return jobs or usable_cores()
 
 
 def totals(

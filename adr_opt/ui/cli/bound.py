@@ -45,7 +45,7 @@ def command(
     Ctrl-C stops with the best bound so far; a second one aborts. Exit status 1: infeasible.
     """
     from ...common.wording import status_words
-    from ...plan.plan import load_plan
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from ...run import front
     from ...run.methods import BOUNDS
@@ -55,7 +55,7 @@ def command(
     time_limit = front.DEFAULT_BOUND_TIME_LIMIT_S if time_limit is None else time_limit
     options = parse_assignments(front.method_of(method, BOUNDS), assignments)
     instance = load(instance_path)
-    start = None if start_path is None else load_plan(start_path)
+    start = None if start_path is None else Plan.load(start_path)
     check_certificate(
         certificate_path, instance, method, None, instance_path, start_path, margin=margin,
         group=BOUNDS,

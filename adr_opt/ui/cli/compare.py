@@ -41,7 +41,7 @@ def command(
     Exit status 1: a plan has violations.
     """
     from ...analysis import compare
-    from ...plan.plan import load_plan
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from ..report.compared import compared_page
     from ..report.plain import check_page, write_page
@@ -52,7 +52,7 @@ def command(
         check_out(page_path, instance_path, *plan_paths)
     if len(set(plan_paths)) < len(plan_paths):
         raise InputError("a plan is given twice; give each once")
-    plans = {_called(path, plan_paths): load_plan(path) for path in plan_paths}
+    plans = {_called(path, plan_paths): Plan.load(path) for path in plan_paths}
     comparison = compare(instance, plans)
     if page_path is not None:
         write_page(page_path, compared_page(comparison))

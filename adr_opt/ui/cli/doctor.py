@@ -15,7 +15,7 @@ from .output import emit, emit_json
 if TYPE_CHECKING:
     from ...run.installation import Installation
 
-INTERNAL = {"bench", "dev", "docs", "peers", "test"}
+INTERNAL = {"bench", "dev", "docs", "peers", "readers", "test"}
 """Extras for the development of adr-opt itself."""
 
 

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import sys
-from collections.abc import Sequence
+import traceback
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TextIO
 
 import click
 from click.shell_completion import shell_complete
 
-from ...common.errors import InputError
+from ...common.errors import InputError, failure
 from .complete import VARIABLE
 from .output import say
-from .signals import Aborted
-from .verbs import command
+from .signals import INTERRUPTED, Aborted, interruptible
+from .verbs import DEBUG, command
 
-DONE, WRONG, INTERRUPTED, READER_GONE = 0, 2, 128 + 2, 128 + 13
+DONE, WRONG, FAILED, READER_GONE = 0, 2, 3, 128 + 13
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,13 +34,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit status: 0, 1 or 2 as the verbs say; as usual 130 after Ctrl-C and 141 if the
+        The exit status: 0, 1, 2 or 3 as the help says; as usual 130 after Ctrl-C and 141 if the
         reader of standard output went away.
     """
     for stream in (sys.stdout, sys.stderr):
         _can_say_everything(stream)
+    words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        status = _run(list(sys.argv[1:] if arguments is None else arguments))
+        with interruptible() as arrived:
+            return _answered(words, arrived)
+    except KeyboardInterrupt:  # another one, after the last word
+        return INTERRUPTED
+
+
+def _answered(words: list[str], arrived: Callable[[], bool]) -> int:
+    """Run a verb, and say what it raises; ``arrived`` tells of an interrupt, and ends it."""
+    try:
+        try:
+            status = _run(words.copy())  # click takes them away
+        except Exception:
+            if arrived():  # an interrupt has made another error of it
+                raise KeyboardInterrupt from None
+            raise
+        if arrived():
+            raise KeyboardInterrupt
         if sys.stdout is not None:
             sys.stdout.flush()
         return status
@@ -49,6 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         say(str(error))
         return WRONG
     except Aborted as aborted:
+        arrived()
         say("aborted")
         for stream in (sys.stdout, sys.stderr):
             with suppress(OSError, ValueError, AttributeError):
@@ -56,16 +76,29 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # The planner still runs in its threads and cannot be ended in any other way.
         os._exit(128 + aborted.number)
     except (KeyboardInterrupt, click.Abort):
+        arrived()
         say("aborted")
         return INTERRUPTED
     except BrokenPipeError:
         _let_go(sys.stdout)
         return READER_GONE
     except OSError as error:
+        if error.errno == errno.ENOMEM:
+            return _failed(words, error)
         _let_go(sys.stdout)
         place = error.filename if error.filename is not None else "standard output"
         say(f"{place}: {error.strerror or error}; check the place and its permissions")
         return WRONG
+    except Exception as error:
+        return _failed(words, error)
+
+
+def _failed(words: list[str], error: Exception) -> int:
+    """Say in one sentence what is no fault of the input; with ``--debug`` where it happened."""
+    if DEBUG in words:
+        traceback.print_exception(error)
+    say(failure(error) + ("" if DEBUG in words else f"; {DEBUG} prints the traceback"))
+    return FAILED
 
 
 def _run(arguments: list[str]) -> int:

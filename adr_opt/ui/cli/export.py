@@ -12,7 +12,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
 from .output import emit_json, say
-from .parameters import about, check_out, mission_of
+from .parameters import about, admitted_plan, admitted_refined, check_out
 
 if TYPE_CHECKING:
     from ...export.flights.write import FlightFile
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 @click.option(
     "--frame",
     type=click.Choice(["EME2000", "GCRF", "ICRF", "TEME"]),
-    help="Frame to rotate to, or the name of the frame if INSTANCE states none; by default its "
-    "own, or else EME2000.",
+    help="Frame to rotate to, by default GCRF; or the name of the frame if INSTANCE states none, "
+    "by default EME2000.",
 )
 @take.number(
     "--step",
@@ -97,9 +97,12 @@ def command(
     else:
         if body is not None:
             raise InputError(f"--body {body}: bodies are exported from refined plans only")
-        instance, plan = mission_of(instance_path, plan_path)
+        admitted = admitted_plan(instance_path, plan_path)
+        instance = admitted.instance
         with about(plan_path):
-            written = flown(instance, plan, step_s, leg, chaser, together=file.format in TOGETHER)
+            written = flown(
+                instance, admitted, step_s, leg, chaser, together=file.format in TOGETHER
+            )
         axes = write_trajectory(written, out, file)
         arcs = [arc for _, arc in written.arcs()]
         told = {
@@ -149,14 +152,13 @@ def _refined(
     """Write a refined plan; returns its part of --json."""
     from ...export.flights.refined_oem import write_refined
     from ...export.flights.write import TOGETHER, axes_in
-    from ...fly.refine import load_refined
     from ...plan.routes import several
-    from ...problem.instance import load
 
-    instance, refined = load(instance_path), load_refined(refined_path)
+    admitted = admitted_refined(instance_path, refined_path)
+    instance, refined = admitted.instance, admitted.plan
     with about(refined_path):
         written = write_refined(
-            instance, refined, out, file=file, body=body, step_s=step_s, leg=leg, chaser=chaser
+            instance, admitted, out, file=file, body=body, step_s=step_s, leg=leg, chaser=chaser
         )
     whose = chaser if several(instance) else None
     legs = [one for one in refined.legs if leg in (None, one.leg) and whose in (None, one.chaser)]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from ...fly.flight.mean_flight import MeanFlight
     from ...fly.forces import ForcedFlight
     from ...fly.refine.loop import RefinedResult
+    from ...judge.admit import Admitted
     from ...plan.plan import Plan
     from ...plan.plan_flight import PlanFlight
     from ...problem.instance import Instance
@@ -23,7 +24,7 @@ NOT_FLOWN = "not flown: "
 no_fly_option = take.flag("--no-fly", "Do not fly the plan in mean motion on the true orbits.")
 
 
-def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
+def flight_of(admitted: Admitted[Plan]) -> MeanFlight | str:
     """The flight of a plan in mean motion, or the reason why there is none.
 
     Ctrl-C or SIGTERM ends the flight and nothing else.
@@ -33,7 +34,7 @@ def flight_of(instance: Instance, plan: Plan) -> MeanFlight | str:
     heard: list[bool] = []
     try:
         with signals_to(lambda: heard.append(True)):
-            flight = fly_mean(instance, plan, enough=lambda: bool(heard))
+            flight = fly_mean(admitted.instance, admitted, enough=lambda: bool(heard))
     except InputError as error:
         return str(error)
     except Aborted:
@@ -47,9 +48,9 @@ def was_refined(plan: Plan) -> PlanFlight | None:
     return said if said is not None and said.how == "refined" else None
 
 
-def flown_plan(instance: Instance, plan: Plan) -> tuple[Plan, MeanFlight | str]:
+def flown_plan(admitted: Admitted[Plan]) -> tuple[Plan, MeanFlight | str]:
     """The plan with its flight recorded, and the flight, or the reason why there is none."""
-    flight = flight_of(instance, plan)
+    flight, plan = flight_of(admitted), admitted.plan
     return (plan if isinstance(flight, str) else plan.replace(flown=flight.record)), flight
 
 
@@ -74,7 +75,6 @@ def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
     from ...fly.flight.mean_flight import families_of, tanks_left
     from ...fly.flight.tanks import tanks_of
     from ...plan.plan_flight import PlanFlight
-    from ...plan.refined_plan import reference
 
     plan, refined = looped.plan, looped.refined
     if plan is None or refined is None:
@@ -93,5 +93,5 @@ def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
     return replace(
         looped,
         result=replace(looped.result, plan=plan),
-        refined=refined.replace(plan=reference(plan)),
+        refined=refined.made_of(plan),
     )

@@ -13,7 +13,14 @@ from .flown import tanks_told
 from .fly_errors import Sampling, error_options
 from .fly_forces import Asked, force_options
 from .output import emit, emit_json, say
-from .parameters import about, check_out, mission_of
+from .parameters import (
+    about,
+    admitted_plan,
+    admitted_refined,
+    check_out,
+    say_unjudged,
+    unjudged_option,
+)
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight
@@ -31,12 +38,19 @@ FLOWN = {dynamics: f"flown in {motion}: " for dynamics, motion in MOTIONS.items(
 @take.instance
 @take.plan
 @take.file("--out", "Plan file to write, with the result in its notes.")
+@unjudged_option
 @force_options
 @error_options
 @take.as_json
 @take.quiet
 def command(
-    instance_path: str, plan_path: str, out: str | None, as_json: bool, quiet: bool, **asked: Any
+    instance_path: str,
+    plan_path: str,
+    out: str | None,
+    unjudged: bool,
+    as_json: bool,
+    quiet: bool,
+    **asked: Any,
 ) -> int:
     """Fly the burns of PLAN in the dynamics of INSTANCE and measure how far each leg misses.
 
@@ -67,20 +81,24 @@ def command(
     sampling.refuse_stray()
     read = (instance_path, plan_path, sampling.target_errors, *sampling.element_sets)
     check_out(sampling.out_uncertainty, *read, results=(out,))
-    if is_refined(plan_path) and forces.is_full:
-        return fly_forces.fly_and_tell(instance_path, plan_path, out, as_json, quiet, forces)
     if is_refined(plan_path):
-        return fly_and_tell(instance_path, plan_path, out, as_json, quiet, sampling)
+        refined = admitted_refined(instance_path, plan_path, unjudged=unjudged)
+        say_unjudged(refined, plan_path, quiet=quiet)
+        if forces.is_full:
+            return fly_forces.fly_and_tell(refined, plan_path, out, as_json, quiet, forces)
+        return fly_and_tell(refined, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
+    from ...fly.flight.off_circles import off_circles
 
-    instance, plan = mission_of(instance_path, plan_path)
+    admitted = admitted_plan(instance_path, plan_path, unjudged=unjudged)
+    say_unjudged(admitted, plan_path, quiet=quiet)
     sampling.refuse_unrefined(plan_path)
     forces.refuse_unrefined(plan_path)
     with about(plan_path):
-        flight = fly(instance, plan)
+        flight = fly(admitted.instance, admitted)
     if out is not None:
-        annotated(plan, flight).save(out)
+        annotated(admitted.plan, flight).save(out)
         say(f"wrote {out}", unless=quiet)
     if as_json:
         emit_json(flight.to_dict())
@@ -96,6 +114,9 @@ def command(
             _tell_eccentric(flight)
         if flight.true_legs:
             emit("on the true orbits: " + _truth(flight))
+        off = off_circles(admitted.instance, admitted.plan)
+        if off is not None:
+            emit(str(off))
         for chaser in flight.chasers:
             emit(str(chaser))
         emit(_tanks(flight))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ...fly.dispersion import Dispersion, LegDispersion, Quantile
     from ...fly.refine import RefinedPlan
+    from ...judge.admit import Admitted
     from ...problem.instance import Instance
     from ...sources.uncertainty import SetsCompared, TargetError
     from .bars import Show
@@ -131,8 +132,7 @@ class Sampling(NamedTuple):
 
     def fly(
         self,
-        instance: Instance,
-        refined: RefinedPlan,
+        admitted: Admitted[RefinedPlan],
         targets: Mapping[str, TargetError] | None,
         show: Show,
     ) -> Dispersion:
@@ -149,7 +149,7 @@ class Sampling(NamedTuple):
         errors = FlightErrors(**{name: value for name, value in said.items() if value is not None})
         said_too = {"seed": self.seed, "corrections": self.corrections}
         return sample_flights(
-            instance, refined, self.samples, errors, report=show, targets=targets,
+            admitted.instance, admitted, self.samples, errors, report=show, targets=targets,
             known_before_s=self.known_before,
             **{name: value for name, value in said_too.items() if value is not None},
         )  # fmt: skip

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ...fly.forces import ForcedFlight, Forces, Off
+    from ...judge.admit import Admitted
+    from ...plan.refined_plan import RefinedPlan
 
 FLOWN = "flown with all forces"
 """Beginning of the note written by ``--out``, which replaces an earlier one."""
@@ -96,19 +98,22 @@ force_options = take.together(
 
 
 def fly_and_tell(
-    instance_path: str, refined_path: str, out: str | None, as_json: bool, quiet: bool, asked: Asked
+    admitted: Admitted[RefinedPlan],
+    refined_path: str,
+    out: str | None,
+    as_json: bool,
+    quiet: bool,
+    asked: Asked,
 ) -> int:
     """Fly a refined plan with all forces and report; the parameters are those of ``fly``."""
     from ...fly.forces import fly_forced
-    from ...fly.refine import load_refined
-    from ...problem.instance import load
     from .bars import counting_bar
     from .live import wanted
 
     settings = asked.settings()
-    instance, refined = load(instance_path), load_refined(refined_path)
+    refined = admitted.plan
     with about(refined_path), counting_bar(wanted(as_json, quiet), "flying legs") as show:
-        flight = fly_forced(instance, refined, settings, show)
+        flight = fly_forced(admitted.instance, admitted, settings, show)
     if out is not None:
         kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
         refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)

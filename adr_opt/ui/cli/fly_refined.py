@@ -15,13 +15,15 @@ if TYPE_CHECKING:
 
     from ...fly.flight import RefinedFlight
     from ...fly.flight.refined_result import RefinedLegFlight
+    from ...judge.admit import Admitted
+    from ...plan.refined_plan import RefinedPlan
 
 FLOWN = "flown in true dynamics"
 """Beginning of the note written by ``--out``, which replaces an earlier one."""
 
 
 def fly_and_tell(
-    instance_path: str,
+    admitted: Admitted[RefinedPlan],
     refined_path: str,
     out: str | None,
     as_json: bool,
@@ -30,21 +32,19 @@ def fly_and_tell(
 ) -> int:
     """Fly a refined plan and report its misses; the parameters are those of ``fly``."""
     from ...fly.flight import fly_refined
-    from ...fly.refine import load_refined
-    from ...problem.instance import load
     from .bars import counting_bar
     from .live import wanted
 
-    instance, refined = load(instance_path), load_refined(refined_path)
+    instance, refined = admitted.instance, admitted.plan
     targets, shown = sampling.errors_of_targets(instance)
     dispersion = None
     with about(refined_path):
         if sampling.samples is not None:
             # First, because it is quick: what is wrong with the errors is said at once.
             with counting_bar(wanted(as_json, quiet), "sampling legs") as show:
-                dispersion = sampling.fly(instance, refined, targets, show)
+                dispersion = sampling.fly(admitted, targets, show)
         with counting_bar(wanted(as_json, quiet), "flying legs") as show:
-            flight = fly_refined(instance, refined, show)
+            flight = fly_refined(instance, admitted, show)
     if out is not None:
         kept = tuple(note for note in refined.notes if not note.startswith(FLOWN))
         refined.replace(notes=(*kept, f"{FLOWN}: {said(flight)}")).save(out)

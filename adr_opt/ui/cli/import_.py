@@ -11,6 +11,7 @@ from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
+from .doubts import say_doubts
 from .import_crew import crew_options, told
 from .output import emit_json, say
 from .parameters import check_out
@@ -68,7 +69,12 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 @take.flag("--only-prized", "Only objects with a row in --prizes.")
 @take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
 @take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
-@take.many("--oem", "FILE", "CCSDS OEM with ephemerides of targets; repeatable.", name="messages")
+@take.many(
+    "--oem",
+    "FILE",
+    "Ephemerides of targets: CCSDS OEM, STK or Modified ITC; repeatable.",
+    name="messages",
+)
 @take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
 @take.as_json
 @take.quiet
@@ -105,6 +111,7 @@ def command(
     """
     from ...common.files import write_text
     from ...sources import catalogue
+    from ...sources.asked.by_option import naming_options
     from ...sources.asked.crew_given import CrewOptions
     from ...sources.asked.mission_given import MissionOptions
     from ...sources.asked.objects_given import check_objects
@@ -115,7 +122,8 @@ def command(
     check_out(out, *files, *messages, crew_given["prizes_path"])
     check_objects(names, max_targets)
     given = CrewOptions.of(crew_given)
-    crew = given.crew()
+    with naming_options():
+        crew = given.crew()
     if only_prized and crew_given["prizes_path"] is None:
         raise InputError("--only-prized: there are no rows without --prizes; give a file")
     demands = replace(given.demands(), by_criticality=criticality, only_wished=only_prized)
@@ -130,7 +138,7 @@ def command(
         epoch_text, duration_days, dynamics, no_refuelling, drift_step_days, max_drift_days,
         departure_spacing_days, resolution,
     ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)  # fmt: skip
-    with busy_bar(wanted(as_json, quiet), "reading objects"):
+    with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)
         made = catalogue.to_instance(
             found,
@@ -162,6 +170,8 @@ def command(
 
 
 def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> None:
+    from ...sources.asked.by_option import by_option
+
     bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
     for drop in bad[:MOST_LISTED]:
         say(f"left out: {drop}")
@@ -170,6 +180,7 @@ def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> No
         say(f"left out: {more}; --json lists all")
     for warning in made.warnings:
         say(f"warning: {warning}")
+    say_doubts(made.instance, reword=by_option)
     from ...problem.transfer_sizes import told as transfers_told
 
     listed = ", ".join(f"{reason} {count}" for reason, count in made.counts.items())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -12,21 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ...common.wording import harmless, in_one_line
+
 if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderableType
     from rich.segment import Segment
 
 WIDEST = 10_000
 """Maximum width for rich: tables are fitted before printing, and never cut."""
-
-
-UNSAID = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069]")
-"""Characters in names that move the cursor, clear the screen or reverse text direction."""
-
-
-def harmless(text: str) -> str:
-    """Text without control characters other than newlines and tabs; JSON keeps its meaning."""
-    return UNSAID.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def emit(text: str) -> None:
@@ -86,13 +78,9 @@ class Harmless:
             yield segment._replace(text=harmless(segment.text))
 
 
-ENDS = {ord("\n"): "\\n", ord("\t"): "\\t"}
-"""Escapes for characters that would break a message's line."""
-
-
 def say(message: str, *, unless: bool = False) -> None:
     """Print a message on standard error unless ``unless``; ignore a closed stream."""
     if unless:
         return
     with suppress(OSError):
-        click.echo(f"adr-opt: {harmless(message).translate(ENDS)}", err=True)
+        click.echo(f"adr-opt: {in_one_line(message)}", err=True)

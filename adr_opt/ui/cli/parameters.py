@@ -8,11 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...common.errors import InputError, MissingExtra
+from ...common.wording import counted
 from . import take
 
 if TYPE_CHECKING:
+    from ...judge.admit import Admitted
     from ...plan.plan import Plan
-    from ...problem.instance import Instance
+    from ...plan.refined_plan import RefinedPlan
     from ...run.methods import Planner
 
 
@@ -34,12 +36,48 @@ run_options = take.together(
 """The options of a verb that runs a method."""
 
 
-def mission_of(instance_path: str, plan_path: str) -> tuple[Instance, Plan]:
-    """The instance and the plan given to a verb."""
-    from ...plan.plan import load_plan
+def admitted_plan(instance_path: str, plan_path: str, *, unjudged: bool = False) -> Admitted[Plan]:
+    """The plan given to a verb, as the judge lets it in, with its instance.
+
+    Raises
+    ------
+    InputError
+        As of :func:`adr_opt.judge.admit.admit`.
+    """
+    from ...judge.admit import admit
+    from ...plan.plan import Plan
     from ...problem.instance import load
 
-    return load(instance_path), load_plan(plan_path)
+    instance, plan = load(instance_path), Plan.load(plan_path)
+    with about(plan_path):
+        return admit(instance, plan, unjudged=unjudged)
+
+
+def admitted_refined(
+    instance_path: str, refined_path: str, *, unjudged: bool = False
+) -> Admitted[RefinedPlan]:
+    """The same of a refined plan."""
+    from ...judge.admit import admit
+    from ...plan.refined_plan import RefinedPlan
+    from ...problem.instance import load
+
+    instance, refined = load(instance_path), RefinedPlan.load(refined_path)
+    with about(refined_path):
+        return admit(instance, refined, unjudged=unjudged)
+
+
+unjudged_option = take.flag(
+    "--unjudged", "Go on with a plan that has violations; its figures are then called unjudged."
+)
+
+
+def say_unjudged(admitted: Admitted[Any], path: str, *, quiet: bool) -> None:
+    """Say that a plan with violations was let in."""
+    from .output import say
+
+    if not admitted.holds:
+        count = counted(len(admitted.violations), "violation")
+        say(f"{path}: unjudged: {count}, the first: {admitted.violations[0]}", unless=quiet)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import click
 from ...common.wording import counted
 from . import take
 from .output import emit, emit_json, say
-from .parameters import about, check_out, mission_of
+from .parameters import about, admitted_plan, check_out
 from .signals import signals_to
 
 if TYPE_CHECKING:
@@ -71,12 +71,12 @@ def command(
     from .live import wanted
 
     check_out(out, instance_path, plan_path)
-    (instance, plan), stopped = mission_of(instance_path, plan_path), threading.Event()
+    admitted, stopped = admitted_plan(instance_path, plan_path), threading.Event()
     bar = counting_bar(wanted(as_json, quiet), "refining legs")
     with about(plan_path), signals_to(stopped.set), bar as show:
         refined = refine(
-            instance, plan, gravity=gravity, freedom=freedom, jobs=jobs, cluster=cluster,
-            enough=stopped.is_set, report=show, ephemerides=ephemerides,
+            admitted.instance, admitted, gravity=gravity, freedom=freedom, jobs=jobs,
+            cluster=cluster, enough=stopped.is_set, report=show, ephemerides=ephemerides,
         )  # fmt: skip
     refined.save(out)
     say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}", unless=quiet)

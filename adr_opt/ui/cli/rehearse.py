@@ -12,7 +12,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
 from .output import emit, emit_json, emit_rich, say
-from .parameters import check_out
+from .parameters import admitted_plan, check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -91,7 +91,6 @@ def command(
     from ...analysis.rehearse.elsewhere import check_worlds
     from ...analysis.rehearse.sampling import rehearse, setting_of
     from ...common.stop import MaxRuntime
-    from ...plan.plan import load_plan
     from ...problem.instance import load
     from ...problem.uncertainty import Uncertainty
     from ..report.plain import check_page, write_page
@@ -100,8 +99,8 @@ def command(
     from .live import wanted
     from .work import work
 
-    instance = load(instance_path)
-    plan = None if plan_path is None else load_plan(plan_path)
+    plan = None if plan_path is None else admitted_plan(instance_path, plan_path)
+    instance = load(instance_path) if plan is None else plan.instance
     uncertainty = Uncertainty.load(uncertainty_path).of(instance)
     read = (instance_path, plan_path, uncertainty_path)
     bounds_path = f"{resume_path}.bounds" if bounds and resume_path is not None else None

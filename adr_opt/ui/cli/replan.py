@@ -13,7 +13,7 @@ from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
 from .output import emit, emit_json, emit_rich, say, terminal_width
-from .parameters import check_out, is_same_file, mission_of
+from .parameters import admitted_plan, check_out, is_same_file
 
 if TYPE_CHECKING:
     from ...analysis.replanned import Replanned
@@ -90,7 +90,8 @@ def command(
     from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
     from .work import work
 
-    instance, plan = mission_of(instance_path, plan_path)
+    admitted = admitted_plan(instance_path, plan_path)
+    instance = admitted.instance
     at_s = parse_time(at_text, instance)
     zones = () if zones_path is None else read_zones(zones_path)
     check_out(out, instance_path, plan_path, zones_path)
@@ -115,9 +116,9 @@ def command(
     limit = DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     made = work(
         lambda stop, progress: replan(
-            instance, plan, at_s, zones=zones, lost=gone, failed=failed, keep=keep, missed=tried,
-            retry=retry, services_s=took_s, costs_m_s=spent_m_s, method=method, time_limit=limit,
-            seed=seed, stop=stop,
+            instance, admitted, at_s, zones=zones, lost=gone, failed=failed, keep=keep,
+            missed=tried, retry=retry, services_s=took_s, costs_m_s=spent_m_s, method=method,
+            time_limit=limit, seed=seed, stop=stop,
         ),
         live=False, quiet=quiet,
     )  # fmt: skip
@@ -226,18 +227,14 @@ def read_zones(path: str) -> tuple[KeepOutZone, ...]:
     InputError
         It cannot be read, or holds something else.
     """
-    import json
-
     from pydantic import ValidationError
 
     from ...common.files import read_text
+    from ...common.json_text import parse_json
     from ...common.sentences import sentence
     from ...problem.settings import KeepOutZone
 
-    try:
-        content = json.loads(read_text(path))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not JSON: {error.msg}; give a JSON file") from None
+    content = parse_json(read_text(path), str(path))
     if isinstance(content, dict):
         content = content.get("keep_out_zones")
     if not isinstance(content, list):

@@ -10,13 +10,13 @@ from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
 from . import take
 from .output import emit_json, say
-from .parameters import check_out, mission_of
+from .parameters import about, admitted_plan, check_out
 
 if TYPE_CHECKING:
     from ...fly.flight import Flight, RefinedFlight
+    from ...judge.admit import Admitted
     from ...plan.plan import Plan
     from ...plan.refined_plan import RefinedPlan
-    from ...problem.instance import Instance
 
 
 @click.command("report", short_help="Write PLAN as an interactive page that works offline.")
@@ -51,20 +51,25 @@ def command(
     break with the refined legs. Exit status 1: there are such tanks, or the refined plan lacks a
     leg or, with --fly, misses.
     """
-    from ...plan.refined_plan import load_refined
+    from ...judge.admit import admit
+    from ...plan.refined_plan import RefinedPlan
     from ..report import write_report
 
-    instance, plan = mission_of(instance_path, plan_path)
-    refined = None if refined_path is None else load_refined(refined_path)
+    admitted = admitted_plan(instance_path, plan_path, unjudged=True)
+    instance, plan, refined = admitted.instance, admitted.plan, None
+    if refined_path is not None:
+        refined_plan = RefinedPlan.load(refined_path)
+        with about(refined_path):
+            refined = admit(instance, refined_plan, refined_from=plan)
     check_out(out, instance_path, plan_path, refined_path)
     if not out.lower().endswith((".html", ".htm")):
         raise InputError(f"{out}: the page is HTML; give a file that ends in .html")
     flight, refined_flight = None, None
     try:
         if wants_flight:
-            flight, refined_flight = _flown(instance, plan, refined)
+            flight, refined_flight = _flown(admitted, refined)
         written = write_report(
-            instance, plan, out, refined, flight=flight, refined_flight=refined_flight
+            instance, admitted, out, refined, flight=flight, refined_flight=refined_flight
         )
     except MissingExtra:
         raise
@@ -106,7 +111,7 @@ def command(
 
 
 def _flown(
-    instance: Instance, plan: Plan, refined: RefinedPlan | None
+    admitted: Admitted[Plan], refined: Admitted[RefinedPlan] | None
 ) -> tuple[Flight | None, RefinedFlight | None]:
     """Flight of a plan, and of its refined version by another integrator.
 
@@ -114,7 +119,8 @@ def _flown(
     """
     from ...fly.flight import fly, fly_refined
 
+    instance = admitted.instance
     refined_flight = None if refined is None else fly_refined(instance, refined)
     if refined is not None and instance.has_low_thrust:
         return None, refined_flight
-    return fly(instance, plan), refined_flight
+    return fly(instance, admitted), refined_flight

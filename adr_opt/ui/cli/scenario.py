@@ -117,6 +117,7 @@ def command(
     from ..report.scenario import scenario_page
     from .bars import counting_bar
     from .live import wanted
+    from .measured import measured_bodies
 
     read = (*files, satcat_path, table_path, campaign_path, launches_path)
     results = (out, removals_path, page_path)
@@ -140,8 +141,7 @@ def command(
     launches = () if launches_path is None else read_launches(launches_path)
     satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
     found = catalogue.read(files, skip_bad=skip_bad)
-    measures = None if table_path is None else worth.read_measures(table_path, found.records)
-    bodies = worth.bodies_of(found.records, satcat, measures, exclude)
+    bodies, notes = measured_bodies(found.records, satcat, satcat_path, table_path, exclude)
     with counting_bar(wanted(as_json, quiet), "years") as show:
         made = scenario(
             bodies, template, settings, launches=launches, folder=folder, jobs=jobs, show=show
@@ -154,6 +154,8 @@ def command(
         write_text(removals_path, removals_csv(made, names))
     if page_path is not None and page is not None:
         write_page(page_path, page)
+    for note in notes:
+        say(note, unless=quiet)
     for path in results:
         if path is not None:
             say(f"wrote {path}", unless=quiet)

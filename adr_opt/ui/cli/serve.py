@@ -59,7 +59,6 @@ def command(
         if package not in ("starlette", "uvicorn"):
             raise
         raise MissingExtra("serving a page", package, "serve") from None
-    from ...plan.plan import load_plan
     from ...problem.instance import load
     from ...problem.support import refuse
     from ..report.page import FOLLOWS
@@ -68,13 +67,14 @@ def command(
     from ..serve.folder import Folder
     from ..serve.planner_process import PlannerProcess
     from ..serve.session import EditingSession
-    from ..serve.shown_plan import refuse_stranger
+    from .parameters import admitted_plan
 
     instance = None if instance_path is None else load(instance_path)
-    plan = None if plan_path is None else load_plan(plan_path)
     if instance is not None:
         refuse(instance, FOLLOWS)
-    refuse_stranger(instance, plan)
+    plan = None
+    if instance_path is not None and plan_path is not None:
+        plan = admitted_plan(instance_path, plan_path).plan
     usual = PROJECT if instance_path is None else f"{Path(instance_path).stem}-served"
     place = Folder(folder or usual, instance_path)
     with closing(listening(port)) as listener, private_files():

@@ -13,6 +13,7 @@ from ...common.wording import status_words
 from . import complete, take
 from .certificates import certificate_option, check_certificate, save_certificate
 from .confident import Confident, confident_options, run_confident
+from .doubts import say_doubts
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
 from .output import emit, emit_rich, say, terminal_width
 from .parameters import check_out, parse_assignments, run_options
@@ -84,8 +85,9 @@ def command(
     --refine none that holds.
     """
     from ...analysis.grids import grid_advice
+    from ...judge.admit import admit_made
     from ...mission.problem import problem_of
-    from ...plan.plan import load_plan
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from ...run import front
     from ...run.methods import BOUNDS, PLANNERS
@@ -103,7 +105,8 @@ def command(
             assignments = (*assignments, f"{name}={value}")
     options = parse_assignments(front.method_of(method), assignments)
     instance = load(instance_path)
-    start = None if start_path is None else load_plan(start_path)
+    say_doubts(instance, quiet=quiet)
+    start = None if start_path is None else Plan.load(start_path)
     check_out(out, instance_path)
     refining = Refining(**refining_options)
     check_certificate(
@@ -149,6 +152,8 @@ def command(
     if looped is not None:
         looped = refined_plan(instance, looped)
         plan = looped.plan or plan
+    else:
+        admitted = admit_made(instance, plan)
     unsaved = _first_trouble(partial(_save_plan, plan, out, quiet))
     is_kept = out is not None and unsaved is None
     others = _first_trouble(
@@ -172,7 +177,7 @@ def command(
         tell_refined(looped, as_json)
     elif not no_fly:
         # The plan is safe by now, whatever becomes of its flight.
-        plan, flight = flown_plan(instance, plan)
+        plan, flight = flown_plan(admitted)
         if plan.flown is not None and is_kept:
             lacking = _first_trouble(partial(_save_plan, plan, out, quiet=True))
             if lacking is not None and not quiet:

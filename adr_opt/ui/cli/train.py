@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import signal
 import threading
 from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
 
 import click
 
 from ...common.errors import InputError
 from . import complete, take
 from .output import emit_json, say
+from .signals import INTERRUPTED
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
@@ -61,7 +60,8 @@ def command(
 ) -> int:
     """Train a policy into DIR, from its last checkpoint if DIR holds one.
 
-    Ctrl-C ends the training with a checkpoint; the same command resumes it.
+    Ctrl-C ends the training with a checkpoint and exit status 130, and a second one aborts; the
+    same command resumes it.
     """
     from ...learning.trainer import get
 
@@ -77,36 +77,41 @@ def command(
     if not (checkpoint_s >= 0.0 and math.isfinite(checkpoint_s)):
         raise InputError(f"--checkpoint-every = {checkpoint_s:g}: must be seconds from 0 on")
     folder = Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{out}: is a file; give a folder")
+    nearest = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    if not nearest.is_dir():
+        raise InputError(f"{nearest}: is a file; give a folder")
 
     stopped = threading.Event()
     last: dict[str, float] = {}
 
-    def hear(number: int, frame: FrameType | None) -> None:
-        stopped.set()
-
     from .live import wanted
+    from .signals import signals_to
     from .training_bar import training_bar
 
-    before = {number: signal.signal(number, hear) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        with training_bar(wanted(as_json, quiet), quiet, steps) as show:
+    with training_bar(wanted(as_json, quiet), quiet, steps) as bar:
 
-            def report(done: int, means: Mapping[str, float]) -> None:
-                last.update(means)
-                show(done, means)
+        def interrupt() -> None:
+            if not bar.began:  # there is nothing yet to keep
+                raise KeyboardInterrupt
+            stopped.set()
 
+        def enough() -> bool:
+            if stopped.is_set():
+                bar.stop()
+            return stopped.is_set()
+
+        def report(done: int, means: Mapping[str, float]) -> None:
+            last.update(means)
+            bar.show(done, means)
+
+        with signals_to(interrupt):
             train(
                 folder, steps=steps, seed=seed, jobs=jobs, device=device,
-                evaluate_every=evaluate_every, checkpoint_s=checkpoint_s, enough=stopped.is_set,
+                evaluate_every=evaluate_every, checkpoint_s=checkpoint_s, enough=enough,
                 report=report,
             )  # fmt: skip
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
     if stopped.is_set() and not quiet:
         say(f"interrupted: {out} holds a checkpoint; the same command goes on from it")
     if as_json:
         emit_json({"out": out, "config": config, "seed": seed, "held": last})
-    return 0
+    return INTERRUPTED if stopped.is_set() else 0

@@ -17,6 +17,10 @@ VERBS = (
 )  # fmt: skip
 
 
+DEBUG = "--debug"
+"""Option that prints the traceback of an internal error."""
+
+
 class Verbs(click.Group):
     """A group whose verbs are imported on use."""
 
@@ -31,6 +35,8 @@ class Verbs(click.Group):
         # A keyword of the language cannot name a module that others may import.
         module = f"{cmd_name}_" if iskeyword(cmd_name) else cmd_name.replace("-", "_")
         command: click.Command = import_module(f"{__package__}.{module}").command
+        if not any(DEBUG in parameter.opts for parameter in command.params):
+            command.params.append(_debug(hidden=True))
         return command
 
     def resolve_command(
@@ -43,8 +49,17 @@ class Verbs(click.Group):
         return super().resolve_command(ctx, args)
 
 
+def _debug(*, hidden: bool = False) -> click.Option:
+    """The option, before and after a verb; the entry looks for it before anything is parsed."""
+    return click.Option(
+        [DEBUG], is_flag=True, expose_value=False, hidden=hidden,
+        help="Print the traceback of an internal error; also after the verb.",
+    )  # fmt: skip
+
+
 @click.group(
     cls=Verbs,
+    params=[_debug()],
     no_args_is_help=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
@@ -53,5 +68,6 @@ def command() -> None:
     """Plan active-debris-removal missions, and prove how good the plans are.
 
     Exit status: 0 done; 1 the answer is no (a plan with violations, an infeasible instance);
-    2 the input or the call is wrong, said in one sentence on standard error.
+    2 the input or the call is wrong; 3 the program has failed, or the memory does not suffice.
+    Of 2 and 3 one sentence on standard error says why. 130: Ctrl-C.
     """

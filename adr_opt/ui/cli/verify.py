@@ -44,16 +44,16 @@ def command(
         raise InputError("verify takes an instance, a plan and a certificate; name all three")
     from ...judge.verify import verify
     from ...judge.verify.verdict import CONNECTIONS
-    from ...plan.certificate import load_certificate
-    from ...plan.plan import load_plan
+    from ...plan.certificate import Certificate
+    from ...plan.plan import Plan
     from ...problem.instance import load
     from .live import wanted
     from .work import attend
 
     instance = load(instance_path)
-    plan = load_plan(paths[0]) if len(paths) == 2 else None
+    plan = Plan.load(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
-    certificate = load_certificate(path)
+    certificate = Certificate.load(path)
     tried = CONNECTIONS if connections is None else connections
     with about(path):
         verdict = attend(
@@ -79,6 +79,8 @@ def command(
             f"  {counted(verdict.connections, 'connection')} flown again; better ones "
             f"searched at {counted(verdict.departures, 'departure')}"
         )
+    if plan is None and certificate.plan_sha256 is not None:
+        emit("  unjudged: the plan that it says it was written beside, which is not given")
     if verdict.verified and plan is not None:
         if verdict.gap is not None:
             emit(f"  the plan collects {plan.objective:.15g}: {_judged(verdict.gap)}")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...common.errors import InputError
+from ...common.processors import usable_cores
 from . import complete, take
 from .output import emit, emit_json, say
 
@@ -46,7 +46,7 @@ def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bo
         f"compiling for {', '.join(wanted)}; what is compiled already is not compiled again",
         unless=quiet,
     )
-    rows = compile_for(wanted, jobs or os.cpu_count() or 1)
+    rows = compile_for(wanted, jobs or usable_cores())
     trouble = next((row.pop("trouble") for row in rows if row.get("trouble")), None)
     for row in rows:
         row.pop("trouble", None)

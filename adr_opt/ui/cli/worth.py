@@ -15,9 +15,6 @@ from .parameters import check_out
 if TYPE_CHECKING:
     from rich.table import Table
 
-FEW = 0.5
-"""Share of objects found in the satcat below which another date is suspected."""
-
 
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
@@ -77,6 +74,7 @@ def command(
     from ..report.worth import worth_page
     from .bars import counting_bar
     from .live import wanted
+    from .measured import measured_bodies
 
     read = (*files, satcat_path, table_path)
     check_out(out, *read, results=(details, pairs, page_path))
@@ -103,14 +101,7 @@ def command(
         raise InputError(f"--unit {unit:g}: must be positive")
     satcat = None if satcat_path is None else worth.read_satcat(satcat_path)
     found = catalogue.read(files, skip_bad=skip_bad)
-    measures = None if table_path is None else worth.read_measures(table_path, found.records)
-    bodies = worth.bodies_of(found.records, satcat, measures, exclude)
-    if satcat is not None and bodies.matched < FEW * len(bodies):
-        say(
-            f"warning: {satcat_path}: {_of_when(satcat.updated)} has {bodies.matched} of "
-            f"{counted(len(bodies), 'object')}; the others have default masses",
-            unless=quiet,
-        )
+    bodies, notes = measured_bodies(found.records, satcat, satcat_path, table_path, exclude)
     with counting_bar(wanted(as_json, quiet), "encounters") as show:
         made = worth.worth_of(bodies, years, activity, jobs, show)
     later = [
@@ -130,6 +121,8 @@ def command(
         write_text(pairs, paired)
     if page_path is not None and page is not None:
         write_page(page_path, page)
+    for note in notes:
+        say(note, unless=quiet)
     for path in (out, details, pairs, page_path):
         if path is not None:
             say(f"wrote {path}", unless=quiet)
@@ -139,10 +132,6 @@ def command(
         _tell(told, quiet)
         emit_rich(_table(told))
     return 0
-
-
-def _of_when(updated: str) -> str:
-    return f"the file of {updated}" if updated else "the file"
 
 
 def _tell(told: dict[str, Any], quiet: bool) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ...fly.flight.flyable import refuse_foreign
 from ...plan.palette import STATION, chaser_colours
 from ...plan.plan import Plan
 from ...plan.routes import Flown, routes_of, several
@@ -44,7 +43,7 @@ def budgets(instance: Instance, plan: Plan) -> dict[str, Budget]:
     The cost of matching eccentricity vectors has no burn; it is taken with the last one of a leg.
     A drift costs what its closed form says, and its burns take their shares of that.
     """
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     return {flown.chaser.name: _of_chaser(instance, flown) for flown in routes_of(instance, plan)}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ...fly.flight.flyable import refuse_foreign
 from ...plan.leg_kinds import GIVEN, LOW_THRUST
 from ...plan.phases import COLOURS
 from ...plan.plan import Plan
@@ -65,5 +64,5 @@ def leg_delta_v(ax: Any, instance: Instance, plan: Plan) -> Any:
     InputError
         The plan belongs to another instance.
     """
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     return draw(ax, costs_chart(plan))

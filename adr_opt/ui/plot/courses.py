@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...fly.flight.flyable import refuse_foreign
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .draw import draw
@@ -51,7 +50,7 @@ def nodes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
         The plan belongs to another instance or cannot be flown.
     """
     if plan is not None:
-        refuse_foreign(instance, plan)
+        plan.instance.refuse_other(instance)
     found = () if plan is None else arcs_of(instance, plan)
     return draw(ax, nodes_chart(instance, plan, found, by_chaser=False))
 

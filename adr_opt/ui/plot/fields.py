@@ -9,7 +9,6 @@ import numpy as np
 
 from ...common.constants import HOUR_S
 from ...common.errors import InputError
-from ...fly.flight.flyable import refuse_foreign
 from ...legs.matrices import Matrices
 from ...plan.palette import STATION, UNVISITED, VISITED, chaser_colours
 from ...plan.plan import Plan
@@ -77,7 +76,7 @@ def planes(ax: Any, instance: Instance, plan: Plan | None = None) -> Any:
     plane to plane.
     """
     if plan is not None:
-        refuse_foreign(instance, plan)
+        plan.instance.refuse_other(instance)
     return draw(ax, planes_chart(instance, plan))
 
 

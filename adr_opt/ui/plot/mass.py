@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from ...fly.flight.flyable import refuse_foreign
 from ...plan.cargo import Aboard
 from ...plan.palette import chaser_colours
 from ...plan.plan import Leg, Plan
@@ -27,7 +26,7 @@ def masses(instance: Instance, plan: Plan) -> dict[str, tuple[Knot, ...]]:
     impulses, which are taken together at the arrival, and where a kit is left behind; it rises
     where the tank is filled.
     """
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     return {
         flown.chaser.name: tuple(_knots(instance, flown))
         for flown in routes_of(instance, plan)

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ...fly.flight.flyable import refuse_foreign
 from ...legs.service_limits import service_begins
 from ...plan.plan import Leg, LowThrustArc, Plan
 from ...problem.instance import Instance
@@ -52,7 +51,7 @@ def segments(instance: Instance, plan: Plan) -> tuple[Segment, ...]:
     plan : Plan
         Need not be free of violations.
     """
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     found: list[Segment] = []
     number = 0
     for route in plan.routes:

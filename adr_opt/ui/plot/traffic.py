@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...fly.flight.flyable import refuse_foreign
 from ...plan.plan import Plan
 from ...plan.routes import routes_of
 from ...problem.chasers import AtStation
@@ -50,7 +49,7 @@ def stays(instance: Instance, plan: Plan) -> tuple[Stay, ...]:
     InputError
         The plan belongs to another instance, or a route to no chaser of it.
     """
-    refuse_foreign(instance, plan)
+    plan.instance.refuse_other(instance)
     found = []
     for flown in routes_of(instance, plan):
         name, start = flown.chaser.name, flown.chaser.start

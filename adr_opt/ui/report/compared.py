@@ -67,8 +67,8 @@ def _visits(instance: Instance, plan: Plan, name: str, colour: str) -> Line:
 
 
 FIGURES = (
-    "prize", "bound", "gap", "status", "visits", "required", "ΔV m/s", "cost", "refuellings",
-    "end", "violations", "method",
+    "prize", "bound, stated", "gap, stated", "status, stated", "visits", "required", "ΔV m/s",
+    "cost", "refuellings", "end", "violations", "method",
 )  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
 from datetime import UTC
@@ -12,17 +11,18 @@ from typing import Any, NamedTuple
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...common.files import check_writable, write_text
+from ...common.json_text import loaded
 from ...common.version import __version__
 from ...common.wording import counted, status_words
 from ...fly.flight.fly import fly
 from ...fly.flight.refined_result import RefinedFlight
 from ...fly.flight.result import Flight, TankFlight
 from ...fly.flight.tanks import tanks_of
-from ...judge.check.verdict import check
+from ...judge.admit import Admitted, AnyPlan, AnyRefined, admit
 from ...judge.check.violation import Violation
 from ...plan.phases import PHASES
 from ...plan.plan import Plan
-from ...plan.refined_plan import RefinedPlan, reference
+from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
 from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
@@ -71,9 +71,9 @@ FOLLOWS = Follower("report", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions 
 
 def write_report(
     instance: Instance,
-    plan: Plan,
+    plan: AnyPlan,
     path: str | os.PathLike[str],
-    refined: RefinedPlan | None = None,
+    refined: AnyRefined | None = None,
     *,
     flight: Flight | None = None,
     refined_flight: RefinedFlight | None = None,
@@ -83,10 +83,10 @@ def write_report(
     Parameters
     ----------
     instance : Instance
-    plan : Plan
+    plan : Plan or Admitted
         Violations do not stop the report: they head it.
     path : path
-    refined : RefinedPlan, optional
+    refined : RefinedPlan or Admitted, optional
         The same plan, refined: what its legs take is told beside what they were planned with, and
         whether the plan holds is judged by them alone.
     flight : Flight, optional
@@ -98,28 +98,28 @@ def write_report(
     Raises
     ------
     InputError
-        The plan belongs to another instance, the refined plan was made of another plan, or the file
-        cannot be written.
+        The plan belongs to another instance, the refined plan was made of another plan or has
+        violations, or the file cannot be written.
     MissingExtra
         plotly is not installed.
     """
     check_writable(path)
     found = _found(instance, plan, refined, flight, refined_flight)
-    text = _page(instance, plan, found)
+    text = _page(found)
     write_text(path, text)
     tanks = found.flight.tanks if isinstance(found.flight, Flight) else None
-    if refined is not None:
-        tanks = tanks_of(instance, refined)
+    if found.refined is not None:
+        tanks = tanks_of(found.admitted.instance, found.refined)
     return Report(
-        os.fspath(path), len(text.encode()), found.violations, tanks, found.trouble,
-        flights.complaints(instance, refined, refined_flight),
+        os.fspath(path), len(text.encode()), found.admitted.violations, tanks, found.trouble,
+        found.complaints,
     )  # fmt: skip
 
 
 def page(
     instance: Instance,
-    plan: Plan,
-    refined: RefinedPlan | None = None,
+    plan: AnyPlan,
+    refined: AnyRefined | None = None,
     *,
     flight: Flight | None = None,
     refined_flight: RefinedFlight | None = None,
@@ -131,40 +131,48 @@ def page(
     InputError, MissingExtra
         As in :func:`write_report`.
     """
-    return _page(instance, plan, _found(instance, plan, refined, flight, refined_flight))
+    return _page(_found(instance, plan, refined, flight, refined_flight))
 
 
 class _Found(NamedTuple):
     """Findings about a plan beyond its own statements."""
 
-    violations: tuple[Violation, ...]
+    admitted: Admitted[Plan]
     flight: Flight | str | None
     drawn: tuple[DrawnArc, ...]
     trouble: str | None
     refined: RefinedPlan | None
     refined_flight: RefinedFlight | None
+    complaints: tuple[str, ...]
 
 
 def _found(
     instance: Instance,
-    plan: Plan,
-    refined: RefinedPlan | None,
+    given: AnyPlan,
+    given_refined: AnyRefined | None,
     flight: Flight | None,
     refined_flight: RefinedFlight | None,
 ) -> _Found:
     refuse(instance, FOLLOWS)
-    if refined is not None and refined.plan.sha256 != reference(plan).sha256:
-        raise InputError(
-            f"the refined plan was made of another plan (sha256 {refined.plan.sha256[:12]}…); "
-            "refine the one that is reported"
-        )
-    violations = check(instance, plan)
+    admitted = admit(instance, given, unjudged=True)
+    plan, refined = admitted.plan, None
+    if given_refined is not None:
+        refined = admit(instance, given_refined, refined_from=plan).plan
     # Of a refined plan its own flight is what counts; the plan is flown only if that is asked for.
-    flown = _flown(instance, plan) if flight is None and refined is None else flight
-    return _Found(violations, flown, *_drawn(instance, plan), refined, refined_flight)
+    flown = _flown(instance, admitted) if flight is None and refined is None else flight
+    drawn, trouble = _drawn(instance, plan)
+    return _Found(
+        admitted,
+        flown,
+        drawn,
+        trouble,
+        refined,
+        refined_flight,
+        flights.complaints(instance, refined, refined_flight),
+    )
 
 
-def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
+def _flown(instance: Instance, admitted: Admitted[Plan]) -> Flight | str | None:
     """The flight, or the reason why there is none; None for circles in two-body motion.
 
     Under J2 the burns of legs that drift differ from what the plan counts with. Given connections
@@ -173,7 +181,7 @@ def _flown(instance: Instance, plan: Plan) -> Flight | str | None:
     if not instance.nodes_drift and not instance.is_approximate:
         return None
     try:
-        return fly(instance, plan)
+        return fly(instance, admitted)
     except InputError as error:  # also a missing extra: the page is worth having without it
         return str(error)
 
@@ -187,7 +195,8 @@ def _drawn(instance: Instance, plan: Plan) -> tuple[tuple[DrawnArc, ...], str | 
         return (), str(error)
 
 
-def _page(instance: Instance, plan: Plan, known: _Found) -> str:
+def _page(known: _Found) -> str:
+    instance, plan = known.admitted.instance, known.admitted.plan
     found, refined, trouble = facts(instance, plan), known.refined, known.trouble
     burned = burns.impulses(plan, _flown_arcs(known), refined)
     library, script = chart_library(), page_script()
@@ -213,9 +222,9 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         subtitle=subtitle,
         verdict=sections.verdict(
             instance,
-            known.violations,
+            known.admitted.violations,
             known.flight,
-            flights.complaints(instance, refined, known.refined_flight),
+            known.complaints,
             refined,
             known.refined_flight,
             plan.own_flight,
@@ -237,7 +246,7 @@ def _page(instance: Instance, plan: Plan, known: _Found) -> str:
         legs=tables.legs(instance, plan, refined),
         thrust=thrust.section(instance, plan, known.drawn),
         burns=burns.section(instance, plan, burned),
-        flown=standing.paragraph(instance, plan, refined)
+        flown=standing.paragraph(known.admitted, refined)
         + flights.section(instance, known.flight, refined, known.refined_flight),
         unvisited=left_out,
         certificate=sections.certificate(plan, found),
@@ -285,7 +294,7 @@ def _data(
         "epoch_ms": round(instance.epoch.timestamp() * 1000.0),
         "end_s": last * DAY_S,
         "motion": motion(instance, plan, drawn) if is_moved else None,
-        "coast": json.loads(asset("coast/coastline.json")) if is_moved else None,
+        "coast": loaded(asset("coast/coastline.json")) if is_moved else None,
         "burns": burns.of_page(instance, plan, burned),
         "figures": charts,
         "titles": ["start", *(leg_title(plan, number) for number in numbers)],

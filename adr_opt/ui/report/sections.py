@@ -115,7 +115,10 @@ def _held(own: PlanFlight | None) -> str:
     """That a plan held when it was refined as it was made, if it did."""
     if own is None or own.how != "refined" or not own.holds:
         return ""
-    return f" When it was planned, it was refined in the field {own.gravity}, and every tank held."
+    return (
+        f" The plan states that it was refined in the field {own.gravity} and that every tank "
+        "held; this page has not judged that."
+    )
 
 
 def _refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
@@ -280,13 +283,14 @@ def certificate(plan: Plan, found: Facts) -> str:
         )
     elif plan.status == "optimal":
         said = (
-            f"Proven optimal, of the model: the plan collects {collected}, and no plan can collect "
-            f"more than {number(plan.upper_bound, 2)}."
+            f"Optimal, as the plan states: it collects {collected}, and no plan can collect more "
+            f"than {number(plan.upper_bound, 2)}. <code>verify</code> judges the certificate."
         )
     else:
         said = (
-            f"The plan collects {collected}, and it is proven that no plan can collect more than "
-            f"{number(plan.upper_bound, 2)}. Whether there is one in between is open."
+            f"The plan collects {collected}, and states that no plan can collect more than "
+            f"{number(plan.upper_bound, 2)}, of which <code>verify</code> judges the certificate. "
+            "Whether there is one in between is open."
         )
     rows = [("this plan", found.prize, "var(--good)", collected)]
     if plan.upper_bound is not None:
@@ -407,8 +411,9 @@ def _asked(instance: Instance) -> list[str]:
     if instance.objective.time_m_s_per_day is not None:
         price = number(instance.objective.time_m_s_per_day, 3)
         asked.append(f"each day of a chaser that is used costs {price} m/s")
-    if instance.mission.launch_separation_s:
-        asked.append(f"launches lie {in_days(instance.mission.launch_separation_s)} apart at least")
+    apart_s = instance.mission.launch_separation_s
+    if apart_s is not None:
+        asked.append(f"launches follow one another, {in_days(apart_s)} apart at least")
     if instance.mission.mission_separation_s is not None:
         rest = in_days(instance.mission.mission_separation_s)
         asked.append(f"a mission ends {rest} or more before the next is launched")

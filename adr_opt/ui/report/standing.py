@@ -5,36 +5,36 @@ from __future__ import annotations
 from ...common.errors import InputError
 from ...common.wording import counted
 from ...fly.flight.mean_flight import fly_mean
+from ...judge.admit import Admitted
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
-from ...problem.instance import Instance
 from .text import escape
 
 
-def paragraph(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> str:
+def paragraph(admitted: Admitted[Plan], refined: RefinedPlan | None) -> str:
     """Knowledge of the plan beyond the model, from a flight in mean motion.
 
     Parameters
     ----------
-    instance : Instance
-    plan : Plan
+    admitted : Admitted
+        The plan, with its instance.
     refined : RefinedPlan or None
         The plan as refined, if the page has it.
     """
-    said, holds = _said(instance, plan, refined)
+    said, holds = _said(admitted, refined)
     kind = "" if holds else " bad"
     return f'<p class="verdict{kind}" id="standing">{escape(said)}.</p>'
 
 
-def _said(instance: Instance, plan: Plan, refined: RefinedPlan | None) -> tuple[str, bool]:
+def _said(admitted: Admitted[Plan], refined: RefinedPlan | None) -> tuple[str, bool]:
     if refined is not None:
         legs = counted(len(refined.legs), "leg")
         return f"Refined in the field {refined.gravity}: {legs}, as told below", True
-    known = plan.own_flight
+    known = admitted.plan.own_flight
     if known is not None and known.how == "refined":
-        return f"When it was planned, {known}", known.holds
+        return f"The plan states, and nobody has judged, that {known}", known.holds
     try:
-        flight = fly_mean(instance, plan)
+        flight = fly_mean(admitted.instance, admitted)
     except InputError as error:
         return f"Neither flown nor refined: {error}", True
     assert flight is not None  # it is never interrupted

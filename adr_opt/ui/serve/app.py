@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import secrets
 import threading
 from collections.abc import Callable
 from importlib import resources
@@ -33,12 +34,14 @@ from .reported import ShownReport
 from .requests import (
     ChooseRequest,
     JobRequest,
+    RemoveRequest,
     ShowRequest,
     StopRequest,
     WorthRequest,
     read_order,
     read_request,
 )
+from .session import EditingSession
 from .strict_json import to_json
 from .uploads import not_written, uploaded
 
@@ -47,8 +50,8 @@ PACKAGE = "adr_opt.ui.serve"
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src 'self' data:; frame-src 'self'; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'"
+    "worker-src 'self'; img-src 'self' data:; frame-src 'self'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
 )
 """Content security policy of the page: everything comes from this server."""
 
@@ -77,12 +80,13 @@ def application(
         Called when the page is asked for.
     """
     session, shown = desk.session, ShownReport(desk.session)
+    # Pages say which server they are of: one of another is refused, whatever its token.
+    server = secrets.token_hex(8)
+    text_of_page = asset("page.html", PACKAGE).replace("SERVER", server)
 
     async def page(request: Request) -> Response:
         opened()
-        answer = HTMLResponse(
-            asset("page.html", PACKAGE), headers={"Content-Security-Policy": POLICY}
-        )
+        answer = HTMLResponse(text_of_page, headers={"Content-Security-Policy": POLICY})
         answer.set_cookie(cookie_name(port), token, httponly=True, samesite="strict", path="/")
         return answer
 
@@ -90,7 +94,7 @@ def application(
         return StreamingResponse(told(desk, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
-        text = await run_in_threadpool(_report, shown)
+        text = await run_in_threadpool(_report, session, shown)
         return HTMLResponse(text, headers={"Content-Security-Policy": FRAMED})
 
     async def exported(request: Request) -> Response:
@@ -128,6 +132,9 @@ def application(
             _told_of("/results/points", desk.points),
             Route("/export", exported),
             Route(UPLOAD, uploaded(desk), methods=["POST"]),
+            _action(
+                "/files/remove", lambda text: desk.remove(read_request(RemoveRequest, text).file)
+            ),
             _action("/edit", lambda text: session.edit(read_edit(text))),
             _action("/undo", lambda text: session.undo()),
             _action("/redo", lambda text: session.redo()),
@@ -139,7 +146,7 @@ def application(
             _action("/jobs/stop", lambda text: desk.stop(read_request(StopRequest, text).job)),
             _action("/show", lambda text: desk.show(read_request(ShowRequest, text))),
         ],
-        middleware=[Middleware(Guard, token=token, port=port)],
+        middleware=[Middleware(Guard, token=token, port=port, server=server)],
     )
 
 
@@ -207,12 +214,18 @@ def _assets() -> list[Route]:
     return [route(path, *content) for path, content in found.items()]
 
 
-def _report(shown: ShownReport) -> str:
+def _report(session: EditingSession, shown: ShownReport) -> str:
     try:
         text = shown.text()
     except InputError as error:
         return _note("No report", str(error))
-    return _note("No plan yet", "Press Plan, and the report comes here.") if text is None else text
+    if text is not None:
+        return text
+    look = session.look()
+    if look.phase in ("done", "failed") and look.said:
+        failed = "Planning failed" if look.phase == "failed" else "No plan"
+        return _note(failed, f"{look.said}. Earlier plans are in the list of results.")
+    return _note("No plan yet", "Press Plan, and the report comes here.")
 
 
 def _note(title: str, said: str) -> str:

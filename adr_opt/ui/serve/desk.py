@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from ...common.errors import InputError
 from ...common.files import read_text
+from ...common.json_text import parse_json
 from ...common.wording import counted
 from .choices import choices
 from .forms.fields import form_fields
@@ -66,7 +66,14 @@ class Desk:
             "stage": self._stage(state),
             "project": {"name": self.name, "folder": state["folder"]},
             "files": [
-                {"name": each.name, "what": each.what, "count": each.count}
+                {
+                    "id": each.number,
+                    "name": each.name,
+                    "what": each.what,
+                    "count": each.count,
+                    "skipped": each.skipped,
+                    "bad": list(each.bad),
+                }
                 for each in self.session.files
             ],
             "notes": [] if plan is None else plan["notes"],
@@ -144,6 +151,10 @@ class Desk:
         """Take an uploaded file into the project; returns what it is, as JSON data."""
         return self.dropped.drop(path, name)
 
+    def remove(self, number: int) -> None:
+        """Remove a dropped file from the project."""
+        self.dropped.remove(number)
+
     def worth(self, asked: WorthRequest) -> dict[str, Any]:
         """Begin a job that computes the worth of the dropped objects."""
         return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
@@ -175,10 +186,12 @@ class Desk:
         if record.verb != "tradeoff":
             raise InputError(f"result {record.number} ({record.verb}) is no trade-off")
         place = self.session.results.place(record.number)
+        where = f"the answer of result {record.number}"
+        answer = parse_json(read_text(refuse_link(place / ANSWER)), where)
         try:
-            return points_of(place, json.loads(read_text(refuse_link(place / ANSWER))))
+            return points_of(place, answer)
         except (ValueError, LookupError, TypeError):
-            raise InputError(f"the answer of result {record.number} is spoilt") from None
+            raise InputError(f"{where} is spoilt") from None
 
     def show(self, asked: ShowRequest) -> None:
         """Show the plan of a result, or of a point of it."""

@@ -19,6 +19,9 @@ MOST_UPLOADED_BYTES = 64 * 2**20
 UPLOAD = "/upload"
 """The one address that takes bytes in place of JSON."""
 
+SERVER = "adr-opt-server"
+"""Header in which a page says which server it is of."""
+
 HEADERS = {
     "Cache-Control": "no-store",
     "Cross-Origin-Opener-Policy": "same-origin",
@@ -52,11 +55,14 @@ class Guard:
     token : str
     port : int
         That the server listens at.
+    server : str
+        Which server this is: a page of one before it, on the same port, gets nothing.
     """
 
-    def __init__(self, app: ASGIApp, token: str, port: int) -> None:
+    def __init__(self, app: ASGIApp, token: str, port: int, server: str) -> None:
         self._app = app
         self._token = token.encode()
+        self._server = server
         self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
         self._cookie = cookie_name(port)
 
@@ -113,6 +119,8 @@ class Guard:
         foreign = site in ("same-site", "cross-site") and not self._knows(asked)
         if foreign or origin not in (None, f"http://{hosts[0]}"):
             return 403, "another page asked for this; open the address that was printed"
+        if headers.get(SERVER, self._server) != self._server:
+            return 409, "the server was started anew; open the address that was printed"
         if scope["method"] == "POST":
             kind = headers.get("content-type", "").partition(";")[0].strip()
             if kind != ("application/octet-stream" if _uploads(scope) else "application/json"):

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...common.errors import InputError
+from ...common.json_text import loaded
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run.run_options import DEFAULT_METHOD
@@ -172,7 +173,7 @@ class PlannerProcess:
         for line in process.stdout:
             if not line.endswith(b"\n"):  # it has ended within a word
                 break
-            told = json.loads(line)
+            told = loaded(line)
             if told["kind"] == "look":
                 self._heard(process, before, told["look"])
             elif told["kind"] == "found":

@@ -11,6 +11,7 @@ from dataclasses import asdict
 from typing import Any, BinaryIO
 
 from ...common.errors import InputError
+from ...common.json_text import loaded
 from ...plan.plan import Plan, load_plan
 from ...problem.instance import Instance, load
 from ...run import front
@@ -50,7 +51,7 @@ class PlannerWorker:
         """Obey, and leave at the end of the pipe whatever is in work."""
         threading.Thread(target=self._look, name="looks", daemon=True).start()
         for line in self._orders:
-            order = json.loads(line)
+            order = loaded(line)
             kind = order.pop("kind")
             if kind == "begin":
                 self._begin(**order)

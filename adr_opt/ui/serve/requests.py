@@ -54,6 +54,12 @@ class StopRequest(Record):
     job: Number
 
 
+class RemoveRequest(Record):
+    """The dropped file to remove, by its number."""
+
+    file: Number
+
+
 class ShowRequest(Record):
     """The result to show, by its number; of a trade-off, the point whose plan is shown."""
 

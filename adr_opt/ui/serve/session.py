@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ...common.errors import InputError
+from ...judge.admit import admit
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from . import session_state
@@ -21,7 +22,7 @@ from .project.result_record import ResultRecord
 from .project.results import Results
 from .project_keeper import ProjectKeeper
 from .runs import PlannedRuns, told
-from .shown_plan import ShownPlan, refuse_stranger
+from .shown_plan import ShownPlan
 
 
 class EditingSession:
@@ -49,7 +50,8 @@ class EditingSession:
     Raises
     ------
     InputError
-        The plan belongs to another instance, or the folder cannot be written to or is spoilt.
+        The plan belongs to another instance or has violations, or the folder cannot be written to
+        or is spoilt.
     """
 
     def __init__(
@@ -59,12 +61,14 @@ class EditingSession:
         folder: Folder,
         planner: Callable[[Done, Found], PlanningWork],
     ) -> None:
-        refuse_stranger(instance, plan)
+        if instance is not None and plan is not None:
+            admit(instance, plan)
         self._lock = threading.RLock()
         self.folder = folder
         self._shown, self._runs = ShownPlan(folder.results), PlannedRuns(folder.results)
         self._keeper = ProjectKeeper(folder)
         self._trouble = ""
+        self._ended_with: int | None = None  # the result of the last run
         self.files: tuple[DroppedFile, ...] = ()
         self.worth: int | None = None
         self.revision = 0
@@ -220,13 +224,15 @@ class EditingSession:
     def shown(self) -> tuple[int, Instance, Plan] | None:
         """The plan that is shown: number of its result, instance and plan; None if there is none.
 
+        A run that ends without a plan leaves none, lest another one be taken for its own.
+
         Raises
         ------
         InputError
             Its files are spoilt.
         """
         with self._lock:
-            return self._shown.known()
+            return None if self._shown.hidden else self._shown.known()
 
     def instance(self) -> Instance:
         """The instance as edited, without excluded targets.
@@ -248,7 +254,8 @@ class EditingSession:
                 "revision": self.revision,
                 "folder": str(self.folder.path),
                 **session_state.told(self._history, plan, self._shown.count),
-                "result": self._shown.result,
+                "result": self._shown.visible,
+                "of_last_run": self._shown.visible in (None, self._ended_with),
                 "trouble": self._trouble,
             }
 
@@ -278,16 +285,26 @@ class EditingSession:
 
     def _found(self, instance: Instance, plan: Plan | None) -> None:
         """Keep the best plan so far of a run, in the planner's thread."""
-        self._adopt(self._runs.found(instance, plan))
+        if plan is None:
+            self._end(lambda: self._runs.found(instance, None))
+        else:
+            self._runs.found(instance, plan)
 
     def _planned(self, instance: Instance, result: PlannedRun) -> str:
         """Adopt a result, in the planner's thread; returns the message about it."""
-        self._adopt(self._runs.done(instance, result.plan))
+        self._end(lambda: self._runs.done(instance, result.plan))
         return told(instance, result)
 
-    def _adopt(self, record: ResultRecord | None) -> None:
-        """Show a plan that was made."""
-        if record is not None:
+    def _end(self, kept: Callable[[], ResultRecord | None]) -> None:
+        """Show the plan that a run has ended with, or none if there is none or it is not stored."""
+        record = None
+        try:
+            record = kept()
+        finally:
             with self._lock:
-                self._shown.show(record.number)
+                if record is None:
+                    self._shown.hide()
+                else:
+                    self._shown.show(record.number)
+                self._ended_with = self._shown.visible
                 self._settle()

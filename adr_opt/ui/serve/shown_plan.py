@@ -21,7 +21,9 @@ class ShownPlan:
     Attributes
     ----------
     result : int or None
-        Its number; None if there is none.
+        Its number, also while it is hidden; None if there is none.
+    hidden : bool
+        Whether it is not shown, as the last run has ended without a plan.
     count : int
         Counts the plans that were shown.
     """
@@ -29,12 +31,22 @@ class ShownPlan:
     def __init__(self, results: Results) -> None:
         self._results = results
         self.result: int | None = None
+        self.hidden = False
         self.count = 0
 
     def show(self, number: int) -> None:
         """Show the plan of a result."""
-        self.result = number
+        self.result, self.hidden = number, False
         self.count += 1
+
+    @property
+    def visible(self) -> int | None:
+        """Its number; None if there is none, or it is hidden."""
+        return None if self.hidden else self.result
+
+    def hide(self) -> None:
+        """Show none; the last one stays at hand, to begin from."""
+        self.hidden = True
 
     def reopen(self, number: int) -> None:
         """Show what was shown when the project was left, unless it is spoilt."""
@@ -83,18 +95,3 @@ class ShownPlan:
                 return record.number
         kept = self._results.keep_plan("solve", label or plan.method, instance, plan, inputs=inputs)
         return kept.number
-
-
-def refuse_stranger(instance: Instance | None, plan: Plan | None) -> None:
-    """Refuse a plan of another instance.
-
-    Raises
-    ------
-    InputError
-        It is one.
-    """
-    if instance is not None and plan is not None and plan.instance.sha256 != instance.sha256:
-        raise InputError(
-            f"the plan belongs to another instance, {plan.instance.name!r}; "
-            "give the one that it was made of, or no plan"
-        )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from ortools.sat.python import cp_model
 
+from ...models.cp_sat_solver import cp_sat
 from .joined import Joined
 from .network import SlackWorth
 
@@ -115,14 +116,7 @@ def best_paths(
     model.add(value >= 0)
     model.maximize(value)
 
-    solver = cp_model.CpSolver()
-    settings = solver.parameters
-    settings.num_workers = 1
-    settings.random_seed = seed
-    settings.max_deterministic_time = effort
-    settings.catch_sigint_signal = False
-    if math.isfinite(remaining_s):
-        settings.max_time_in_seconds = max(0.0, remaining_s)
+    solver = cp_sat(seed, remaining_s, effort)
     status = solver.solve(model)
     closed = status in (cp_model.OPTIMAL, cp_model.INFEASIBLE)
     if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections import Counter
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
@@ -15,6 +14,7 @@ import numpy as np
 from adr_opt.common.clock import now_s
 from adr_opt.common.constants import HOUR_S
 from adr_opt.common.options import MOST_JOBS, Options, option
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.progress import Progress, tell_plan
 from adr_opt.common.stop import Stop
 from adr_opt.mission.certified import certify_routes
@@ -129,7 +129,7 @@ def ortools(
         no_gains=0, grounded=0, improved=0,
     )  # fmt: skip
     rng = np.random.default_rng(seed)
-    workers = options.jobs or os.cpu_count() or 1
+    workers = options.jobs or usable_cores()
     enough = False
     with ThreadPoolExecutor(workers) as pool:
         # Where not one move is legal, or nothing is worth a move, there is no window.

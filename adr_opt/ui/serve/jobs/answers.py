@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ....common.wording import counted
-from ....plan.plan import load_plan
-from ....problem.instance import Instance
-from ..project.plan_files import INSTANCE, PLAN, of_plan
+from ..project.plan_files import INSTANCE, PLAN, load_kept, of_plan
 
 
 def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
@@ -23,7 +21,7 @@ def figures_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
         What the verb has printed.
     """
     if (place / PLAN).is_file() and (place / INSTANCE).is_file():
-        return of_plan(Instance.load(place / INSTANCE), load_plan(place / PLAN))
+        return of_plan(load_kept(place))
     found = {
         "objective": answer.get("objective"),
         "bound": answer.get("upper_bound"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import subprocess
 import threading
@@ -12,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
+from ....common.json_text import loaded
 from ...watched import SIGN, VARIABLE
 from ..children import end, started
 
@@ -150,7 +150,7 @@ class Job:
             text = line.decode("utf-8", "replace").strip()
             if text.startswith(SIGN):
                 with suppress(ValueError, KeyError, TypeError):
-                    told = json.loads(text.removeprefix(SIGN))
+                    told = loaded(text.removeprefix(SIGN))
                     self.said = str(told["said"])
                     if told["share"] is not None:
                         self._share = float(told["share"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import write_bytes
+from ....common.json_text import loaded
 from ..objects.dropped import DroppedObjects
 from ..project.result_record import ResultRecord
 from ..project.results import now
@@ -165,7 +165,7 @@ def _listed(jobs: list[Job]) -> list[Job]:
 def _answer(printed: bytes) -> dict[str, Any] | None:
     """The JSON object that a verb has printed; None if it has printed anything else."""
     try:
-        content = json.loads(printed)
+        content = loaded(printed)
     except ValueError:
         return None
     return content if isinstance(content, dict) else None

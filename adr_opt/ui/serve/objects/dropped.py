@@ -108,20 +108,40 @@ class DroppedObjects:
             kept = tuple(each for each in files if each.file not in replaced)
             if len(kept) >= MOST_FILES:
                 raise InputError(f"{name}: the project has {MOST_FILES} dropped files already")
-            numbers = [int(each.file.partition("-")[0]) for each in files]
-            file = f"{max(numbers, default=0) + 1}-{_as_file(name)}"
+            number = max((each.number for each in files), default=0) + 1
+            file = f"{number}-{_as_file(name)}"
             path.rename(refuse_link(private_folder(self._folder) / file))
             made = DroppedFile(
-                file=file, name=name, what=found.what, count=found.count, skipped=found.skipped
-            )
+                file=file, name=name, what=found.what, count=found.count, skipped=found.skipped,
+                bad=found.bad,
+            )  # fmt: skip
             if isinstance(found.content, Catalogue):
                 self._parts[file] = found.content
-            # A new table of prizes counts in place of worths that were computed before.
-            stale = found.what in ("prizes", "catalogue", "satcat")
-            worth = None if stale else self._session.worth
-            self._session.note(files=(*kept, made), worth=worth)
+            self._note((*kept, made), made)
             for each in replaced:
                 (self._folder / each).unlink(missing_ok=True)
+
+    def remove(self, number: int) -> None:
+        """Remove a file from the project; missions that were made of it stay.
+
+        Raises
+        ------
+        InputError
+            There is no such file.
+        """
+        with self._lock:
+            files = self._session.files
+            gone = next((each for each in files if each.number == number), None)
+            if gone is None:
+                raise InputError("there is no such file; it may have been removed already")
+            self._note(tuple(each for each in files if each is not gone), gone)
+            self._parts.pop(gone.file, None)
+            (self._folder / gone.file).unlink(missing_ok=True)
+
+    def _note(self, files: tuple[DroppedFile, ...], changed: DroppedFile) -> None:
+        """Note the files; worths that were computed before are of others, once these change."""
+        stale = changed.what in ("prizes", "catalogue", "satcat")
+        self._session.note(files=files, worth=None if stale else self._session.worth)
 
     def view(self) -> CatalogueView | None:
         """The catalogue; None if there is none.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,16 +9,18 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import parse_model
+from ....common.json_text import parse_json
 from ....plan.plan import Plan
 from ....problem.instance import Instance
 from ....problem.uncertainty import Uncertainty
 from ....sources import catalogue, worth
+from ....sources.beginnings import HEAD, ephemeris_format, head_of
 from ....sources.catalogue.reading import read_bytes
 from ....sources.ephemerides.oem import read_oem
 from ..project.record import Content
 
-HEAD = 4096
-"""Number of bytes in which a format shows."""
+MOST_BAD = 5
+"""Number of bad rows of a file that are said one by one."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Recognised:
     what : str
     count, skipped : int
         Of the rows in it, those that are good and bad.
+    bad : tuple of str
+        The first bad rows, with place and reason.
     content : Instance, Plan, Catalogue or None
         Of an instance, a plan or a catalogue.
     """
@@ -38,6 +41,7 @@ class Recognised:
     what: Content
     count: int
     skipped: int = 0
+    bad: tuple[str, ...] = ()
     content: Instance | Plan | catalogue.Catalogue | None = None
 
 
@@ -64,11 +68,12 @@ def recognised(path: Path, name: str) -> Recognised:
 def _recognised(path: Path, name: str) -> Recognised:
     with path.open("rb") as file:
         head = file.read(HEAD)
-    text = head.removeprefix(b"\xef\xbb\xbf").decode("utf-8", "replace").lstrip()
+    text = head_of(head)
     begin = text.partition("\n")[0]
     if re.search(r'"format"\s*:\s*"adr-opt-', text):
         return _of_the_project(path, name)
-    if text.startswith("CCSDS_OEM_VERS") or re.search(r"<(\w+:)?oem\b", text):
+    is_oem = text.startswith("CCSDS_OEM_VERS") or re.search(r"<(\w+:)?oem\b", text)
+    if is_oem or ephemeris_format(text):
         return Recognised("ephemerides", len(read_oem(path.read_bytes(), name)))
     if begin.startswith("#JCAT") or "\n#JCAT" in text:
         return Recognised("satcat", len(worth.read_satcat(path)))
@@ -76,16 +81,17 @@ def _recognised(path: Path, name: str) -> Recognised:
     if columns & {"prize", "required", "prize_until"} and columns & {"object", "number", "name"}:
         return Recognised("prizes", len(catalogue.read_wishes(path)))
     found = read_bytes(path.read_bytes(), name, skip_bad=True)
-    return Recognised("catalogue", len(found.records), len(found.dropped), found)
+    bad = tuple(each.within for each in found.dropped[:MOST_BAD])
+    return Recognised("catalogue", len(found.records), len(found.dropped), bad, found)
 
 
 def _of_the_project(path: Path, name: str) -> Recognised:
     """A file in one of the formats of this project."""
     try:
         text = path.read_text("utf-8")
-        content: Any = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{name}: not JSON ({error}); give a JSON file") from None
+    except ValueError:
+        raise InputError(f"{name}: not JSON: no text in UTF-8; give a JSON file") from None
+    content: Any = parse_json(text, name)
     kind = str(content.get("format") if isinstance(content, dict) else "").partition("/")[0]
     if kind == "adr-opt-instance":
         instance = parse_model(text, Instance, name)

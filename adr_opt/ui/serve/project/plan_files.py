@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ....common.errors import InputError
-from ....plan.plan import Plan, load_plan
+from ....judge.admit import Admitted, admit
+from ....plan.plan import Plan
 from ....problem.instance import Instance
 from .private import refuse_link
 from .result_record import ResultRecord
@@ -17,8 +18,13 @@ INSTANCE, PLAN = "instance.json", "plan.json"
 EARLY = "stopped early: the best plan that was found until then"
 
 
-def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
+NOT_LEGAL = "not legal"
+"""Status of a plan with violations, whatever it states."""
+
+
+def of_plan(admitted: Admitted[Plan]) -> dict[str, Any]:
     """Fields of a record that a plan tells."""
+    instance, plan = admitted.instance, admitted.plan
     targets = {target.name for target in instance.targets}
     return {
         "instance_sha256": plan.instance.sha256,
@@ -28,20 +34,20 @@ def of_plan(instance: Instance, plan: Plan) -> dict[str, Any]:
         "gap": plan.gap,
         "delta_v_m_s": plan.delta_v_m_s,
         "targets": len(targets & set(plan.destinations)),
-        "status": plan.status,
+        "status": plan.status if admitted.holds else NOT_LEGAL,
     }
 
 
-def load_kept(place: Path) -> tuple[Instance, Plan]:
-    """The instance and the plan in a folder.
+def load_kept(place: Path) -> Admitted[Plan]:
+    """The plan in a folder, with its instance; violations head the page that shows it.
 
     Raises
     ------
     InputError
-        One of them is spoilt, or a link.
+        One of them is spoilt, or a link, or the plan is of another instance.
     """
     instance = Instance.load(refuse_link(place / INSTANCE))
-    return instance, load_plan(refuse_link(place / PLAN))
+    return admit(instance, Plan.load(refuse_link(place / PLAN)), unjudged=True)
 
 
 def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
@@ -57,13 +63,11 @@ def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
     if verb != "solve" or not (place / PLAN).is_file():
         return None
     try:
-        instance, plan = load_kept(place)
+        admitted = load_kept(place)
         made_at = datetime.fromtimestamp(int((place / PLAN).stat().st_mtime), UTC)
     except (InputError, OSError):
         return None
-    if plan.instance.sha256 != instance.sha256:
-        return None
     return ResultRecord(
-        number=number, verb=verb, label=plan.method, made_at=made_at, said=EARLY,
-        **of_plan(instance, plan),
+        number=number, verb=verb, label=admitted.plan.method, made_at=made_at, said=EARLY,
+        **of_plan(admitted),
     )  # fmt: skip

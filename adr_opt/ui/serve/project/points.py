@@ -8,7 +8,8 @@ from typing import Any
 
 from ....analysis.trade.axes import KINDS
 from ....common.errors import InputError
-from ....plan.plan import Plan, load_plan
+from ....judge.admit import admit
+from ....plan.plan import Plan
 from ....problem.instance import Instance
 from .private import refuse_link
 
@@ -69,16 +70,17 @@ def plan_of_point(place: Path, point: int) -> tuple[Instance, Plan]:
     Raises
     ------
     InputError
-        It has none, or that is spoilt or of another instance.
+        It has none, or that is spoilt, of another instance or not legal.
     """
     path = _files(place).get(point)
     if path is None:
         raise InputError(f"point {point} has no plan")
     beside = path.with_name(path.name.replace(".plan.", ".instance."))
-    instance, plan = Instance.load(refuse_link(beside)), load_plan(refuse_link(path))
-    if plan.instance.sha256 != instance.sha256:
-        raise InputError(f"point {point} has a plan of another instance; trade off anew")
-    return instance, plan
+    instance, plan = Instance.load(refuse_link(beside)), Plan.load(refuse_link(path))
+    try:
+        return instance, admit(instance, plan).plan
+    except InputError as error:
+        raise InputError(f"point {point}: {error}; trade off anew") from None
 
 
 def _files(place: Path) -> dict[int, Path]:

@@ -60,6 +60,8 @@ class DroppedFile(Record):
     what : str
     count, skipped : int
         Of the rows in it, those that are good and bad.
+    bad : tuple of str
+        The first bad rows, with place and reason.
     """
 
     file: FileName
@@ -67,6 +69,12 @@ class DroppedFile(Record):
     what: Content
     count: Annotated[int, Field(ge=0)] = 0
     skipped: Annotated[int, Field(ge=0)] = 0
+    bad: Annotated[tuple[str, ...], Field(strict=False)] = ()
+
+    @property
+    def number(self) -> int:
+        """The number that its name in the folder begins with."""
+        return int(self.file.partition("-")[0])
 
 
 class ProjectRecord(Record):

@@ -13,6 +13,7 @@ from typing import Any
 
 from ....common.errors import InputError
 from ....common.files import read_model, write_text
+from ....judge.admit import admit
 from ....plan.plan import Plan
 from ....problem.instance import Instance
 from .plan_files import INSTANCE, PLAN, load_kept, of_plan, unfinished
@@ -148,8 +149,8 @@ class Results:
             instance.save(place / INSTANCE)
             plan.save(place / PLAN)
             record = ResultRecord(
-                number=number, verb=verb, label=label, made_at=now(), **of_plan(instance, plan),
-                **more,
+                number=number, verb=verb, label=label, made_at=now(),
+                **of_plan(admit(instance, plan, unjudged=True)), **more,
             )  # fmt: skip
             record = self.done(record)
         except BaseException:
@@ -173,7 +174,8 @@ class Results:
             raise InputError(f"result {number} ({record.verb}) is no plan; name one that is")
         with self._lock:
             if number not in self._ready:
-                self._remember(number, load_kept(self._places[number]))
+                admitted = load_kept(self._places[number])
+                self._remember(number, (admitted.instance, admitted.plan))
             self._ready.move_to_end(number)
             return self._ready[number]
 

@@ -33,6 +33,7 @@ export async function chooseThese(names) {
     names, prizes: box("prizes").value, options: valuesOf(fields),
   });
   refuse(refused);
+  put("chosen", ""); // what an earlier choice made
   if (refused) return;
   const left = Object.entries(content.left_out).map(([why, count]) => `${why} ${count}`).join(", ");
   put("chosen", [

@@ -1,8 +1,8 @@
 // The frame beside the views: the report of the plan, or the page of a result.
 import { box, made } from "./dom.js";
-import { follow } from "./store.js";
+import { follow, told } from "./store.js";
 
-let reported = null; // number of the plan whose report is there
+let reported = null; // which plan's report is there, or which run's reason for having none
 let paged = null; // number of the result whose page is there
 
 // Another frame each time, so that the way back in the browser leads out of the page. It runs
@@ -13,10 +13,13 @@ function open(title, address, loaded) {
   box("frame").replaceChildren(frame);
 }
 
-function showReport(state) {
+function showReport() {
+  const { state, work } = told;
+  if (!state || (state.stage ?? "mission") !== "mission") return;
   const number = state.plan?.number ?? 0;
-  if (number === reported || (state.stage ?? "mission") !== "mission") return;
-  reported = number;
+  const without = !number && ["done", "failed"].includes(work?.phase) ? work.number : 0;
+  if (`${number} ${without}` === reported) return;
+  reported = `${number} ${without}`;
   paged = null;
   open("Report of the plan", `/report?plan=${number}`, () => {
     document.documentElement.dataset.reported = String(number);
@@ -32,12 +35,13 @@ export function showPage(id, label) {
 }
 
 // The report of the plan again, after the page of a result.
-export function showPlanReport(state) {
+export function showPlanReport() {
   if (paged === null) return;
   reported = null;
-  showReport(state);
+  showReport();
 }
 
 export function start() {
   follow("state", showReport);
+  follow("work", showReport);
 }

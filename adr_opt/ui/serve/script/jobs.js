@@ -31,7 +31,8 @@ function show(jobs, before) {
     if (job.share === null || job.state === "waiting") bar.removeAttribute("value");
     else bar.value = job.share;
     const time = job.elapsed_s ? `, ${job.elapsed_s.toFixed(job.elapsed_s < 10 ? 1 : 0)} s` : "";
-    put(said, `${job.state}${time}${job.said ? `: ${job.said}` : ""}`);
+    put(said, ends(job) && job.said ? `${job.state}: ${job.said}${time}`
+      : `${job.state}${time}${job.said ? `: ${job.said}` : ""}`);
   }
   const present = [...box("jobs").children];
   const wanted = listed.map((job) => rowOf(job).row);

@@ -183,13 +183,13 @@ async function reload(state) {
   const done = told.jobs.filter(({ verb, state: how }) => verb === "worth" && how === "done").length;
   const key = JSON.stringify([files, done]);
   const any = files.some(({ what }) => /catalogue|ephemer/i.test(what));
-  box("with-objects").hidden = !any && !field;
-  document.body.classList.toggle("no-objects", !any && !field);
-  if (key === loaded || !any) return;
+  box("with-objects").hidden = !any;
+  document.body.classList.toggle("no-objects", !any);
+  if (key === loaded || (!any && !field)) return;
   loaded = key;
   const { content, refused } = await get("/objects");
   if (refused) complain(refused);
-  else take(content);
+  take(content ?? { names: [] }); // none that are of other files
 }
 
 async function choose() {

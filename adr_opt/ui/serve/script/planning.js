@@ -2,7 +2,7 @@
 import { drawChart } from "./chart.js";
 import { box, made, NOTHING, put, text } from "./dom.js";
 import { follow, told } from "./store.js";
-import { complain, send } from "./talk.js";
+import { send } from "./talk.js";
 
 const PHASES = {
   idle: "Not planned yet",
@@ -12,6 +12,7 @@ const PHASES = {
   planning: "Planning",
   done: "Done",
   failed: "Failed",
+  lost: "Not followed any more",
 };
 
 const plan = () => send("/plan", {
@@ -24,13 +25,18 @@ const plan = () => send("/plan", {
 function show() {
   const { work, state } = told;
   if (!work) return;
-  const { phase, stopping, runs } = work;
-  // While nothing runs: the figures of the plan that is shown, as its report has them.
-  const settled = !runs && state?.plan;
+  const { stopping, runs } = work;
+  // What was shown since the last run is not of that one.
+  const phase = !runs && state && !state.of_last_run ? "idle" : work.phase;
+  // While nothing runs: the figures of the plan that is shown, as its report has them. A run that
+  // has failed has its own alone.
+  const settled = ["idle", "done"].includes(phase) && state?.plan;
   const known = settled
     ? { ...settled, incumbent: settled.objective, bound: settled.upper_bound } : work;
   let line = PHASES[phase];
-  if (settled && phase === "idle") line = "The plan that was given";
+  if (settled && phase === "idle") {
+    line = work.phase === "idle" ? "The plan that was given" : "The plan that is shown";
+  }
   if (runs && stopping) line = "Stopping: the best plan so far is on its way";
   put("phase", line);
   put("incumbent", text(known.incumbent));
@@ -38,7 +44,10 @@ function show() {
   put("gap", known.gap_words);
   const built = phase === "timetable" ? `${Math.round(100 * work.built)} %` : null;
   put("elapsed", phase === "idle" ? NOTHING : built ?? `${work.elapsed_s.toFixed(1)} s`);
-  put("said", phase === "failed" ? "" : work.said);
+  const said = headline(phase, work, state);
+  put("failed", said);
+  box("failed").hidden = !said;
+  put("said", said || phase === "idle" ? "" : work.said);
   box("bar").hidden = !runs;
   if (phase === "timetable") box("bar").value = work.built;
   else if (phase === "planning" && work.limit_s > 0) {
@@ -47,7 +56,15 @@ function show() {
   box("plan").textContent = runs ? "Plan anew" : "Plan";
   box("stop").disabled = !runs || stopping;
   document.documentElement.dataset.phase = phase;
-  drawChart(work);
+  drawChart(phase === "idle" ? null : work);
+}
+
+// Why the last run has no plan, or failed after its best one so far; empty if it did not.
+function headline(phase, { said }, state) {
+  if (phase === "done" && state && !state.plan) return sentence(said);
+  if (phase !== "failed") return "";
+  const left = state?.plan ? "its best plan so far is shown" : "there is no plan of this run";
+  return `${sentence(said)} Planning failed; ${left}.`;
 }
 
 function showPlan(state) {
@@ -66,7 +83,7 @@ function sentence(note) {
   return /[.!?]$/.test(begun) ? begun : `${begun}.`;
 }
 
-export const redraw = () => drawChart(told.work);
+export const redraw = show;
 
 export function start() {
   follow("choices", (offered) => {
@@ -77,10 +94,7 @@ export function start() {
     box("limit").value = text(offered.time_limit_s);
   });
   follow("state", showPlan);
-  follow("work", (work, before) => {
-    show();
-    if (work.phase === "failed" && before && before.phase !== "failed") complain(work.said);
-  });
+  follow("work", show);
   box("plan").addEventListener("click", plan);
   for (const name of ["stop", "undo", "redo"]) {
     box(name).addEventListener("click", () => send(`/${name}`));

@@ -111,7 +111,7 @@ export function start() {
   });
   follow("state", showResults);
   box("report-again").addEventListener("click", () => {
-    if (told.state) showPlanReport(told.state);
+    showPlanReport();
     beside();
   });
 }

@@ -3,18 +3,44 @@ import { box } from "./dom.js";
 import { again, tell, told } from "./store.js";
 
 const LOST = "adr-opt serve does not answer; is it still running?";
+const OVER = {
+  lost: "adr-opt serve has ended or cannot be reached, and this page no longer follows it; start it, "
+    + "and open the address that it prints.",
+  restarted: "adr-opt serve was started anew, and this page no longer follows it; open the address "
+    + "that was printed.",
+};
+const SERVER = document.documentElement.dataset.server;
+
+let over = ""; // why this page follows no server any more
 
 export function complain(sentence) {
-  box("error").textContent = sentence;
-  box("error").hidden = !sentence;
+  box("error").textContent = over || sentence;
+  box("error").hidden = !box("error").textContent;
+}
+
+// Says once that the server is gone: what is on the page stays to be read, and nothing is asked.
+function end(why) {
+  if (over) return;
+  over = OVER[why];
+  complain(over);
+  for (const part of document.querySelectorAll("header .acts, #desk > section, #desk > div")) {
+    part.inert = true;
+  }
+  if (told.work?.runs) tell("work", { ...told.work, phase: "lost", runs: false });
+  tell("jobs", told.jobs.map((job) => (
+    ["waiting", "running"].includes(job.state) ? { ...job, state: "lost", said: "" } : job)));
+  document.documentElement.dataset.over = why;
 }
 
 // An answer as JSON, or the sentence that refuses it.
 async function asked(path, options) {
+  if (over) return { content: null, refused: over };
   try {
-    const answer = await fetch(path, options);
+    const headers = { ...options.headers, "Adr-Opt-Server": SERVER };
+    const answer = await fetch(path, { ...options, headers });
     const content = await answer.json().catch(() => ({}));
     if (answer.ok) return { content, refused: "" };
+    if (answer.status === 403 || answer.status === 409) end("restarted");
     return { content: null, refused: content.error ?? `the server says ${answer.status}` };
   } catch {
     return { content: null, refused: LOST };
@@ -49,21 +75,23 @@ export const edit = (content) => send("/edit", content);
 export const begin = (verb, options = {}, results = []) =>
   send("/jobs", { verb, options, results });
 
+// Follows the stream that all tabs share, while this one is seen, and until it has been told once.
 export function listen() {
-  const events = new EventSource("/events");
-  let lost = false;
-  for (const name of ["state", "work", "jobs", "results"]) {
-    events.addEventListener(name, (event) => tell(name, JSON.parse(event.data)));
-  }
-  events.addEventListener("trouble", (event) => complain(JSON.parse(event.data)));
-  events.addEventListener("open", () => {
-    if (lost) complain("");
-    lost = false;
-  });
-  events.addEventListener("error", () => {
-    lost = true;
-    complain(LOST);
-  });
+  const worker = new SharedWorker("/script/stream.js", { name: SERVER });
+  const heed = () => {
+    if (!over) worker.port.postMessage(!document.hidden || !told.work);
+  };
+  worker.port.onmessage = ({ data: [kind, content] }) => {
+    if (kind === "over") end(content);
+    else if (kind === "trouble") complain(JSON.parse(content));
+    else tell(kind, JSON.parse(content));
+    if (document.hidden) heed();
+  };
+  worker.onerror = () => end("lost");
+  document.addEventListener("visibilitychange", heed);
+  addEventListener("pagehide", () => worker.port.postMessage(false));
+  addEventListener("pageshow", heed);
+  heed();
 }
 
 // What the server offers: methods, verbs, and fields of forms.

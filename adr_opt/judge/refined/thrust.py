@@ -42,6 +42,9 @@ STEPS = 72
 DELTA_V_M_S, PROPELLANT_KG = 1e-5, 1e-6
 """Tolerances of what is stated of arcs against their windows."""
 
+MOST_SHADOW_S = 1.0
+"""Longest time of a leg in which thrust may be on in the Earth's shadow [s]."""
+
 MORE_FORCE = 1.0 + 1e-9
 """Largest force of a leg over that of its chaser."""
 
@@ -60,12 +63,15 @@ class ThrustFlown(NamedTuple):
     mass_kg : float
     shadow_s : float
         Time in which thrust was on in the shadow [s].
+    lowest_m : float
+        Least radius of the perigees at the ends of its windows, and of places on its coasts [m].
     """
 
     state: Array
     delta_v_m_s: float
     mass_kg: float
     shadow_s: float
+    lowest_m: float
 
 
 def refuse_wrong_thrust(instance: Instance, leg: RefinedLeg, chaser: Chaser) -> None:
@@ -156,12 +162,13 @@ def fly_thrust(
     exhaust = thrust.exhaust_m_s
     elements, now = elements_of(state), course.begin_s
     flow, mass, dark = thrust.force_n / exhaust, thrust.mass_kg, 0.0
-    epoch = since_j2000_s(instance.epoch)
+    epoch, lowest = since_j2000_s(instance.epoch), math.inf
     for arc in thrust.arcs:
         steering = np.array(arc.steering)
         before = mass
         for start, end in arc.windows_s:
-            advance(elements, start - now, _steps(elements, start - now), zonals)
+            coasted = advance(elements, start - now, _steps(elements, start - now), zonals)
+            lowest = min(lowest, coasted, _perigee(elements))
             push = np.array([mass, thrust.force_n, flow, epoch + start])
             dark += advance_pushed(
                 elements, end - start, _steps(elements, end - start), zonals, steering, push
@@ -169,14 +176,20 @@ def fly_thrust(
             mass -= flow * (end - start)
             now = end
         _refuse_other_delta_v(course.leg, arc.delta_v_m_s, exhaust * math.log(before / mass))
-    advance(elements, course.end_s - now, _steps(elements, course.end_s - now), zonals)
+    lowest = min(lowest, _perigee(elements))
+    coasted = advance(elements, course.end_s - now, _steps(elements, course.end_s - now), zonals)
     found = state_of(elements)
     if not bool(np.isfinite(found).all()):
         raise ArithmeticError("the states are no longer numbers")
     used = thrust.mass_kg - mass * math.exp(-course.burnt_m_s / exhaust)
     _refuse_other_propellant(course.leg, thrust, used)
     delta_v = exhaust * math.log(thrust.mass_kg / mass)
-    return ThrustFlown(found, delta_v, mass, float(dark))
+    return ThrustFlown(found, delta_v, mass, float(dark), float(min(lowest, coasted)))
+
+
+def _perigee(elements: Array) -> float:
+    """Radius of the perigee [m]."""
+    return float(elements[0]) / (1.0 + math.hypot(elements[1], elements[2]))
 
 
 def _refuse_other_delta_v(leg: int, stated: float, flown: float) -> None:
@@ -205,8 +218,7 @@ def _steps(elements: Array, duration: float) -> int:
     p, square = float(elements[0]), float(elements[1] ** 2 + elements[2] ** 2)
     if not (square < 1.0 and p > 0.1 * EARTH_RADIUS_M):
         raise ArithmeticError("the thrust leads away from the Earth or into its centre")
-    lowest = p / (1.0 + math.sqrt(square))
-    revolution = math.tau * math.sqrt(lowest**3 / MU_M3_S2)
+    revolution = math.tau * math.sqrt(_perigee(elements) ** 3 / MU_M3_S2)
     return max(1, math.ceil(abs(duration) / revolution * STEPS))
 
 

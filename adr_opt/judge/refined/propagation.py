@@ -97,8 +97,8 @@ def end_step(step, elements, lost, rates):
 
 
 @kernel
-def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None:
-    """Propagate elements in place, in a number of equal steps.
+def advance(elements: Array, duration: float, steps: int, zonals: Array) -> float:
+    """Propagate elements in place, in a number of equal steps; the least radius passed [m].
 
     Parameters
     ----------
@@ -112,16 +112,26 @@ def advance(elements: Array, duration: float, steps: int, zonals: Array) -> None
     """
     step = duration / steps
     rates, stage, lost = np.empty((STAGES, 6)), np.empty(6), np.zeros(6)
+    least: float = radius_of(elements)
     for _ in range(steps):
         for at in range(STAGES):
             begin_stage(at, step, elements, lost, rates, stage)
             rates_of(stage, zonals, rates[at])
         end_step(step, elements, lost, rates)
+        least = min(least, radius_of(elements))
         # Small longitudes have more digits.
         if elements[5] > math.pi:
             elements[5] -= math.tau
         elif elements[5] < -math.pi:
             elements[5] += math.tau
+    return least
+
+
+@inlined
+def radius_of(elements):
+    """Distance from the centre of the Earth [m]."""
+    c, s = math.cos(elements[5]), math.sin(elements[5])
+    return elements[0] / (1.0 + elements[1] * c + elements[2] * s)
 
 
 @kernel

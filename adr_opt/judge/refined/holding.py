@@ -22,6 +22,9 @@ Coast = Callable[[Array, float, float], Array]
 APART_S = 120.0
 """Time between the positions of a difference [s]."""
 
+MOST_PLACES = 200
+"""Largest number of places at which a stay is looked at."""
+
 LEAST_SHARE, SPARE_M_S = 0.8, 0.1
 """Least share of what is found that a leg may state, and what it may state less besides [m/s]."""
 
@@ -46,7 +49,7 @@ def found_m_s(reported: ReportedStates, coast: Coast, leg: RefinedLeg) -> float:
         # Differences stay within the time: an ephemeris may end with it.
         within_s = end_s - begin_s - 2.0 * APART_S
         if name in reported.bodies and within_s > 0.0:
-            count = math.ceil(within_s / (2.0 * APART_S)) + 1
+            count = min(math.ceil(within_s / (2.0 * APART_S)), MOST_PLACES) + 1
             times = np.linspace(begin_s + APART_S, end_s - APART_S, count)
             total += _mean_m_s2(reported, coast, name, times) * (end_s - begin_s)
     return total

@@ -7,7 +7,6 @@ Element sets are run by the ``sgp4`` package as their OMM says, without the reco
 
 from __future__ import annotations
 
-import json
 from datetime import timedelta
 from typing import Any
 
@@ -16,9 +15,11 @@ import numpy.typing as npt
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError, MissingExtra
+from ...common.json_text import loaded
 from ...plan.refined_plan import EphemeridesReference
 from ...problem.frame_rotation import from_gcrf, teme_axes
 from ...problem.instance import Instance
+from ...sources.ephemerides.coverage import Coverage
 from ...sources.ephemerides.oem import read_oem
 from ...sources.ephemerides.oem_segment import MessageSegment
 from ...sources.ephemerides.of_instance import by_body
@@ -53,6 +54,7 @@ class ReportedStates:
             )
         self._instance, self._elements = instance, dict[str, dict[str, Any]]()
         self._segments: dict[str, list[MessageSegment]] = {}
+        self._covered: dict[str, Coverage] = {}
         contents = its.contents(instance.folder())
         if onto.kind == "oem":
             every = [one for name, content in contents.items() for one in read_oem(content, name)]
@@ -61,7 +63,7 @@ class ReportedStates:
             self._segments = by_body(every, listed)
         else:
             for content in contents.values():
-                self._elements |= json.loads(content)["bodies"]
+                self._elements |= loaded(content)["bodies"]
         self.bodies = tuple(self._segments or self._elements)
 
     def state(self, body: str, time_s: float) -> Array:
@@ -80,9 +82,9 @@ class ReportedStates:
         instance = self._instance
         assert instance.frame is not None  # ephemerides require it
         if self._segments:
-            return interpolated_states(
-                self._segments[body], times_s, instance.epoch, instance.frame
-            )
+            if body not in self._covered:
+                self._covered[body] = Coverage(body, self._segments[body], instance.epoch)
+            return interpolated_states(self._covered[body], times_s, instance.epoch, instance.frame)
         try:
             from sgp4 import omm
             from sgp4.api import Satrec

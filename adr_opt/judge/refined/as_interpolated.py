@@ -1,28 +1,23 @@
 """States between those of messages, for the judge: SciPy's polynomials through the nearest states.
 
-Shares the reading of lines, labels of time and names of objects with
+Shares the reading of lines, labels of time, what they cover and names of objects with
 :mod:`adr_opt.sources.ephemerides`, and neither its interpolation nor its turning of axes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from datetime import datetime, timedelta
 
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import BarycentricInterpolator, KroghInterpolator
 
-from ...common.errors import InputError
 from ...problem.frame import Frame, FrameName
 from ...problem.frame_rotation import from_gcrf, teme_axes
+from ...sources.ephemerides.coverage import Coverage, Span
 from ...sources.ephemerides.message_times import seconds_since
-from ...sources.ephemerides.oem_segment import MessageSegment
 
 Array = npt.NDArray[np.float64]
-
-WITHIN_S = 1e-6
-"""Times this close to the ends of a segment are within it: labels have microseconds [s]."""
 
 NAMES: dict[str, FrameName] = {
     "EME2000": "EME2000", "J2000": "EME2000", "GCRF": "GCRF", "ICRF": "ICRF", "TEME": "TEME",
@@ -31,15 +26,13 @@ NAMES: dict[str, FrameName] = {
 """Frames by how messages call them, spaces apart."""
 
 
-def interpolated_states(
-    segments: Iterable[MessageSegment], times_s: Array, epoch: datetime, frame: Frame
-) -> Array:
+def interpolated_states(coverage: Coverage, times_s: Array, epoch: datetime, frame: Frame) -> Array:
     """States of a body at times, shape (times, 6) [m, m/s].
 
     Parameters
     ----------
-    segments : iterable of MessageSegment
-        All of the body.
+    coverage : Coverage
+        Of the messages of the body.
     times_s : (times,) float64
         Since the epoch [s].
     epoch, frame
@@ -48,20 +41,11 @@ def interpolated_states(
     Raises
     ------
     InputError
-        No segment covers a time.
+        The messages do not cover a time.
     """
-    found = np.full((times_s.size, 6), np.nan)
-    for segment in segments:
-        ends = [
-            segment.fields.get(f"USEABLE_{end}_TIME", segment.fields[f"{end}_TIME"])
-            for end in ("START", "STOP")
-        ]
-        begin, end = seconds_since(epoch, ends, segment.fields["TIME_SYSTEM"].upper(), "")
-        within = (times_s >= begin - WITHIN_S) & (times_s <= end + WITHIN_S)
-        if within.any():
-            found[within] = _within(segment, times_s[within], epoch, frame)
-    if np.isnan(found).any():
-        raise InputError("the messages do not cover the plan; refine it again")
+    found = np.empty((times_s.size, 6))
+    for span, inside in coverage.within(times_s):
+        found[inside] = _within(span, times_s[inside], epoch, frame)
     return found
 
 
@@ -89,11 +73,11 @@ def between(knots: Array, states: Array, times_s: Array, method: str, degree: in
     return found
 
 
-def _within(segment: MessageSegment, times_s: Array, epoch: datetime, frame: Frame) -> Array:
-    """States of a segment in a frame."""
+def _within(span: Span, times_s: Array, epoch: datetime, frame: Frame) -> Array:
+    """States of a span in a frame."""
+    segment = span.segment
     system = segment.fields["TIME_SYSTEM"].upper()
-    labels, states = segment.states()
-    found = between(seconds_since(epoch, labels, system, ""), states, times_s, *segment.method)
+    found = between(span.knots, span.states, times_s, *segment.method)
     name = NAMES[segment.fields["REF_FRAME"].upper().replace(" ", "")]
     of_epoch = segment.fields.get("REF_FRAME_EPOCH")
     if name != "TEME":

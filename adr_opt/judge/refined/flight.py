@@ -1,0 +1,261 @@
+"""Whether the states of refined legs follow from their burns, and end at their bodies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M, MU_M3_S2
+from ...common.errors import InputError
+from ...plan.plan import Plan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState, RefinedTow
+from ...problem.chasers import Chaser
+from ...problem.drives import drive_of
+from ...problem.instance import Instance
+from ..check.altitude import Heights
+from ..check.violation import MOST_RELEASE_OFF_M, Violation
+from .bodies import SAME_M, SAME_M_S
+from .holding import LEAST_SHARE, SPARE_M_S, found_m_s
+from .release import released
+from .tanks import Masses, chasers_of, planned_masses
+from .thrust import (
+    MOST_SHADOW_S,
+    PROPELLANT_KG,
+    Course,
+    ThrustFlown,
+    fly_thrust,
+    refuse_wrong_thrust,
+)
+from .world import Places, Towing, World, begun, prograde
+
+Array = npt.NDArray[np.float64]
+
+SAME_TIME_S = 1e-6
+"""Tolerance between the time of a burn and that of the state after it."""
+
+OSCULATION_M = 10e3
+"""Largest depth below the limit of altitude where harmonics act: limits are those of mean radii."""
+
+WATCHED = 24
+"""Number of times in a revolution at which the altitude of a body with an ephemeris is seen."""
+
+
+class _Passed(NamedTuple):
+    """An event of a leg as it is flown here: what it is, when, and the state after it."""
+
+    event: str
+    time_s: float
+    state: Array
+
+
+class _Judge(NamedTuple):
+    """What one leg is judged with."""
+
+    instance: Instance
+    world: World
+    bodies: Places
+    leg: RefinedLeg
+    chaser: Chaser
+    masses: Masses
+
+
+def check_flight(
+    instance: Instance, plan: Plan, refined: RefinedPlan, world: World, bodies: Places
+) -> Iterator[Violation]:
+    """Check each leg by flying it, and the tows beside it."""
+    owners = {number: chaser for chaser, legs in chasers_of(instance, plan) for number, _ in legs}
+    masses = planned_masses(instance, plan)
+    for leg in refined.legs:
+        if leg.leg not in owners:
+            continue  # an extra one: said elsewhere
+        judge = _Judge(instance, world, bodies, leg, owners[leg.leg], masses[leg.leg])
+        try:
+            refuse_wrong_thrust(instance, leg, judge.chaser)
+            yield from _check_masses(judge)
+            yield from _check_leg(judge)
+        except InputError as error:
+            yield Violation(leg.leg, "thrust", str(error).removeprefix(f"leg {leg.leg}: "))
+        except ArithmeticError as error:
+            yield Violation(leg.leg, "state", f"cannot be flown: {error}")
+
+
+def _check_masses(judge: _Judge) -> Iterator[Violation]:
+    """Check the masses that low thrust is refined with against those of the plan."""
+    drive = drive_of(judge.chaser, judge.instance.targets)
+    if drive is None:
+        return
+    objects = {target.name: target.mass_kg or 0.0 for target in judge.instance.targets}
+    leg = judge.leg
+    found = [(leg.thrust, max(judge.masses.leaving, drive.lightest_kg))]
+    if leg.tow is not None:
+        both = max(judge.masses.tugging, drive.lightest_kg) + objects.get(leg.destination, 0.0)
+        found.append((leg.tow.thrust, both))
+    for thrust, true in found:
+        if thrust is not None and abs(thrust.mass_kg - true) > PROPELLANT_KG:
+            yield Violation(
+                leg.leg, "mass", f"mass_kg = {thrust.mass_kg!r}, but in the plan {true!r}"
+            )
+
+
+def _check_leg(judge: _Judge) -> Iterator[Violation]:
+    """Fly a leg from its stated departure, and compare all states."""
+    instance, world, bodies, leg = judge.instance, judge.world, judge.bodies, judge.leg
+    if leg.tow_before is not None:
+        led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
+        yield from _check_released(judge, leg.tow_before, led, judged=leg.after_launch is True)
+    start = begun(world, bodies, leg, instance)
+    yield from _off(leg.leg, "departure", _array(leg.states[0]), start, "where it begins")
+    passed, lowest_m, shadow_s = _flown(judge)
+    yield from _check_states(leg, passed)
+    goals = {
+        "stand-off": bodies.following(
+            leg.destination, leg.standoff_s, instance.transfer.standoff_m
+        ),
+        "arrival": bodies.state(leg.destination, leg.arrival_s),
+    }
+    for one in passed:
+        if one.event in goals:
+            yield from _off(
+                leg.leg, one.event, one.state, goals[one.event], f"that of {leg.destination!r}"
+            )
+    lowest_m = min(lowest_m, _lowest_docked(judge, start))
+    if leg.tow is not None:
+        led = Towing(world, bodies, instance, leg.leg).flown(leg.destination, leg.tow)
+        yield from _check_released(judge, leg.tow, led, judged=True)
+        lowest_m, shadow_s = min(lowest_m, led.lowest_m), max(shadow_s, led.shadow_s)
+    yield from _check_limits(judge, lowest_m, shadow_s)
+
+
+def _flown(judge: _Judge) -> tuple[list[_Passed], float, float]:
+    """Events of a leg as they follow from its burns and arcs.
+
+    Also the least radius passed [m], and the time of thrust in the shadow [s].
+    """
+    world, leg = judge.world, judge.leg
+    now, state, lowest, shadow_s = leg.states[0].time_s, _array(leg.states[0]), math.inf, 0.0
+    passed, at_standoff = [_Passed("departure", now, state)], False
+    if leg.thrust is not None:
+        burnt = math.fsum(burn.size_m_s for burn in leg.burns)
+        course = Course(leg.leg, now, leg.standoff_s, burnt)
+        thrust = fly_thrust(judge.instance, leg.thrust, course, state, world.zonals)
+        state, now, lowest, shadow_s = (
+            thrust.state, leg.standoff_s, thrust.lowest_m, thrust.shadow_s,
+        )  # fmt: skip
+    for burn in leg.burns:
+        if not at_standoff and burn.phase == "approach":
+            state, low = world.arc(state, now, leg.standoff_s)
+            now, lowest, at_standoff = leg.standoff_s, min(lowest, low), True
+            passed.append(_Passed("stand-off", now, state))
+        state, low = world.arc(state, now, burn.time_s)
+        state, now, lowest = state.copy(), burn.time_s, min(lowest, low)
+        state[3:] += burn.delta_v_m_s
+        passed.append(_Passed("burn", now, state))
+    if not at_standoff:
+        raise ArithmeticError("no burn begins the approach")
+    state, low = world.arc(state, now, leg.arrival_s)
+    passed.append(_Passed("arrival", leg.arrival_s, state))
+    return passed, min(lowest, low), shadow_s
+
+
+def _check_states(leg: RefinedLeg, passed: list[_Passed]) -> Iterator[Violation]:
+    """Check that states stand at all events, and follow from the burns."""
+    stated = [(one.event, one.time_s) for one in leg.states]
+    true = [(one.event, one.time_s) for one in passed]
+    if [event for event, _ in stated] != [event for event, _ in true] or any(
+        abs(stated_s - true_s) > SAME_TIME_S
+        for (_, stated_s), (_, true_s) in zip(stated, true, strict=True)
+    ):
+        yield Violation(leg.leg, "state", "its states are not those at its departure and burns")
+        return
+    for number, (one, known) in enumerate(zip(leg.states, passed, strict=True), start=1):
+        yield from _off(
+            leg.leg, "state", _array(one), known.state, f"where the burns lead, at state {number}"
+        )
+
+
+def _off(number: int, rule: str, stated: Array, true: Array, what: str) -> Iterator[Violation]:
+    """A state that is not where it should be."""
+    far, fast = math.dist(stated[:3], true[:3]), math.dist(stated[3:], true[3:])
+    if not (far <= SAME_M and fast <= SAME_M_S):
+        yield Violation(number, rule, f"is {far:.3g} m and {fast:.3g} m/s off {what}")
+
+
+def _check_released(
+    judge: _Judge, tow: RefinedTow, led: ThrustFlown, *, judged: bool
+) -> Iterator[Violation]:
+    """Check the state of a release, and its orbit against the circle of disposal."""
+    number = judge.leg.leg
+    yield from _off(number, "release", _array(tow.released), led.state, "where the tow leads")
+    if not judged:
+        return
+    orbit = released(prograde(led.state), judge.world.zonals)
+    axis = EARTH_RADIUS_M + orbit.altitude_m
+    low, high = (axis * (1.0 + side * orbit.eccentricity) - EARTH_RADIUS_M for side in (-1.0, 1.0))
+    circle_m = judge.instance.mission.disposal_altitude_m or 0.0
+    if max(abs(low - circle_m), abs(high - circle_m)) > MOST_RELEASE_OFF_M:
+        yield Violation(
+            number,
+            "release",
+            f"the object is released at {low / 1e3:.1f} × {high / 1e3:.1f} km, more than "
+            f"{MOST_RELEASE_OFF_M / 1e3:g} km off the circle at {circle_m / 1e3:g} km",
+        )
+
+
+def _lowest_docked(judge: _Judge, start: Array) -> float:
+    """Least radius beside the origin before the leg, and beside the destination after it [m]."""
+    bodies, leg = judge.bodies, judge.leg
+    until_s = leg.end_s if leg.tow is None else leg.tow.start_s
+    spans = [(leg.destination, leg.arrival_s, until_s)]
+    if leg.tow_before is None:
+        spans.append((leg.origin, leg.ready_s, leg.states[0].time_s))
+    lowest = math.inf
+    for name, begin_s, end_s in spans:
+        at_origin = name == leg.origin
+        state = start if at_origin else bodies.state(name, leg.arrival_s)
+        lap_s = math.tau * math.sqrt(math.hypot(*state[:3]) ** 3 / MU_M3_S2)
+        if bodies.reported is not None and bodies.is_reported(name):
+            times = np.linspace(max(begin_s, end_s - lap_s), end_s, WATCHED)
+            lowest = min(lowest, float(_radii(bodies.reported.states(name, times)).min()))
+            continue
+        lasting = min(lap_s, end_s - begin_s)
+        towards = end_s - lasting if at_origin else begin_s + lasting
+        lowest = min(lowest, judge.world.arc(state, end_s if at_origin else begin_s, towards)[1])
+    return lowest
+
+
+def _radii(states: Array) -> Array:
+    radii: Array = np.sqrt(np.sum(states[:, :3] ** 2, axis=1))
+    return radii
+
+
+def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[Violation]:
+    """Check the altitude of all arcs, thrust in the shadow, and what is set aside for holding."""
+    leg, heights = judge.leg, Heights(judge.instance)
+    least_m = min(heights.least_m(name) for name in (leg.origin, leg.destination))
+    spare_m = OSCULATION_M if judge.world.zonals.any() else SAME_M
+    if lowest_m - EARTH_RADIUS_M < least_m - spare_m:
+        yield Violation(
+            leg.leg,
+            "altitude",
+            f"comes down to {(lowest_m - EARTH_RADIUS_M) / 1e3:.1f} km, below the limit of "
+            f"{least_m / 1e3:g} km",
+        )
+    if shadow_s > MOST_SHADOW_S:
+        yield Violation(leg.leg, "shadow", f"thrusts {shadow_s:.3g} s in the Earth's shadow")
+    if judge.bodies.reported is not None:
+        needed = found_m_s(judge.bodies.reported, judge.world.coast, leg)
+        if leg.holding_m_s < LEAST_SHARE * needed - SPARE_M_S:
+            yield Violation(
+                leg.leg,
+                "holding",
+                f"holding beside bodies takes {needed:.3g} m/s, and it states "
+                f"{leg.holding_m_s:.3g}",
+            )
+
+
+def _array(state: RefinedState) -> Array:
+    return np.array([*state.position_m, *state.velocity_m_s])

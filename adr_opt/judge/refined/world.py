@@ -1,0 +1,228 @@
+"""Free motion in the field of a refined plan, and where its bodies are.
+
+The pull is written once more, and :mod:`.propagation` integrates the change of elements by an
+explicit method, where the refinement integrates positions by an implicit one. Bodies are propagated
+from the states at the epoch that the file states. Of a plan that was refined onto ephemerides,
+bodies are where :mod:`.as_reported` reads that they are.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ...common.constants import EARTH_RADIUS_M, J2, MU_M3_S2
+from ...kernels.orbits.gravity import J3, J4
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
+from ...problem.instance import Instance
+from .as_reported import ReportedStates
+from .propagation import advance, elements_of, state_of
+from .thrust import Course, ThrustFlown, fly_thrust
+
+Array = npt.NDArray[np.float64]
+
+STEPS = 72
+"""Steps per revolution at the lowest perigee: enough for agreement with the collocation within some
+centimetres after two years; more do not help."""
+
+FIELDS = {
+    "two-body": np.array([0.0, 0.0, 0.0]),
+    "j2": np.array([J2, 0.0, 0.0]),
+    "j3": np.array([J2, J3, 0.0]),
+    "j4": np.array([J2, J3, J4]),
+}
+MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
+"""Reflection that leaves zonal fields unchanged and makes retrograde orbits prograde."""
+
+
+class World:
+    """Free motion of many states at once, as columns of shape (6, n) [m, m/s].
+
+    Parameters
+    ----------
+    gravity : {"two-body", "j2", "j3", "j4"}
+    steps : int
+        In a revolution at the lowest perigee.
+    """
+
+    def __init__(self, gravity: str, steps: int = STEPS) -> None:
+        self.zonals, self._steps = FIELDS[gravity], steps
+
+    def coast(self, states: Array, start_s: float, end_s: float) -> Array:
+        """The states after a coast.
+
+        Raises
+        ------
+        ArithmeticError
+            They lead into the centre of the Earth or out of numbers.
+        """
+        if start_s == end_s:
+            return states
+        revolution = math.tau * math.sqrt(_lowest(states) ** 3 / MU_M3_S2)
+        found = np.empty(states.shape)
+        for at, state in enumerate(states.T):
+            found[:, at] = self._moved(state, end_s - start_s, revolution)[0]
+        return found
+
+    def arc(self, state: Array, start_s: float, end_s: float) -> tuple[Array, float]:
+        """One state after a coast, shape (6,), and the least radius passed on the way [m].
+
+        Raises
+        ------
+        ArithmeticError
+            As of :meth:`coast`.
+        """
+        if start_s == end_s:
+            return state, math.hypot(*state[:3])
+        revolution = math.tau * math.sqrt(_lowest(state[:, None]) ** 3 / MU_M3_S2)
+        return self._moved(state, end_s - start_s, revolution)
+
+    def _moved(self, state: Array, duration_s: float, revolution_s: float) -> tuple[Array, float]:
+        """A state after a time, and the least radius on the way [m]."""
+        sides = _sides(state)
+        elements = elements_of(sides * state)
+        steps = math.ceil(abs(duration_s) / revolution_s * self._steps)
+        least = advance(elements, duration_s, steps, self.zonals)
+        found = sides * state_of(elements)
+        if not bool(np.isfinite(found).all()):
+            raise ArithmeticError("the states are no longer numbers")
+        return found, float(least)
+
+
+def prograde(state: Array) -> Array:
+    """A state, reflected if its orbit is retrograde: zonal fields are the same there."""
+    found: Array = _sides(state) * state
+    return found
+
+
+def _sides(state: Array) -> Array:
+    return MIRROR if state[0] * state[4] < state[1] * state[3] else np.ones(6)
+
+
+def _lowest(states: Array) -> float:
+    """Lowest perigee of some states [m], at least a tenth of the Earth's radius.
+
+    Raises
+    ------
+    ArithmeticError
+        An orbit is not closed.
+    """
+    positions, velocities = states[:3].T, states[3:].T
+    radius = np.sqrt(np.sum(positions**2, axis=1))
+    inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
+    if not bool((inverse > 0.0).all()):
+        raise ArithmeticError("the burns lead away from the Earth")
+    momentum = np.sum(np.cross(positions, velocities) ** 2, axis=1)
+    e = np.sqrt(np.maximum(1.0 - momentum * inverse / MU_M3_S2, 0.0))
+    return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
+
+
+class Places:
+    """States of bodies at the beginnings and ends of legs.
+
+    Those that nothing is reported of are propagated together from the epoch.
+    """
+
+    def __init__(self, world: World, refined: RefinedPlan, reported: ReportedStates | None) -> None:
+        self._world, self.reported = world, reported
+        elsewhere = () if reported is None else reported.bodies
+        wanted: dict[float, set[str]] = {}
+        for leg in refined.legs:
+            led = leg.tow_before
+            begins_s = leg.states[0].time_s if led is None else led.start_s
+            wanted.setdefault(begins_s, set()).add(leg.origin)
+            if leg.tow is not None:
+                wanted.setdefault(leg.tow.start_s, set()).add(leg.destination)
+            for time in (leg.standoff_s, leg.arrival_s):
+                wanted.setdefault(time, set()).add(leg.destination)
+        last = {name: time for time in sorted(wanted) for name in wanted[time]}
+        states = {
+            body.name: np.array([*body.position_m, *body.velocity_m_s])
+            for body in refined.bodies
+            if body.name in last and body.name not in elsewhere
+        }
+        self._known: dict[tuple[str, float], Array] = {}
+        now = 0.0
+        for time in sorted(wanted):
+            for name in wanted[time].difference(states):
+                assert reported is not None  # the others have a state at the epoch
+                self._known[name, time] = reported.state(name, time)
+            names = [name for name in states if last[name] >= time]
+            if not names:
+                continue
+            moved = world.coast(np.stack([states[name] for name in names], axis=1), now, time)
+            states = dict(zip(names, moved.T, strict=True))
+            now = time
+            for name in wanted[time].intersection(states):
+                self._known[name, time] = states[name]
+
+    def is_reported(self, name: str) -> bool:
+        """Whether a body is where an ephemeris says."""
+        return self.reported is not None and name in self.reported.bodies
+
+    def state(self, name: str, time_s: float) -> Array:
+        """State of a body at a time named by a leg, shape (6,)."""
+        return self._known[name, time_s]
+
+    def following(self, name: str, time_s: float, length_m: float) -> Array:
+        """State of the point that follows a body on its orbit, slightly delayed."""
+        state = self._known[name, time_s]
+        if self.reported is not None and name in self.reported.bodies:
+            return self.reported.state(name, time_s - length_m / math.hypot(*state[3:]))
+        return self._world.coast(state[:, None], length_m / math.hypot(*state[3:]), 0.0)[:, 0]
+
+
+class Towing(NamedTuple):
+    """What tows of a leg are flown with.
+
+    Attributes
+    ----------
+    world : World
+    bodies : Places
+    instance : Instance
+    leg : int
+        Number of the leg.
+    """
+
+    world: World
+    bodies: Places
+    instance: Instance
+    leg: int
+
+    def flown(self, name: str, tow: RefinedTow) -> ThrustFlown:
+        """Fly a tow; one by burns has no mass and no shadow."""
+        state = self.bodies.state(name, tow.start_s)
+        if tow.thrust is not None:
+            course = Course(self.leg, tow.start_s, tow.released.time_s, 0.0)
+            return fly_thrust(self.instance, tow.thrust, course, state, self.world.zonals)
+        begin, end = tow.burns
+        moving = state.copy()
+        moving[3:] += begin.delta_v_m_s
+        moving, lowest = self.world.arc(moving, begin.time_s, end.time_s)
+        moving = moving.copy()
+        moving[3:] += end.delta_v_m_s
+        return ThrustFlown(moving, tow.delta_v_m_s, math.nan, 0.0, lowest)
+
+
+def begun(world: World, bodies: Places, leg: RefinedLeg, instance: Instance) -> Array:
+    """State of the chaser when a leg begins, before its first burn, shape (6,)."""
+    now = leg.states[0].time_s
+    if leg.tow_before is None:
+        return bodies.state(leg.origin, now)
+    led = Towing(world, bodies, instance, leg.leg).flown(leg.origin, leg.tow_before)
+    return world.arc(led.state, leg.tow_before.released.time_s, now)[0]
+
+
+def reported_of(instance: Instance, refined: RefinedPlan) -> ReportedStates | None:
+    """States of the ephemerides that a plan was refined onto; None if it was not.
+
+    Raises
+    ------
+    InputError, MissingExtra
+        As of :class:`.as_reported.ReportedStates`.
+    """
+    onto = refined.ephemerides
+    return None if onto is None else ReportedStates(instance, onto)

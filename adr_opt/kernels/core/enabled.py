@@ -1,0 +1,22 @@
+"""Whether Numba compiles: without it no kernel can be called."""
+
+import os
+
+from ...common.errors import InputError
+
+VARIABLE = "NUMBA_DISABLE_JIT"
+"""Environment variable of Numba under which nothing is compiled."""
+
+
+def obstacle() -> str | None:
+    """Why nothing is compiled, in a sentence with its cure; None if kernels are."""
+    if os.environ.get(VARIABLE, "0") in ("", "0"):
+        return None
+    return f"{VARIABLE} is set, so that nothing is compiled; unset it"
+
+
+def need() -> None:
+    """Raise :class:`InputError` if nothing is compiled."""
+    said = obstacle()
+    if said is not None:
+        raise InputError(said)

@@ -1,0 +1,108 @@
+"""A key that stands twice in an object is refused by its name, in every file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import adr_opt
+from adr_opt.analysis.design.file import _parsed
+from adr_opt.analysis.rehearse.rows_file import FORMAT, RowsFile
+from adr_opt.analysis.scenario.years_file import _year
+from adr_opt.common.errors import InputError
+from adr_opt.common.json_text import loaded, parse_json
+from adr_opt.common.lines_file import LinesFile
+from adr_opt.common.records import Record
+from adr_opt.plan.certificate import load_certificate
+from adr_opt.plan.refined_plan import load_refined
+from adr_opt.problem.uncertainty import Uncertainty
+from adr_opt.sources.catalogue.reading import read
+from adr_opt.sources.ephemerides.elements_file import read_elements
+from adr_opt.sources.uncertainty.table import read_table
+from adr_opt.ui.cli.replan import read_zones
+from adr_opt.ui.serve.drafts import read_edit
+from adr_opt.ui.serve.objects.recognise import recognised
+from adr_opt.ui.serve.project.record import ProjectRecord
+from adr_opt.ui.serve.project.result_record import ResultRecord
+
+TWICE = '{"format": "%s", "key": {"a": 1, "b": [{"a": 2, "a": 3}]}}'
+"""A text with a key twice in an object within it, whatever else it lacks."""
+
+DOORS: dict[str, tuple[str, Callable[[Path], Any]]] = {
+    "instance": ("adr-opt-instance/2", adr_opt.load),
+    "plan": ("adr-opt-plan/2", adr_opt.load_plan),
+    "refined": ("adr-opt-refined/1", load_refined),
+    "certificate": ("adr-opt-certificate/1", load_certificate),
+    "uncertainty": ("adr-opt-uncertainty/1", Uncertainty.load),
+    "errors": ("adr-opt-target-errors/1", lambda path: read_table(path, ())),
+    "elements": ("adr-opt-elements/1", lambda path: read_elements(path.read_bytes(), str(path))),
+    "zones": ("", lambda path: read_zones(str(path))),
+    "dropped": ("adr-opt-instance/2", lambda path: recognised(path, str(path))),
+    "rehearsals": (FORMAT, lambda path: RowsFile(path, "0", dict).found),
+    "lines": ("any", lambda path: LinesFile(path, {"format": "any"}, "a file").read(str)),
+    "design": ("", lambda path: _parsed(str(path), path.read_bytes())),
+    "scenario": ("", lambda path: _year(str(path), path.read_bytes())),
+    "edit": ("", lambda path: read_edit(path.read_text())),
+    "project": ("", lambda path: adr_opt.common.files.read_model(path, ProjectRecord)),
+    "result": ("", lambda path: adr_opt.common.files.read_model(path, ResultRecord)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("door", DOORS)
+def test_no_key_stands_twice_in_a_file(door: str, tmp_path: Path) -> None:
+    """Every reader names the key, before anything else that is wrong with the file."""
+    said, read_it = DOORS[door]
+    path = tmp_path / "file.json"
+    path.write_text(TWICE % said + "\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r'field "a" stands twice in one object; keep one') as told:
+        read_it(path)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("key", ["NORAD_CAT_ID", "norad_cat_id", "OWN_FIELD"])
+def test_no_key_stands_twice_in_a_catalogue(key: str, tmp_path: Path) -> None:
+    """Keywords of OMM in any spelling, and every other key as it is spelt."""
+    path = tmp_path / "catalogue.json"
+    path.write_text(f'[{{"NORAD_CAT_ID": 5, "OWN_FIELD": 1, "{key}": 7}}]', encoding="utf-8")
+    with pytest.raises(InputError, match=f"field {key.upper()} is given twice in one object"):
+        read([path])
+
+
+def test_what_no_key_stands_twice_in_is_read() -> None:
+    """Keys may stand once in each of several objects, and texts keep all that they say."""
+    content = {"a": {"a": [{"a": 1}, {"a": 2.5}]}, "b": None, "c": "a"}
+    assert loaded(json.dumps(content)) == content
+    assert parse_json(json.dumps(content).encode(), "x.json") == content
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b"{", "not JSON: "), (b"\xff", "not JSON: no text in UTF-8"),
+        (b"[" * 10**5, "not JSON: nested too deeply"),
+        (b"[" + b"9" * 5000 + b"]", "not JSON: a number is too long"),
+        (('{"' + "k" * 100 + '": 1, "' + "k" * 100 + '": 1}').encode(), 'field "' + "k" * 58 + "…"),
+    ],
+)  # fmt: skip
+def test_what_is_no_json_is_one_sentence(text: bytes, said: str) -> None:
+    """A text that cannot be parsed is refused with its reason, and long keys are cut."""
+    with pytest.raises(InputError) as told:
+        parse_json(text, "x.json")
+    assert str(told.value).startswith(f"x.json: {said}")
+    assert len(str(told.value)) < 200
+
+
+def test_no_record_has_a_door_of_its_own() -> None:
+    """All records are read from JSON by the one function that looks at their keys."""
+
+    def below(kind: type[Record]) -> list[type[Record]]:
+        return [each for one in kind.__subclasses__() for each in (one, *below(one))]
+
+    own = {
+        each for each in below(Record) if each.from_json.__func__ is not Record.from_json.__func__
+    }
+    assert own == set()

@@ -1,0 +1,64 @@
+"""What the code does in one place only, because doing it elsewhere went wrong."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+PRODUCT = ("adr_opt", "solvers")
+
+DOORS = {
+    # keys that stand twice are refused there; records of OMM are decoded one by one, with a check
+    # that knows their spellings
+    "json.load": (PRODUCT, set()),
+    "json.loads": (PRODUCT, {"adr_opt/common/json_text.py"}),
+    "JSONDecoder": (PRODUCT, {"adr_opt/sources/catalogue/omm_json.py"}),
+    "validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
+    "model_validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
+    "parse_raw": (PRODUCT, set()),
+    "from_json.pydantic_core": (PRODUCT, set()),
+    # not on every system
+    "sched_getaffinity": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
+    "cpu_count": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
+    # without the settings that all runs need
+    "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat_solver.py"}),
+}
+"""Names that only some modules may call, by the folders that are searched."""
+
+
+def called(source: str) -> Iterator[tuple[int, str]]:
+    """Calls and imports by name, with the name before the dot and without, and their lines."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute):
+            yield node.lineno, node.attr
+            yield node.lineno, f"{getattr(node.value, 'id', '')}.{node.attr}"
+        elif isinstance(node, ast.ImportFrom):
+            for alias in node.names:
+                yield node.lineno, alias.name
+                yield node.lineno, f"{node.module}.{alias.name}"
+                yield node.lineno, f"{alias.name}.{node.module}"
+
+
+@pytest.mark.parametrize("name", DOORS)
+def test_it_is_called_in_its_own_place_alone(name: str) -> None:
+    """No other module calls it; annotations are no calls, and its own place still has it."""
+    folders, allowed = DOORS[name]
+    found = {
+        str(path.relative_to(ROOT)): line
+        for folder in folders
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for line, each in called(path.read_text(encoding="utf-8"))
+        if each == name and not _annotates(path, line, name)
+    }
+    assert found.keys() == allowed, found
+
+
+def _annotates(path: Path, line: int, name: str) -> bool:
+    """Whether a line has the name without a call, as the type of a value."""
+    text = path.read_text(encoding="utf-8").splitlines()[line - 1]
+    return name == "CpSolver" and "CpSolver(" not in text

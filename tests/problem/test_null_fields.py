@@ -1,0 +1,100 @@
+"""Null means that nothing is stated: it is never read as a number by the way."""
+
+from __future__ import annotations
+
+import ast
+import typing
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import BaseModel
+
+import adr_opt
+import solvers
+from adr_opt.mission.problem import Problem
+from adr_opt.problem.bodies import Station, Target
+from adr_opt.problem.chasers import AtStation, Chaser, Tank
+from adr_opt.problem.given import of_rows
+from adr_opt.problem.instance import Instance
+from adr_opt.problem.instance_file import InstanceFile
+from adr_opt.problem.settings import GivenFile, MissionSettings, Objective, TransferSettings
+
+NULL_IS_ZERO = {"decay_m_per_day"}
+"""Fields that mean the same by null and by 0."""
+
+CHECKED_BEFORE = {"mass_kg", "disposal_altitude_m"}
+"""Fields that stand in every instance with tows, and are of no account without."""
+
+SHOWN = {"thrust_n"}
+"""Fields of which null and 0 are shown alike: 0 is no value."""
+
+
+def records(kind: object, seen: set[type[BaseModel]]) -> set[type[BaseModel]]:
+    """The records that a type consists of."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        if kind not in seen:
+            seen.add(kind)
+            for field in kind.model_fields.values():
+                records(field.annotation, seen)
+    for part in typing.get_args(kind):
+        records(part, seen)
+    return seen
+
+
+def numbers_or_null() -> set[str]:
+    """Names of all fields of instances that are a number or null."""
+    return {
+        name
+        for record in records(InstanceFile, set())
+        for name, field in record.model_fields.items()
+        if type(None) in typing.get_args(field.annotation)
+        and any(number in str(field.annotation) for number in ("int", "float"))
+    }
+
+
+def read_as_numbers() -> Iterator[tuple[Path, int, str]]:
+    """Places where code takes another value for a field that is false, as 0 is."""
+    for package in (adr_opt, solvers):
+        for path in Path(package.__file__).parent.rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+                if not isinstance(node, ast.BoolOp) or not isinstance(node.op, ast.Or):
+                    continue
+                for part, other in zip(node.values, node.values[1:], strict=False):
+                    is_value = isinstance(other, ast.Constant | ast.Name | ast.Attribute)
+                    if isinstance(part, ast.Attribute) and is_value:
+                        yield path, node.lineno, part.attr
+
+
+def test_null_is_not_read_as_a_number() -> None:
+    """No code has `field or value` for a field in which 0 and null differ."""
+    fields = numbers_or_null()
+    assert {"launch_separation_s", "max_targets", "kits", "service_revolutions"} <= fields
+    fields -= NULL_IS_ZERO | CHECKED_BEFORE | SHOWN
+    found = [f"{path}:{line}: {name}" for path, line, name in read_as_numbers() if name in fields]
+    assert found == []
+
+
+@pytest.mark.parametrize(("most", "asks"), [(None, True), (3, True), (2, False), (0, False)])
+def test_a_limit_of_no_targets_is_a_limit(most, asks) -> None:
+    """A plan is an order of all targets unless the chaser may not service all, or none."""
+    names = ["depot", "a", "b", "c"]
+    pairs = [(i, j) for i in names for j in names[1:] if i != j]
+    rows = {
+        "origin": [i for i, _ in pairs], "destination": [j for _, j in pairs],
+        "departure_s": np.zeros(len(pairs)), "arrival_s": np.ones(len(pairs)),
+        "delta_v_m_s": np.zeros(len(pairs)),
+    }  # fmt: skip
+    chaser = Chaser(
+        name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=1.0), max_targets=most
+    )
+    instance = Instance(
+        name="order", epoch=datetime(2026, 1, 1, tzinfo=UTC), stations=(Station(name="depot"),),
+        targets=tuple(Target(name=name, required=True) for name in names[1:]), chasers=(chaser,),
+        mission=MissionSettings(duration_s=100.0, service_s=0.0, refuel_revolutions=0.0),
+        objective=Objective(cost="duration"),
+        transfer=TransferSettings(given=GivenFile(file="rows.parquet")),
+    ).with_given(of_rows(rows, names))  # fmt: skip
+    assert Problem(instance).asks_for_least_end is asks
