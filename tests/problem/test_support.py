@@ -293,6 +293,24 @@ def test_verbs_refuse_a_new_field(
         refused(cli(verb, "my.json", *more.split()), "does not follow the field targets[].novel")
 
 
+def test_verbs_that_read_refined_plans_refuse_a_new_field(
+    planned: tuple[Instance, Plan, Certificate], cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same of a refined plan, whose instance has a field that nobody knows."""
+    instance, plan, _ = planned
+    instance.save("my.json")
+    plan.save("plan.json")
+    adr_opt.refine(instance, plan).save("refined.json")
+    changed = with_new_field(instance, "targets[]")
+    monkeypatch.setattr("adr_opt.problem.instance.load", lambda path: changed)
+    for call in (
+        "check my.json refined.json", "fly my.json refined.json",
+        "export my.json refined.json --out a.oem",
+        "report my.json plan.json --refined refined.json --out a.html",
+    ):  # fmt: skip
+        refused(cli(*call.split()), "does not follow the field targets[].novel")
+
+
 def _takes_instance(verb: str) -> bool:
     found = command.get_command(click.Context(command), verb)
     return found is not None and any(each.name == "instance_path" for each in found.params)
