@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -314,3 +315,20 @@ def test_verbs_that_read_refined_plans_refuse_a_new_field(
 def _takes_instance(verb: str) -> bool:
     found = command.get_command(click.Context(command), verb)
     return found is not None and any(each.name == "instance_path" for each in found.params)
+
+
+def test_an_instance_is_taken_by_who_says_what_it_follows() -> None:
+    """Only `followed` makes an instance of what a caller passes, and who asks a judge or episodes.
+
+    The gate hands on to judges, each of which refuses; environments refuse as they begin to play.
+    """
+    root = Path(adr_opt.__file__).parent
+    found = {
+        path.relative_to(root).as_posix()
+        for path in root.rglob("*.py")
+        if re.search(r"(?<![\w.])instance_of\((?!self)", path.read_text(encoding="utf-8"))
+    }
+    assert found == {
+        "problem/instance.py", "problem/support.py", "judge/admit.py",
+        "learning/environment/mission_env.py", "learning/environment/vector.py",
+    }  # fmt: skip
