@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -293,6 +294,41 @@ def test_verbs_refuse_a_new_field(
         refused(cli(verb, "my.json", *more.split()), "does not follow the field targets[].novel")
 
 
+def test_verbs_that_read_refined_plans_refuse_a_new_field(
+    planned: tuple[Instance, Plan, Certificate], cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same of a refined plan, whose instance has a field that nobody knows."""
+    instance, plan, _ = planned
+    instance.save("my.json")
+    plan.save("plan.json")
+    adr_opt.refine(instance, plan).save("refined.json")
+    changed = with_new_field(instance, "targets[]")
+    monkeypatch.setattr("adr_opt.problem.instance.load", lambda path: changed)
+    for call in (
+        "check my.json refined.json", "fly my.json refined.json",
+        "export my.json refined.json --out a.oem",
+        "report my.json plan.json --refined refined.json --out a.html",
+    ):  # fmt: skip
+        refused(cli(*call.split()), "does not follow the field targets[].novel")
+
+
 def _takes_instance(verb: str) -> bool:
     found = command.get_command(click.Context(command), verb)
     return found is not None and any(each.name == "instance_path" for each in found.params)
+
+
+def test_an_instance_is_taken_by_who_says_what_it_follows() -> None:
+    """Only `followed` makes an instance of what a caller passes, and who asks a judge or episodes.
+
+    The gate hands on to judges, each of which refuses; environments refuse as they begin to play.
+    """
+    root = Path(adr_opt.__file__).parent
+    found = {
+        path.relative_to(root).as_posix()
+        for path in root.rglob("*.py")
+        if re.search(r"(?<![\w.])instance_of\((?!self)", path.read_text(encoding="utf-8"))
+    }
+    assert found == {
+        "problem/instance.py", "problem/support.py", "judge/admit.py",
+        "learning/environment/mission_env.py", "learning/environment/vector.py",
+    }  # fmt: skip

@@ -177,9 +177,11 @@ def test_given_connections_are_not_flown(cli: Cli) -> None:
     pytest.importorskip("pyarrow")
     adr_opt.Timetable.from_connections(roads(), as_rows()).instance.save("my.json")
     said = cli("solve", "my.json", "--method", "greedy", "--out", "plan.json")
-    assert said.out.splitlines()[-1].startswith("not flown: the connections of 'roads' are given")
+    assert said.out.splitlines()[-1].startswith(
+        "not flown: flying does not follow given connections"
+    )
     text = cli("check", "my.json", "plan.json").out
-    assert "neither flown nor refined: the connections of 'roads' are given" in text
+    assert "neither flown nor refined: flying does not follow given connections" in text
 
 
 @pytest.mark.usefixtures("drawn")

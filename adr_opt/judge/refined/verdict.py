@@ -12,7 +12,9 @@ from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
-from ...problem.instance import AnyInstance, Instance, instance_of
+from ...problem.instance import AnyInstance, Instance
+from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.support import followed
 from ..check.violation import Violation
 from .bodies import check_bodies
 from .flight import check_flight
@@ -28,6 +30,11 @@ UNJUDGED = "unjudged"
 """Rule of what cannot be judged here: the message says why."""
 
 
+FOLLOWS = Follower(
+    "check of refined plans", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"}
+)
+
+
 def check_refined(instance: AnyInstance, plan: Plan, refined: RefinedPlan) -> tuple[Violation, ...]:
     """All violations of a refined plan; if there are none, it may be flown.
 
@@ -40,8 +47,13 @@ def check_refined(instance: AnyInstance, plan: Plan, refined: RefinedPlan) -> tu
     plan : Plan
         That it was made of.
     refined : RefinedPlan
+
+    Raises
+    ------
+    InputError
+        The instance sets what this does not follow.
     """
-    instance = instance_of(instance)
+    instance = followed(instance, FOLLOWS)
     foreign = (
         *check_identity(instance, plan, refined),
         *check_ephemerides(instance, refined),
