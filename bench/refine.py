@@ -20,7 +20,7 @@ import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import mean_at, moved, state_at_epoch
-from adr_opt.judge.refined.world import World
+from adr_opt.judge.refined.world import FreeMotion
 from adr_opt.kernels.orbits import equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.short_periods import osculating
@@ -92,7 +92,7 @@ def print_propagation(days: float) -> None:
     """Print what propagation takes, and how far two integrators part."""
     orbit = adr_opt.generate("nominal", 0).body_orbits[1]
     state = state_at_epoch(orbit, "j4", 0.0)
-    world = World("j4")
+    world = FreeMotion("j4")
     moved(state, DAY_S, "j4")
     world.coast(state[:, None], 0.0, DAY_S)
     began = time.process_time()

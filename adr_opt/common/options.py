@@ -32,7 +32,7 @@ LARGEST_WHOLE = 10**9
 Value = TypeVar("Value")
 
 
-class Rule(NamedTuple):
+class OptionRule(NamedTuple):
     """Meaning and allowed values of an option; see :func:`option`."""
 
     doc: str = ""
@@ -76,7 +76,8 @@ def option(
         What the default stands for, where it lies outside of the limits.
     """
     return field(
-        default=default, metadata={"rule": Rule(doc, unit, least, above, most, choices, unset)}
+        default=default,
+        metadata={"rule": OptionRule(doc, unit, least, above, most, choices, unset)},
     )
 
 
@@ -138,9 +139,9 @@ def default_of(each: Field[Any]) -> Any:
     return each.default if each.default_factory is MISSING else each.default_factory()
 
 
-def rule_of(each: Field[Any]) -> Rule:
+def rule_of(each: Field[Any]) -> OptionRule:
     """The rule declared by :func:`option` for an option."""
-    rule: Rule = each.metadata.get("rule", Rule())
+    rule: OptionRule = each.metadata.get("rule", OptionRule())
     return rule
 
 

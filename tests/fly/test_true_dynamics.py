@@ -14,7 +14,7 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
 from adr_opt.fly.refine.bodies import _ahead, mean_at, moved, state_at_epoch
 from adr_opt.fly.trajectory import propagate
-from adr_opt.judge.refined.world import World
+from adr_opt.judge.refined.world import FreeMotion
 from adr_opt.kernels.orbits import coast, collocation, equinoctial
 from adr_opt.kernels.orbits.gravity import FIELDS, gradient, pull
 from adr_opt.kernels.orbits.short_periods import mean_elements, osculating
@@ -60,7 +60,7 @@ def test_two_integrators_agree(gravity: str, seed: int) -> None:
     """Collocation and the judge's elements, each with its own pull, end a day within 0.1 mm."""
     state = random_state(np.random.default_rng(seed))
     there = moved(state, DAY_S, gravity)
-    other = World(gravity).coast(state[:, None], 0.0, DAY_S)[:, 0]
+    other = FreeMotion(gravity).coast(state[:, None], 0.0, DAY_S)[:, 0]
     assert np.linalg.norm((there - other)[:3]) < 1e-4
     assert np.linalg.norm((there - other)[3:]) < 1e-7
 
@@ -78,7 +78,7 @@ def test_the_judge_flies_as_scipy_does(gravity: str, inclination: float) -> None
         return np.r_[state[3:], pull(*state[:3], FIELDS[gravity])]
 
     for until in (0.25 * DAY_S, -0.25 * DAY_S):
-        found = World(gravity).coast(np.stack(states, axis=1), 0.0, until)
+        found = FreeMotion(gravity).coast(np.stack(states, axis=1), 0.0, until)
         for state, there in zip(states, found.T, strict=True):
             flown = solve_ivp(rates, (0.0, until), state, "DOP853", rtol=1e-13, atol=1e-6)
             assert np.linalg.norm((flown.y[:, -1] - there)[:3]) < 5e-3
@@ -91,7 +91,7 @@ def test_two_integrators_agree_after_two_years(inclination: float) -> None:
     of = [EARTH_RADIUS_M + 840e3, 0.003, 0.001, 0.0, 0.0, 1.0]
     state = np.asarray(equinoctial.state_of(np.array(of), planes(math.radians(inclination), 2.0)))
     there = moved(state, 730.0 * DAY_S, "j2")
-    other = World("j2").coast(state[:, None], 0.0, 730.0 * DAY_S)[:, 0]
+    other = FreeMotion("j2").coast(state[:, None], 0.0, 730.0 * DAY_S)[:, 0]
     assert np.linalg.norm((there - other)[:3]) < 0.1
     assert np.linalg.norm((there - other)[3:]) < 1e-4
 

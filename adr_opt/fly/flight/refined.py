@@ -20,7 +20,7 @@ from ...judge.admit import TANK, AnyRefined, admit
 from ...judge.refined.holding import found_m_s
 from ...judge.refined.release import released
 from ...judge.refined.thrust import Course, ThrustFlown, fly_thrust, refuse_wrong_thrust
-from ...judge.refined.world import Places, Towing, World, begun, reported_of
+from ...judge.refined.world import BodyStates, FreeMotion, Towing, begun, reported_of
 from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedState
 from ...problem.instance import Instance
 from ...problem.support import refuse
@@ -53,9 +53,9 @@ def fly_refined(
     """
     refined = admit(instance, refined, excused=TANK).plan
     refuse_strangers(instance, refined)
-    world = World(refined.gravity)
+    world = FreeMotion(refined.gravity)
     reported = reported_of(instance, refined)
-    bodies = Places(world, refined, reported)
+    bodies = BodyStates(world, refined, reported)
     flown = []
     report(0, len(refined.legs))
     for leg in refined.legs:
@@ -95,7 +95,9 @@ def refuse_strangers(instance: Instance, refined: RefinedPlan) -> None:
                 raise InputError(f"leg {leg.leg}: {name!r} is {wrong}; refine the plan again")
 
 
-def _fly_leg(world: World, bodies: Places, leg: RefinedLeg, instance: Instance) -> RefinedLegFlight:
+def _fly_leg(
+    world: FreeMotion, bodies: BodyStates, leg: RefinedLeg, instance: Instance
+) -> RefinedLegFlight:
     now = leg.states[0].time_s
     begin, there = leg.states[0], begun(world, bodies, leg, instance)
     onto = leg.holding_delta_v_m_s is not None
@@ -174,9 +176,9 @@ def planned_legs(instance: Instance, refined: RefinedPlan) -> Iterator[PlannedLe
     InputError
         A state leads into the centre of the Earth or away from it.
     """
-    world = World(refined.gravity)
+    world = FreeMotion(refined.gravity)
     reported = reported_of(instance, refined)
-    bodies = Places(world, refined, reported)
+    bodies = BodyStates(world, refined, reported)
     for leg in refined.legs:
         begin_s, end_s = leg.states[0].time_s, leg.standoff_s
         there = bodies.state(leg.destination, end_s)[:, None]

@@ -22,7 +22,7 @@ from .violation import (
     TIME_TOLERANCE_S,
     Violation,
 )
-from .zone_crossings import KEPLER_STEPS, Stretch
+from .zone_crossings import KEPLER_STEPS, ZonedArc
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -197,10 +197,10 @@ def released_between(
     assert towed.slower is not None
     position, velocity = _true_state(towed, times[0])
     velocity -= towed.slower[0] / float(np.linalg.norm(velocity)) * velocity
-    arc = Stretch(position, velocity, *times, oblateness_m2)
+    arc = ZonedArc(position, velocity, *times, oblateness_m2)
     position, velocity = arc.state_at_end()
     velocity -= towed.slower[1] / float(np.linalg.norm(velocity)) * velocity
-    after = Stretch(position, velocity, times[1], times[1], oblateness_m2)
+    after = ZonedArc(position, velocity, times[1], times[1], oblateness_m2)
     shape = math.hypot(after.e_cos, after.e_sin)
     return after.a * (1.0 - shape), after.a * (1.0 + shape)
 

@@ -63,7 +63,7 @@ def _meets(zone: KeepOutZone, begins: float, ends: float, radii: Vector) -> bool
     )
 
 
-class Stretch:
+class ZonedArc:
     """Motion from a state until the next burn: two-body, or mean with J2."""
 
     def __init__(
@@ -124,13 +124,13 @@ def _turned(vector: Vector, angle: float) -> Vector:
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1], vector[2]])
 
 
-def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[Stretch]:
+def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[ZonedArc]:
     """The motion between the burns, up to the approach."""
     position, velocity = _state(origin, leg.burns[0].time_s, oblateness)
     for burn, following in zip(leg.burns, leg.burns[1:], strict=False):
         if burn.phase == "approach" or following.time_s < burn.time_s:
             return
-        stretch = Stretch(
+        stretch = ZonedArc(
             position, velocity + np.array(burn.delta_v_m_s), burn.time_s, following.time_s,
             oblateness,
         )  # fmt: skip
@@ -140,7 +140,7 @@ def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[Stretch]:
         position, velocity = stretch.state_at_end()
 
 
-def _open(zone: KeepOutZone, stretches: list[Stretch]) -> Iterator[tuple[Vector, Vector]]:
+def _open(zone: KeepOutZone, stretches: list[ZonedArc]) -> Iterator[tuple[Vector, Vector]]:
     """Times and radii of the arcs while a zone is active."""
     for stretch in stretches:
         begins = max(stretch.begins, zone.start_s + MARGIN_S)

@@ -30,7 +30,7 @@ from .thrust import (
     fly_thrust,
     refuse_wrong_thrust,
 )
-from .world import Places, Towing, World, begun, prograde
+from .world import BodyStates, FreeMotion, Towing, begun, prograde
 
 Array = npt.NDArray[np.float64]
 
@@ -56,15 +56,15 @@ class _Judge(NamedTuple):
     """What one leg is judged with."""
 
     instance: Instance
-    world: World
-    bodies: Places
+    world: FreeMotion
+    bodies: BodyStates
     leg: RefinedLeg
     chaser: Chaser
     masses: Masses
 
 
 def check_flight(
-    instance: Instance, plan: Plan, refined: RefinedPlan, world: World, bodies: Places
+    instance: Instance, plan: Plan, refined: RefinedPlan, world: FreeMotion, bodies: BodyStates
 ) -> Iterator[Violation]:
     """Check each leg by flying it, and the tows beside it."""
     owners = {number: chaser for chaser, legs in chasers_of(instance, plan) for number, _ in legs}

@@ -20,7 +20,7 @@ from .bodies import check_bodies
 from .flight import check_flight
 from .identity import check_ephemerides, check_identity, check_legs
 from .tanks import check_tanks
-from .world import Places, World, reported_of
+from .world import BodyStates, FreeMotion, reported_of
 
 STEPS, STEPS_OF_WEEKS, WEEKS_S = 36, 20, 30.0 * DAY_S
 """Steps per revolution, and of missions no longer than some weeks. Two years end within 0.2 m of
@@ -78,8 +78,8 @@ def _violations(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterato
         if strangers:
             return
         weeks = instance.mission.duration_s <= WEEKS_S
-        world = World(refined.gravity, STEPS_OF_WEEKS if weeks else STEPS)
-        places = Places(world, refined, reported)
+        world = FreeMotion(refined.gravity, STEPS_OF_WEEKS if weeks else STEPS)
+        places = BodyStates(world, refined, reported)
     except InputError as error:
         yield Violation(None, UNJUDGED, f"its bodies cannot be found: {error}")
     except ArithmeticError as error:

@@ -38,7 +38,7 @@ MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0])
 """Reflection that leaves zonal fields unchanged and makes retrograde orbits prograde."""
 
 
-class World:
+class FreeMotion:
     """Free motion of many states at once, as columns of shape (6, n) [m, m/s].
 
     Parameters
@@ -120,13 +120,15 @@ def _lowest(states: Array) -> float:
     return float(max(((1.0 - e) / inverse).min(), 0.1 * EARTH_RADIUS_M))
 
 
-class Places:
+class BodyStates:
     """States of bodies at the beginnings and ends of legs.
 
     Those that nothing is reported of are propagated together from the epoch.
     """
 
-    def __init__(self, world: World, refined: RefinedPlan, reported: ReportedStates | None) -> None:
+    def __init__(
+        self, world: FreeMotion, refined: RefinedPlan, reported: ReportedStates | None
+    ) -> None:
         self._world, self.reported = world, reported
         elsewhere = () if reported is None else reported.bodies
         wanted: dict[float, set[str]] = {}
@@ -180,15 +182,15 @@ class Towing(NamedTuple):
 
     Attributes
     ----------
-    world : World
-    bodies : Places
+    world : FreeMotion
+    bodies : BodyStates
     instance : Instance
     leg : int
         Number of the leg.
     """
 
-    world: World
-    bodies: Places
+    world: FreeMotion
+    bodies: BodyStates
     instance: Instance
     leg: int
 
@@ -207,7 +209,7 @@ class Towing(NamedTuple):
         return ThrustFlown(moving, tow.delta_v_m_s, math.nan, 0.0, lowest)
 
 
-def begun(world: World, bodies: Places, leg: RefinedLeg, instance: Instance) -> Array:
+def begun(world: FreeMotion, bodies: BodyStates, leg: RefinedLeg, instance: Instance) -> Array:
     """State of the chaser when a leg begins, before its first burn, shape (6,)."""
     now = leg.states[0].time_s
     if leg.tow_before is None:

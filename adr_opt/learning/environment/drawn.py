@@ -70,7 +70,7 @@ def work_out(instances: Sequence[Instance], bodies: int, workers: ThreadPoolExec
     return pool
 
 
-class Ground(ABC):
+class PlayedFields(ABC):
     """Fields that episodes are played on.
 
     Attributes
@@ -103,7 +103,7 @@ class Ground(ABC):
         return self._uncertain[key]
 
 
-class OwnField(Ground):
+class OwnField(PlayedFields):
     """The field of one instance, for its own limits.
 
     Parameters
@@ -127,7 +127,7 @@ class OwnField(Ground):
         return self._mission
 
 
-class DrawnFields(Ground):
+class DrawnFields(PlayedFields):
     """Fields drawn from a distribution with their timetables, reproducible by seed.
 
     Where planes drift, connections depend on the tank, so each field comes with a budget and a

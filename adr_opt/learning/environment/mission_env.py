@@ -26,7 +26,7 @@ from ..episodes import (
     new_episodes,
     start,
 )
-from .drawn import DrawnFields, Ground, OwnField, shared
+from .drawn import DrawnFields, OwnField, PlayedFields, shared
 from .fields import PUBLISHED, Alone, AnyFields, Fields, fields_of
 from .plain import SpecHolder
 from .played_world import PlayedWorld, world_number
@@ -165,7 +165,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         self._targets = targets
         self._ahead = int(pool), int(pool_seed)
         self._drawn: DrawnFields | None = None
-        self._ground: Ground | None = None
+        self._ground: PlayedFields | None = None
         self._own: OwnField | None = None
         self._mission: Mission | None = None
         self._episodes = new_episodes(1, targets + 1)
@@ -251,7 +251,9 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         self._start(self._drawn, slot, limits.delta_v_m_s, limits.duration_s)
         return field.name
 
-    def _start(self, ground: Ground, slot: int, delta_v_m_s: float, duration_s: float) -> None:
+    def _start(
+        self, ground: PlayedFields, slot: int, delta_v_m_s: float, duration_s: float
+    ) -> None:
         self._ground, self._mission = ground, None
         start(ground.pool, self._episodes, 0, slot, delta_v_m_s, duration_s)
         if self._models:
@@ -261,7 +263,7 @@ class MissionEnv(SpecHolder, gymnasium.Env[Observation, np.int64]):
         self._observe(ground)
         self.sequence = []
 
-    def _observe(self, ground: Ground) -> None:
+    def _observe(self, ground: PlayedFields) -> None:
         worlds = None if self._world is None else self._world.worlds
         self._board.observe(ground.pool.arrays, self._episodes, 0, 1, worlds)
 

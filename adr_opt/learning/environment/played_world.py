@@ -14,7 +14,7 @@ from ...kernels.episodes.episodes import Episodes
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import OUTCOMES
 from ..episodes import UncertainPool, begin_in_worlds, new_worlds
-from .drawn import Ground
+from .drawn import PlayedFields
 
 LAST_WORLD = 2**31 - 1
 """Worlds are drawn from those below."""
@@ -28,19 +28,19 @@ class PlayedWorld:
 
     Parameters
     ----------
-    ground : Ground
+    ground : PlayedFields
         The fields that it is played on.
     models : sequence of Uncertainty
 
     Attributes
     ----------
-    ground : Ground
+    ground : PlayedFields
     losses : dict of str to str
         Targets that were lost so far, and the station where the way to it was too dear, each with
         the reason.
     """
 
-    def __init__(self, ground: Ground, models: Sequence[Uncertainty]) -> None:
+    def __init__(self, ground: PlayedFields, models: Sequence[Uncertainty]) -> None:
         self.ground, self._models, self._slot = ground, models, 0
         self._pool: UncertainPool | None = None
         self._states = new_worlds(self._uncertain, 1).states

@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Stage(NamedTuple):
+class StageFamily(NamedTuple):
     """Dry mass [kg], and length and diameter where the source has them [m]."""
 
     mass: float
@@ -28,29 +28,29 @@ class Stage(NamedTuple):
 
 
 STAGES = {
-    "SL-16 R/B": Stage(9000.0, "A", 11.5, 3.9),
-    "SL-8 R/B": Stage(1435.0, "A", 6.0, 2.4),
-    "SL-3 R/B": Stage(1472.0, "D", 5.1, 2.4),
-    "SL-12 R/B(2)": Stage(2440.0, "B"),
-    "SL-23 R/B": Stage(9300.0, "C"),
-    "ATLAS 5 CENTAUR R/B": Stage(2030.0, "B"),
-    "BREEZE-M R/B": Stage(2370.0, "B"),
-    "CZ-2C R/B": Stage(4000.0, "B"),
-    "CZ-2D R/B": Stage(4000.0, "B"),
-    "CZ-4B R/B": Stage(2000.0, "B"),
-    "CZ-4C R/B": Stage(2000.0, "B"),
-    "DELTA 4 R/B": Stage(3420.0, "B"),
-    "FALCON 9 R/B": Stage(4250.0, "B"),
-    "FREGAT R/B": Stage(1000.0, "B"),
-    "H-2A R/B": Stage(3100.0, "B"),
-    "PEGASUS R/B": Stage(108.0, "B"),
-    "PSLV R/B": Stage(670.0, "B"),
-    "VEGA R/B": Stage(688.0, "B"),
+    "SL-16 R/B": StageFamily(9000.0, "A", 11.5, 3.9),
+    "SL-8 R/B": StageFamily(1435.0, "A", 6.0, 2.4),
+    "SL-3 R/B": StageFamily(1472.0, "D", 5.1, 2.4),
+    "SL-12 R/B(2)": StageFamily(2440.0, "B"),
+    "SL-23 R/B": StageFamily(9300.0, "C"),
+    "ATLAS 5 CENTAUR R/B": StageFamily(2030.0, "B"),
+    "BREEZE-M R/B": StageFamily(2370.0, "B"),
+    "CZ-2C R/B": StageFamily(4000.0, "B"),
+    "CZ-2D R/B": StageFamily(4000.0, "B"),
+    "CZ-4B R/B": StageFamily(2000.0, "B"),
+    "CZ-4C R/B": StageFamily(2000.0, "B"),
+    "DELTA 4 R/B": StageFamily(3420.0, "B"),
+    "FALCON 9 R/B": StageFamily(4250.0, "B"),
+    "FREGAT R/B": StageFamily(1000.0, "B"),
+    "H-2A R/B": StageFamily(3100.0, "B"),
+    "PEGASUS R/B": StageFamily(108.0, "B"),
+    "PSLV R/B": StageFamily(670.0, "B"),
+    "VEGA R/B": StageFamily(688.0, "B"),
 }
 """By name in catalogues; the letter is that of the source above."""
 
 
-def stage_of(name: str) -> Stage | None:
+def stage_of(name: str) -> StageFamily | None:
     """The stage that a name says, also among other words; None for other objects."""
     words = f" {name.upper()} "
     return next((stage for mark, stage in STAGES.items() if f" {mark} " in words), None)
