@@ -61,6 +61,7 @@ class _Judge(NamedTuple):
     leg: RefinedLeg
     chaser: Chaser
     masses: Masses
+    heights: Heights
 
 
 def check_flight(
@@ -68,11 +69,11 @@ def check_flight(
 ) -> Iterator[Violation]:
     """Check each leg by flying it, and the tows beside it."""
     owners = {number: chaser for chaser, legs in chasers_of(instance, plan) for number, _ in legs}
-    masses = planned_masses(instance, plan)
+    masses, heights = planned_masses(instance, plan), Heights(instance)
     for leg in refined.legs:
         if leg.leg not in owners:
             continue  # an extra one: said elsewhere
-        judge = _Judge(instance, world, bodies, leg, owners[leg.leg], masses[leg.leg])
+        judge = _Judge(instance, world, bodies, leg, owners[leg.leg], masses[leg.leg], heights)
         try:
             refuse_wrong_thrust(instance, leg, judge.chaser)
             yield from _check_masses(judge)
@@ -234,8 +235,8 @@ def _radii(states: Array) -> Array:
 
 def _check_limits(judge: _Judge, lowest_m: float, shadow_s: float) -> Iterator[Violation]:
     """Check the altitude of all arcs, thrust in the shadow, and what is set aside for holding."""
-    leg, heights = judge.leg, Heights(judge.instance)
-    least_m = min(heights.least_m(name) for name in (leg.origin, leg.destination))
+    leg = judge.leg
+    least_m = min(judge.heights.least_m(name) for name in (leg.origin, leg.destination))
     spare_m = OSCULATION_M if judge.world.zonals.any() else SAME_M
     if lowest_m - EARTH_RADIUS_M < least_m - spare_m:
         yield Violation(

@@ -43,7 +43,7 @@ def chasers_of(instance: Instance, plan: Plan) -> Iterator[tuple[Chaser, list[tu
 
 def planned_masses(instance: Instance, plan: Plan) -> dict[int, Masses]:
     """Masses on each leg, by its number: those that low thrust is refined with."""
-    found = {}
+    found, stations = {}, set(instance.station_names)
     kits = {target.name for target in instance.targets if target.removal == "kit"}
     objects = {target.name: target.mass_kg or 0.0 for target in instance.targets}
     for chaser, legs in chasers_of(instance, plan):
@@ -53,7 +53,7 @@ def planned_masses(instance: Instance, plan: Plan) -> dict[int, Masses]:
             leaving = math.nan if tank.mass_kg is None else tank.mass_kg
             tank.burn(leg.delta_v_m_s)
             found[number] = Masses(leaving, math.nan if tank.mass_kg is None else tank.mass_kg)
-            if leg.destination in instance.station_names:
+            if leg.destination in stations:
                 tank.fill()
             elif leg.destination in kits:
                 tank.leave_kit()
@@ -74,7 +74,7 @@ def check_tanks(
     refined : mapping of int to RefinedLeg
         By the number of the leg.
     """
-    drawn = Drawn(instance)
+    drawn, stations = Drawn(instance), set(instance.station_names)
     kits = {target.name for target in instance.targets if target.removal == "kit"}
     objects = {target.name: target.mass_kg or 0.0 for target in instance.targets}
     for chaser, legs in chasers_of(instance, plan):
@@ -85,7 +85,7 @@ def check_tanks(
             tank.vent(leg.vented_kg or 0.0)
             tank.burn(spent)
             lacking = -tank.left_m_s
-            if leg.destination in instance.station_names:
+            if leg.destination in stations:
                 before = tank.mass_kg
                 tank.fill()
                 drawn.fill(leg.destination, before, tank.mass_kg)

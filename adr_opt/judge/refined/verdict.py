@@ -22,9 +22,9 @@ from .identity import check_ephemerides, check_identity, check_legs
 from .tanks import check_tanks
 from .world import BodyStates, FreeMotion, reported_of
 
-STEPS, STEPS_OF_WEEKS, WEEKS_S = 36, 20, 30.0 * DAY_S
+STEPS, STEPS_OF_WEEKS, WEEKS_S = 36, 16, 20.0 * DAY_S
 """Steps per revolution, and of missions no longer than some weeks. Two years end within 0.2 m of
-twice as many, a week of the fewer ones within 0.03 m; the tolerance is 10 m."""
+twice as many, ten days of the fewer ones within 0.1 m; the tolerance is 10 m."""
 
 UNJUDGED = "unjudged"
 """Rule of what cannot be judged here: the message says why."""
