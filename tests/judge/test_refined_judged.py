@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 from electric_fields import electric
+from plans import unjudged
 from pydantic import ValidationError
 from refined_edits import edited
 from seeds import over_kinds
@@ -185,7 +186,7 @@ def test_a_leg_that_comes_down_is_missing() -> None:
     again = refined.replace(instance=told.instance, plan=reference(told))
     low = {one.leg for one in check_refined(higher, told, again) if one.rule == "altitude"}
     assert low
-    made = adr_opt.refine(higher, told, freedom="planned", jobs=1)
+    made = adr_opt.refine(higher, unjudged(higher, told), freedom="planned", jobs=1)
     assert {one.leg for one in made.missing} == low
     assert all("below the limit" in one.reason for one in made.missing)
 

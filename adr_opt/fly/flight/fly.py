@@ -47,7 +47,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     MissingExtra
         boinor is not installed.
     """
-    plan = admit(instance, plan).plan
+    admitted = admit(instance, plan)
+    plan = admitted.plan
     refuse_what_cannot_be_flown(instance, plan)
     motion = MeanDynamics() if instance.dynamics == "j2" else TwoBody()
     orbits = dict(zip(instance.names, instance.body_orbits, strict=True))
@@ -76,7 +77,10 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
         for one, leg in zip(flown, plan.legs, strict=True)
     }
     worst = max((leg.miss_m for leg in flown), default=0.0)
-    return Flight(worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics)
+    return Flight(
+        worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics,
+        violations=admitted.violations,
+    )  # fmt: skip
 
 
 def _true_m_s(

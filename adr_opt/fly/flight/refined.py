@@ -51,7 +51,8 @@ def fly_refined(
         The refined plan belongs to another instance or has violations; or, let in unjudged, it
         names an unknown body, or leads away from the Earth.
     """
-    refined = admit(instance, refined, excused=TANK).plan
+    admitted = admit(instance, refined, excused=TANK)
+    refined = admitted.plan
     refuse_strangers(instance, refined)
     world = FreeMotion(refined.gravity)
     reported = reported_of(instance, refined)
@@ -72,6 +73,7 @@ def fly_refined(
         legs=tuple(flown),
         tanks=tanks_of(instance, refined),
         missing=tuple(missing.leg for missing in refined.missing),
+        violations=admitted.violations,
     )
 
 

@@ -123,7 +123,7 @@ def command(
         for chaser in flight.chasers:
             emit(str(chaser))
         emit(_tanks(flight))
-    return 1 if flight.broken_tanks else 0
+    return 0 if flight.holds else 1
 
 
 def annotated(plan: Plan, flight: Flight) -> Plan:
