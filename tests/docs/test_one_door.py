@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -44,16 +45,28 @@ def called(source: str) -> Iterator[tuple[int, str]]:
                 yield node.lineno, f"{alias.name}.{node.module}"
 
 
+@cache
+def calls_of(folder: str) -> dict[str, dict[str, list[int]]]:
+    """Lines of each called name, by module of a folder; read once for all names."""
+    found: dict[str, dict[str, list[int]]] = {}
+    for path in sorted((ROOT / folder).rglob("*.py")):
+        lines = found.setdefault(str(path.relative_to(ROOT)), {})
+        for line, name in called(path.read_text(encoding="utf-8")):
+            if name in DOORS:
+                lines.setdefault(name, []).append(line)
+    return found
+
+
 @pytest.mark.parametrize("name", DOORS)
 def test_it_is_called_in_its_own_place_alone(name: str) -> None:
     """No other module calls it; annotations are no calls, and its own place still has it."""
     folders, allowed = DOORS[name]
     found = {
-        str(path.relative_to(ROOT)): line
+        module: line
         for folder in folders
-        for path in sorted((ROOT / folder).rglob("*.py"))
-        for line, each in called(path.read_text(encoding="utf-8"))
-        if each == name and not _annotates(path, line, name)
+        for module, names in calls_of(folder).items()
+        for line in names.get(name, ())
+        if not _annotates(ROOT / module, line, name)
     }
     assert found.keys() == allowed, found
 

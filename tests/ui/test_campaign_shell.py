@@ -266,7 +266,7 @@ def test_from_a_field_to_its_files(cli: Cli) -> None:
 def test_what_is_for_one_chaser_says_so(cli: Cli, call: tuple[object, ...]) -> None:
     """What does not know several chasers ends with one sentence that says so."""
     write(campaign())
-    refused(cli(*call), "several chasers")
+    refused(cli(*call), "chasers", "only one")
 
 
 def test_the_environment_is_for_one_chaser() -> None:

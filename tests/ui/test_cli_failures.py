@@ -43,7 +43,7 @@ WORK = {
     "serve": (["tiny.json", "--no-open"], READ),
     "train": (["--config", "set", "--out", "run"], "adr_opt.learning.trainer.load"),
     "methods": ([], "adr_opt.run.methods.names"),
-    "warm-up": (["greedy", "--quiet"], "adr_opt.kernels.core.cache.folders"),
+    "warm-up": (["greedy", "--quiet"], "adr_opt.ui.cli.warm_up.compile_for"),
     "doctor": ([], "adr_opt.run.installation.examine"),
     "schema": (["plan"], "json.dumps"),
 }

@@ -198,7 +198,7 @@ SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "
     [
         (
             "import adr_opt.judge.verify as judge, adr_opt.plan.certificate as certificate; "
-            "certificate.load_certificate = lambda path: None; judge.verify = slow; ",
+            "certificate.Certificate.load = lambda path: None; judge.verify = slow; ",
             "verify tiny.json certificate.json", b"verifying",
         ),
         (
