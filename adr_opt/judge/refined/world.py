@@ -108,10 +108,12 @@ def _lowest(states: Array) -> float:
     Raises
     ------
     ArithmeticError
-        An orbit is not closed.
+        An orbit is not closed, or at the centre of the Earth.
     """
     positions, velocities = states[:3].T, states[3:].T
     radius = np.sqrt(np.sum(positions**2, axis=1))
+    if not radius.all():
+        raise ArithmeticError("a state is at the centre of the Earth")
     inverse = 2.0 / radius - np.sum(velocities**2, axis=1) / MU_M3_S2
     if not bool((inverse > 0.0).all()):
         raise ArithmeticError("the burns lead away from the Earth")
