@@ -27,6 +27,7 @@ from typing import Any
 
 import adr_opt
 from adr_opt.judge.admit import admit
+from adr_opt.plan.refined_plan import reference
 from adr_opt.ui.cli.entry import main as command_line
 
 Content = dict[str, Any]
@@ -144,6 +145,15 @@ def _kilometre(values: list[float]) -> list[float]:
     return [values[0] + 1e3, *values[1:]]
 
 
+def _lost_from_both(refined: Content) -> None:
+    """The second leg lost from the legs and from the plan, whose digest is written anew."""
+    plan = refined["planned"]
+    plan["routes"][0]["legs"].pop(1)
+    legs = [leg for leg in refined["legs"] if leg["leg"] != 2]
+    refined["legs"] = [leg | {"leg": number} for number, leg in enumerate(legs, start=1)]
+    refined["plan"] = reference(adr_opt.Plan.from_json(json.dumps(plan))).model_dump(mode="json")
+
+
 REFINED: dict[str, Edit] = {
     "a velocity reversed": _state(0, 0, "velocity_m_s", _reversed),
     "a later velocity reversed": _state(1, 2, "velocity_m_s", _reversed),
@@ -156,6 +166,7 @@ REFINED: dict[str, Edit] = {
     "a burn 10 s later": _late(0, 0, 10.0),
     "last leg lost": lambda refined: refined["legs"].pop() and None,
     "first leg lost": lambda refined: refined["legs"].pop(0) and None,
+    "a leg lost from it and its plan": _lost_from_both,
     "a leg under another number": _set(-1, "leg", lambda value: value + 1),
     "of another instance": _stranger,
     "of another plan": lambda refined: refined["plan"].update(sha256="0" * 64),

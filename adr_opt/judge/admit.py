@@ -7,7 +7,6 @@ without being legal is called *unjudged* wherever its figures are told.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -25,6 +24,12 @@ What = TypeVar("What", Plan, RefinedPlan, Certificate)
 
 TANK = frozenset({"delta-v"})
 """A tank that legs overdraw as they are flown: the answer of a flight, and no reason not to fly."""
+
+MODEL_TANK = frozenset({"delta-v", "delta-v-left"})
+"""Rules that plans break which spend what flight has saved: tanks as the model counts them.
+
+Those of refined plans are judged as flown.
+"""
 
 _BY_THE_GATE = object()
 """Known to :func:`admit` alone, so that nothing else makes an :class:`Admitted`."""
@@ -166,11 +171,5 @@ def _of_refined(
         return (Violation(None, UNJUDGED, said),)
     if refined.planned not in (None, planned):
         return (Violation(None, "plan", "it was made of another plan than the one given"),)
-    return check_refined(instance, planned, refined)
-
-
-def admitted_file(
-    instance: AnyInstance, path: str | os.PathLike[str], *, unjudged: bool = False
-) -> Admitted[Plan]:
-    """A plan file, judged; parameters and errors are those of :func:`admit`."""
-    return admit(instance, Plan.load(path), unjudged=unjudged)
+    of_plan = (each for each in check(instance, planned) if each.rule not in MODEL_TANK)
+    return (*of_plan, *check_refined(instance, planned, refined))

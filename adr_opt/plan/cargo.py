@@ -265,10 +265,9 @@ def tank_worths(
 
 def _less(chaser: Chaser, kits: int, left_m_s: float, vented_kg: Sequence[float], at: int) -> float:
     """Remaining ΔV after what is vented before a leg, by its place [m/s]."""
-    if not vented_kg or not vented_kg[at]:
-        return left_m_s
     mass = _mass_kg(chaser, kits, left_m_s)
-    assert mass is not None
+    if mass is None or not vented_kg or not vented_kg[at]:
+        return left_m_s
     return _left_m_s(chaser, kits, mass - vented_kg[at])
 
 

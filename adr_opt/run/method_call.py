@@ -284,7 +284,7 @@ def refuse_unable(problem: Problem, method: MethodSpec) -> None:
 
 
 def able(instance: Instance) -> list[str]:
-    """Installed methods that follow all rules of an instance."""
+    """Installed methods that follow all rules of an instance, bounds called so."""
     return [
         f"{name} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else name
         for group in (PLANNERS, BOUNDS)

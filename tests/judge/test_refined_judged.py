@@ -18,6 +18,7 @@ import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.refine.bodies import moved
+from adr_opt.judge.admit import admit
 from adr_opt.judge.check.violation import Violation
 from adr_opt.judge.refined import check_refined
 from adr_opt.judge.refined.flight import MOST_RELEASE_OFF_M
@@ -161,6 +162,33 @@ def test_another_plan_or_instance_is_named() -> None:
     assert "belongs to the instance" in found.message
     (found,) = check_refined(instance, plan.replace(seed=7), refined)
     assert found.rule == "plan"
+
+
+def test_a_refined_plan_of_a_plan_that_is_not_legal_is_refused() -> None:
+    """A leg that is lost from a refined plan and from the plan that it holds is missed."""
+    instance, plan, refined = case("own-burns", 0)
+    (route,) = plan.routes
+    shorter = plan.replace(routes=(route.replace(legs=route.legs[:1] + route.legs[2:]),))
+    legs = tuple(
+        leg.replace(leg=number)
+        for number, leg in enumerate((refined.legs[0], *refined.legs[2:]), start=1)
+    )
+    on = {name for leg in legs for name in (leg.origin, leg.destination)}
+    bodies = tuple(body for body in refined.bodies if body.name in on)
+    edited_file = refined.replace(legs=legs, bodies=bodies).made_of(shorter)
+    found = admit(instance, edited_file, unjudged=True).violations
+    assert "chain" in {violation.rule for violation in found}
+
+
+def test_states_at_the_centre_of_the_earth_are_violations() -> None:
+    """A body or a leg at the centre of the Earth is a violation, and no internal error."""
+    instance, plan, refined = case("own-burns", 0)
+    nowhere = (0.0, 0.0, 0.0)
+    body = refined.bodies[0].replace(position_m=nowhere)
+    state = refined.legs[0].states[0].replace(position_m=nowhere)
+    leg = refined.legs[0].replace(states=(state, *refined.legs[0].states[1:]))
+    assert "body" in rules(instance, plan, refined.replace(bodies=(body, *refined.bodies[1:])))
+    assert "state" in rules(instance, plan, refined.replace(legs=(leg, *refined.legs[1:])))
 
 
 def test_a_tank_that_flown_legs_break_is_found() -> None:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ...common.errors import InputError
 from ...legs.matrices import FloatArray, Matrices
 from ...problem.instance import Instance
+from ...problem.support import binding
 
 UNITS = {"delta_v": "m/s", "duration": "s"}
 
@@ -140,8 +141,21 @@ def comment(instance: Instance, weights: WeightMatrix) -> str:
         f"transfers {weights.choice}, ready at {weights.departure!r} s after "
         f"{instance.model_dump(mode='json')['epoch']}; "
         f"{weights.no_transfer} = no transfer; {contents}"
-        f"{_nodes(instance)}; instance sha256 {instance.sha256}"
+        f"{_nodes(instance)}; instance sha256 {instance.sha256}{_left_out(instance)}"
     )
+
+
+NOT_HELD = (
+    "windows", "required targets", "late availability", "end of availability", "ends",
+    "most targets", "limited refuellings", "cost", "refuelling",
+)  # fmt: skip
+"""Rules that files for other solvers have no place for, and say so."""
+
+
+def _left_out(instance: Instance) -> str:
+    """The rules of an instance that are not in the file."""
+    words = [word for word, _ in binding(instance, NOT_HELD)]
+    return f"; not in this file: {', '.join(words)}" if words else ""
 
 
 def _nodes(instance: Instance) -> str:

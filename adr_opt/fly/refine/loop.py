@@ -12,7 +12,7 @@ from ...common.card import Shown
 from ...common.errors import InputError
 from ...common.progress import Progress, silent
 from ...common.stop import Stop
-from ...judge.admit import admit_made
+from ...judge.admit import MODEL_TANK, admit_made
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
 from ...legs.corrections import Corrections
 from ...mission.problem import AnyProblem, Problem, problem_of
@@ -33,9 +33,6 @@ from .reported import opened
 
 MOST_ROUNDS = 10
 """Default maximum number of rounds."""
-
-MODEL_TANK = frozenset({"delta-v", "delta-v-left"})
-"""Rules that plans break which spend what flight has saved: tanks as the model counts them."""
 
 
 @dataclass(frozen=True)

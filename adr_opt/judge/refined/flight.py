@@ -191,6 +191,8 @@ def _check_released(
     """Check the state of a release, and its orbit against the circle of disposal."""
     number = judge.leg.leg
     yield from _off(number, "release", _array(tow.released), led.state, "where the tow leads")
+    if tow.released.event != "release":
+        yield Violation(number, "release", f"its state is called {tow.released.event!r}")
     if not judged:
         return
     orbit = released(prograde(led.state), judge.world.zonals)

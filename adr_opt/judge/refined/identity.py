@@ -70,6 +70,10 @@ def check_legs(instance: Instance, plan: Plan, refined: RefinedPlan) -> Iterator
         yield Violation(number, "extra", "the plan has no such leg to be refined")
     for number in sorted(set(reasons) & set(known)):
         yield Violation(number, "missing", "it is refined, and listed as missing")
+    for number in sorted(set(reasons) - wanted):
+        yield Violation(number, "missing", "the plan has no such leg to be refined")
+    if len(reasons) < len(refined.missing):
+        yield Violation(None, "missing", "a leg is listed as missing twice")
     yield from _check_bodies(refined)
 
 

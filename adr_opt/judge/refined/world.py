@@ -108,7 +108,7 @@ def _lowest(states: Array) -> float:
     Raises
     ------
     ArithmeticError
-        An orbit is not closed.
+        An orbit is not closed, or at the centre of the Earth.
     """
     return max(min(map(_perigee, states.T.tolist())), 0.1 * EARTH_RADIUS_M)
 
@@ -116,7 +116,10 @@ def _lowest(states: Array) -> float:
 def _perigee(state: list[float]) -> float:
     """Perigee of a state, by plain numbers: arrays of three take ten times as long [m]."""
     x, y, z, u, v, w = state
-    inverse = 2.0 / math.hypot(x, y, z) - (u * u + v * v + w * w) / MU_M3_S2
+    radius = math.hypot(x, y, z)
+    if radius == 0.0:
+        raise ArithmeticError("a state is at the centre of the Earth")
+    inverse = 2.0 / radius - (u * u + v * v + w * w) / MU_M3_S2
     if not inverse > 0.0:
         raise ArithmeticError("the burns lead away from the Earth")
     momentum = (y * w - z * v) ** 2 + (z * u - x * w) ** 2 + (x * v - y * u) ** 2

@@ -112,7 +112,8 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
     said = (
         f"Each leg led to its stand-off and its target in numerically integrated motion, in the "
         f"field {refined.gravity}, {_onto(refined)}{free}. Own burns is what the plan’s own come "
-        "to when they are corrected. The residual is what is left at the stand-off or the target"
+        "to when they are corrected, and the residual what is left at the stand-off or the target, both "
+        "as the file states them, like the lowest altitude; nobody has judged these"
         + (", and the miss what another integrator finds." if flight else ".")
     )
     rows = []
@@ -135,8 +136,8 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
         rows.append(row(cells))
     headings = [
         ("leg", "n"), ("from → to", ""), ("kind", ""), ("planned m/s", "n"),
-        ("own burns m/s", "n"), ("flown m/s", "n"), ("more m/s", "n"), ("burns", "n"),
-        ("lowest km", "n"), ("residual m", "n"), ("residual m/s", "n"),
+        ("own burns m/s, stated", "n"), ("flown m/s", "n"), ("more m/s", "n"), ("burns", "n"),
+        ("lowest km, stated", "n"), ("residual m, stated", "n"), ("residual m/s, stated", "n"),
     ]  # fmt: skip
     if flight is not None:
         headings += [("miss m", "n"), ("miss m/s", "n")]
