@@ -332,7 +332,7 @@ def table(kind: str, found: dict[tuple[str, str], str]) -> str:
     return "\n".join(lines)
 
 
-FIELDS = (("nominal", "two-body"), ("nominal", "j2"), ("removal", "j2"))
+FIELDS = (("nominal", "two-body"), ("nominal", "j2"))
 """Families and dynamics whose plans are judged for --cost."""
 
 REPEATS = 3

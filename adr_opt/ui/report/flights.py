@@ -112,8 +112,8 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
     said = (
         f"Each leg led to its stand-off and its target in numerically integrated motion, in the "
         f"field {refined.gravity}, {_onto(refined)}{free}. Own burns is what the plan’s own come "
-        "to when they are corrected, and the residual what is left at the stand-off or the target, both "
-        "as the file states them, like the lowest altitude; nobody has judged these"
+        "to when they are corrected, and the residual what is left at the stand-off or the target, "
+        "both as the file states them, like the lowest altitude; nobody has judged these"
         + (", and the miss what another integrator finds." if flight else ".")
     )
     rows = []
