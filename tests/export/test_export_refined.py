@@ -17,6 +17,7 @@ import pytest
 import towed_fields
 from conftest import Cli
 from gmat_script import fly_script
+from plans import moved_to
 
 import adr_opt
 from adr_opt.export.flights import FlightFile, write_plan
@@ -307,7 +308,7 @@ def test_designators_of_chasers_and_bodies(cli: Cli) -> None:
         )
     )
     named.save("my.json")
-    one.replace(instance={"name": named.name, "sha256": named.sha256}).save("r.json")
+    moved_to(named, one).save("r.json")
     adr_opt.solve(named, "greedy-guarded").plan.save("plan.json")
     given = ("--object-id", "2031-007A")
     for plan, out, more, said in (

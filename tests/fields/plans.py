@@ -8,7 +8,8 @@ from typing import Any
 
 import adr_opt
 from adr_opt.judge.admit import Admitted, What, admit
-from adr_opt.plan.plan import Leg, Plan, Route
+from adr_opt.plan.plan import InstanceReference, Leg, Plan, Route
+from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance
 
 
@@ -38,3 +39,11 @@ def solved(instance: Instance) -> Plan:
 def unjudged(instance: Instance, plan: What) -> Admitted[What]:
     """A plan, or a refined one, let in with its violations."""
     return admit(instance, plan, unjudged=True)
+
+
+def moved_to(instance: Instance, refined: RefinedPlan) -> RefinedPlan:
+    """A refined plan, and the plan that it holds, as if they were of another instance."""
+    reference = InstanceReference(name=instance.name, sha256=instance.sha256)
+    assert refined.planned is not None
+    moved = refined.made_of(refined.planned.replace(instance=reference))
+    return moved.replace(instance=reference)

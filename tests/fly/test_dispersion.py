@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from drifting_plans import drifting_instance, drifting_plan
-from plans import solved, unjudged
+from plans import moved_to, solved, unjudged
 
 import adr_opt
 from adr_opt.fly.dispersion import (
@@ -212,7 +212,7 @@ def test_a_tank_that_errors_break_is_named() -> None:
     instance, refined = mission()
     need = max(tank.refined_delta_v_m_s for tank in sampled().tanks)
     tight = instance.with_limits(delta_v_m_s=need + 0.01)
-    same = refined.replace(instance=refined.instance.replace(sha256=tight.sha256))
+    same = moved_to(tight, refined)
     found = sample_flights(tight, same, 200)
     assert len(found.broken_tanks) == 1
     assert found.broken_tanks[0].breaks_share > 0.5
@@ -280,7 +280,7 @@ def test_fly_tells_of_errors(cli: Cli) -> None:
     need = max(tank.refined_delta_v_m_s for tank in sampled().tanks)
     tight = instance.with_limits(delta_v_m_s=need + 0.01)
     Path("tight.json").write_text(tight.to_json(), encoding="utf-8")
-    refined.replace(instance=refined.instance.replace(sha256=tight.sha256)).save("same.json")
+    moved_to(tight, refined).save("same.json")
     assert cli("fly", "tight.json", "same.json").status == 0
     broken = cli("fly", "tight.json", "same.json", "--samples", "200")
     assert broken.status == 1

@@ -16,7 +16,7 @@ import two_chasers
 from conftest import Cli, refused
 from drifting_plans import drifting_instance, drifting_plan
 from electric_fields import electric
-from plans import solved
+from plans import moved_to, solved
 from scipy.integrate import solve_ivp
 from seeds import over_seeds
 
@@ -331,7 +331,7 @@ def test_a_tank_that_corrections_break_is_named(tmp_path: Path, cli: Cli) -> Non
     """A tank that burns leave nothing in has none for corrections: exit status 1."""
     instance, plan = refined()
     tight = instance.with_limits(delta_v_m_s=plan.flown_delta_v_m_s + 0.01)
-    moved = plan.replace(instance=plan.instance.replace(sha256=tight.sha256))
+    moved = moved_to(tight, plan)
     tight.save(tmp_path / "tight.json")
     moved.save(tmp_path / "refined.json")
     files = [str(tmp_path / "tight.json"), str(tmp_path / "refined.json")]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import Cli
 from electric_fields import electric
-from plans import unjudged
+from plans import moved_to, unjudged
 from seeds import over_seeds
 
 import adr_opt
@@ -148,8 +148,7 @@ def test_another_epoch_brings_thrust_into_the_shadow() -> None:
     dark = []
     for month in (1, 4, 7, 10):
         later = instance.replace(epoch=instance.epoch.replace(month=month, day=1))
-        reference = refined(1).instance.replace(sha256=later.sha256)
-        flight = fly_refined(later, unjudged(later, refined(1).replace(instance=reference)))
+        flight = fly_refined(later, unjudged(later, moved_to(later, refined(1))))
         dark.append(sum(leg.shadow_s or 0.0 for leg in flight.legs))
         assert not flight.strayed
         assert flight.holds == (max(leg.shadow_s or 0.0 for leg in flight.legs) <= 1.0)

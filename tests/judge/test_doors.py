@@ -19,7 +19,7 @@ from adr_opt.judge.admit import Admitted, admit, admit_made
 ROOT = Path(__file__).parents[2]
 
 READERS = {
-    "adr_opt/judge/admit.py", "adr_opt/ui/cli/parameters.py",
+    "adr_opt/ui/cli/parameters.py",
     # The judges themselves, and verbs whose plans the functions behind them admit.
     "adr_opt/ui/cli/check.py", "adr_opt/ui/cli/verify.py", "adr_opt/ui/cli/compare.py",
     "adr_opt/ui/cli/report.py", "adr_opt/ui/cli/solve.py", "adr_opt/ui/cli/bound.py",
