@@ -82,10 +82,15 @@ def look(tab: Browser, width: int, dark: bool) -> None:
 
 
 def drop(tab: Browser, *paths: Path) -> None:
-    """Drag files onto the middle of the page, and let them go."""
+    """Drag files over the edge of the page onto its middle, and let them go.
+
+    The report in its frame has events of its own: a page hears of files that come over its edge.
+    """
     files = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
-    for kind in ("dragEnter", "dragOver", "drop"):
-        tab.call("Input.dispatchDragEvent", type=kind, x=640, y=300, data=files)
+    for kind, x, y in (
+        ("dragEnter", 4, 4), ("dragOver", 4, 4), ("dragOver", 640, 300), ("drop", 640, 300),
+    ):  # fmt: skip
+        tab.call("Input.dispatchDragEvent", type=kind, x=x, y=y, data=files)
 
 
 def drag(

@@ -231,7 +231,6 @@ def test_a_failure_is_the_headline_without_figures_of_another_run(
     server.close()
 
 
-@pytest.mark.slow  # a drop is now and then lost while the page starts: to be found
 def test_what_is_wrong_in_a_file_stands_beside_it(
     tab: browser.Browser, tmp_path: Path, desk: Desk
 ) -> None:
