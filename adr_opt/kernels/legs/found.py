@@ -16,7 +16,7 @@ class ConnectionArrays(NamedTuple):
     departure, arrival, delta_v : (connections,) float64
         [s], [s], [m/s]. The arrival is the end of the approach.
     revolutions : (connections,) int8
-        Phasing revolutions k; of given connections 1 for exceptions, else 0.
+        Phasing revolutions k; 0 of given connections.
     crossing : (connections,) int32
         Those of one crossing arrive at one time, up to rounding; the later the crossing, the later.
     family : (connections,) int8

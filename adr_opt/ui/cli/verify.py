@@ -42,6 +42,7 @@ def command(
     """
     if not 1 <= len(paths) <= 2:
         raise InputError("verify takes an instance, a plan and a certificate; name all three")
+    from ...judge.admit import admit
     from ...judge.verify import verify
     from ...judge.verify.verdict import CONNECTIONS
     from ...plan.certificate import Certificate
@@ -53,9 +54,10 @@ def command(
     instance = load(instance_path)
     plan = Plan.load(paths[0]) if len(paths) == 2 else None
     path = paths[-1]
-    certificate = Certificate.load(path)
+    read = Certificate.load(path)
     tried = CONNECTIONS if connections is None else connections
     with about(path):
+        certificate = admit(instance, read).plan
         verdict = attend(
             lambda: verify(instance, plan, certificate, seed=seed, connections=tried),
             "verifying", live=wanted(as_json, quiet=False),
