@@ -198,6 +198,8 @@ SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "
     [
         (
             "import adr_opt.judge.verify as judge, adr_opt.plan.certificate as certificate; "
+            "import adr_opt.judge.admit as gate, types; gate.admit = lambda *given: "
+            "types.SimpleNamespace(plan=None); "
             "certificate.Certificate.load = lambda path: None; judge.verify = slow; ",
             "verify tiny.json certificate.json", b"verifying",
         ),
