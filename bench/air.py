@@ -37,9 +37,14 @@ def densities(flux: float) -> np.ndarray:
 
     constant = np.full(len(TIMES), flux)
     air = pymsis.calculate(
-        TIMES, LONGITUDES, LATITUDES, np.array(ALTITUDES_KM, dtype=float), constant, constant,
+        TIMES,
+        LONGITUDES,
+        LATITUDES,
+        np.array(ALTITUDES_KM, dtype=float),
+        constant,
+        constant,
         np.full((len(TIMES), 7), 10.0),
-    )[..., 0]  # fmt: skip
+    )[..., 0]
     weights = np.cos(np.radians(LATITUDES))
     means: np.ndarray = np.average(air.mean(axis=(0, 1)), axis=0, weights=weights)
     return means

@@ -432,9 +432,11 @@ def parser() -> argparse.ArgumentParser:
     for each in (verify, summary, certify):
         each.add_argument("inputs", nargs="*", metavar="INSTANCE|FAMILY", help="by default all")
     add.add_argument(
-        "inputs", nargs="+", metavar="FILE",
+        "inputs",
+        nargs="+",
+        metavar="FILE",
         help="plan, certificate, or what 'bound --json' printed",
-    )  # fmt: skip
+    )
     add.add_argument("--who", default=WHO, metavar="NAME", help="whose they are")
     plan.add_argument("name", metavar="INSTANCE")
     plan.add_argument("--out", type=Path, metavar="FILE", required=True)

@@ -152,9 +152,13 @@ def dual_bound(relaxation: LinearRelaxation, duals: np.ndarray) -> float:
 
 
 def highs_bound(
-    mission: adr_opt.Mission, *, time_limit_s: float, solver: str = "ipm", bucket_s: float = 0.0,
+    mission: adr_opt.Mission,
+    *,
+    time_limit_s: float,
+    solver: str = "ipm",
+    bucket_s: float = 0.0,
     threads: int = 1,
-) -> Bound:  # fmt: skip
+) -> Bound:
     """HiGHS on the linear relaxation; the trivial bound if it has no better one in time.
 
     Raises

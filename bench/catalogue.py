@@ -46,12 +46,23 @@ def main() -> None:
             end = time.perf_counter()
             subprocess.run(
                 [
-                    sys.executable, "-m", "adr_opt", "import", path, "--out", out,
-                    "--altitude", "700:900", "--inclination", "80:100",
-                    "--max-targets", str(MAX_TARGETS), "--quiet",
+                    sys.executable,
+                    "-m",
+                    "adr_opt",
+                    "import",
+                    path,
+                    "--out",
+                    out,
+                    "--altitude",
+                    "700:900",
+                    "--inclination",
+                    "80:100",
+                    "--max-targets",
+                    str(MAX_TARGETS),
+                    "--quiet",
                 ],
                 check=True,
-            )  # fmt: skip
+            )
             whole = time.perf_counter() - end
             size = path.stat().st_size / 1e6
             print(

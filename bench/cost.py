@@ -123,9 +123,11 @@ def main() -> None:
     arguments = parser.parse_args()
     prices = arguments.expense and [float(part) for part in arguments.expense.split(",")]
     asked = {
-        "targets": arguments.targets, "chasers": arguments.chasers, "expense": prices,
+        "targets": arguments.targets,
+        "chasers": arguments.chasers,
+        "expense": prices,
         "duration": arguments.duration or None,
-    }  # fmt: skip
+    }
     rows: list[dict[str, Any]] = []
     if arguments.out and arguments.out.exists():
         rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]

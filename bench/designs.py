@@ -45,8 +45,11 @@ def candidates_of(folder: Path, count: int) -> tuple[adr_opt.Instance, worth.Set
     table.write_text(prizes.prizes_csv(), encoding="utf-8")
     crew = catalogue.Crew(
         tank=TankByMass(dry_mass_kg=500.0, propellant_kg=200.0, isp_s=300.0),
-        launches=3, apart_s=365 * 86400.0, kits=6, kit_mass_kg=40.0,
-    )  # fmt: skip
+        launches=3,
+        apart_s=365 * 86400.0,
+        kits=6,
+        kit_mass_kg=40.0,
+    )
     made = catalogue.to_instance(
         catalogue.read(path),
         mission=catalogue.MissionOutline(duration_s=DAYS * 86400.0, refuelling=False),
@@ -92,8 +95,10 @@ def main() -> None:
     if call.page is not None:
         begin = time.perf_counter()
         call.page.write_text(designs_page(study), encoding="utf-8")
-        print(f"\npage of {call.page.stat().st_size / 1e3:.0f} kB in "
-              f"{time.perf_counter() - begin:.1f} s")  # fmt: skip
+        print(
+            f"\npage of {call.page.stat().st_size / 1e3:.0f} kB in "
+            f"{time.perf_counter() - begin:.1f} s"
+        )
 
 
 if __name__ == "__main__":

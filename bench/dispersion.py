@@ -81,10 +81,12 @@ def main() -> None:
     for name, errors in (
         ("burn magnitude 2 %", replace(usual, burn_magnitude=0.02)),
         ("pointing 2°", replace(usual, burn_pointing_deg=2.0)),
-        ("navigation 1 km, 1 m/s",
-         replace(usual, navigation_position_m=1000.0, navigation_velocity_m_s=1.0)),
+        (
+            "navigation 1 km, 1 m/s",
+            replace(usual, navigation_position_m=1000.0, navigation_velocity_m_s=1.0),
+        ),
         ("no errors of burns", replace(usual, burn_magnitude=0.0, burn_pointing_deg=0.0)),
-    ):  # fmt: skip
+    ):
         found, taken = timed(instance, refined, arguments.flights, errors=errors)
         print(f"| {name} | {row(refined, found, taken)}")
 

@@ -384,9 +384,11 @@ def main() -> None:
             if not asked.count:
                 print(table(kind, found), end="\n\n")
             counted = Counter(found.values())
-            print(f"{kind}: {len(found)} cells: " + ", ".join(
-                f"{count} {said}" for said, count in sorted(counted.items())
-            ), end="\n\n")  # fmt: skip
+            print(
+                f"{kind}: {len(found)} cells: "
+                + ", ".join(f"{count} {said}" for said, count in sorted(counted.items())),
+                end="\n\n",
+            )
         os.chdir("/")
 
 

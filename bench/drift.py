@@ -211,11 +211,7 @@ def field(bodies: int, step_d: float, spacing_d: float, seed: int) -> adr_opt.In
             "stations": [{"name": "station", "orbit": drawn()}],
             "targets": [{"name": f"body-{b:03d}", "orbit": drawn()} for b in range(1, bodies)],
             "chasers": [
-                {
-                    "name": "chaser",
-                    "start": {"station": "station"},
-                    "tank": {"delta_v_m_s": 3000.0},
-                }
+                {"name": "chaser", "start": {"station": "station"}, "tank": {"delta_v_m_s": 3000.0}}
             ],
             "mission": {"duration_s": 365.0 * DAY_S, "service_s": DAY_S},
             "transfer": {

@@ -97,13 +97,14 @@ def case_of(
         departure = precession.leaving(pair, rule, laps, departure, stand_off)
     radius = co_elliptic.phasing_radius(pair, rule, laps, stand_off - departure)
     alpha_i, alpha_j, theta = ephemeris.relative_node(
-        ephemeris.inclination_at(first, departure), ephemeris.node_at(first, departure),
-        ephemeris.inclination_at(second, departure), ephemeris.node_at(second, departure),
-    )  # fmt: skip
+        ephemeris.inclination_at(first, departure),
+        ephemeris.node_at(first, departure),
+        ephemeris.inclination_at(second, departure),
+        ephemeris.node_at(second, departure),
+    )
     vectors = [
         cmath.rect(
-            ephemeris.eccentricity_at(row, departure),
-            ephemeris.perigee_at(row, departure) - alpha,
+            ephemeris.eccentricity_at(row, departure), ephemeris.perigee_at(row, departure) - alpha
         )
         for row, alpha in ((first, alpha_i), (second, alpha_j))
     ]

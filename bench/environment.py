@@ -26,13 +26,7 @@ from machine import heading
 import adr_opt
 from adr_opt.kernels.episodes.episodes import Episodes, StackedFields
 from adr_opt.kernels.episodes.observation import MOVE_FIELDS
-from adr_opt.learning.environment import (
-    OBSERVATIONS,
-    TROUBLED,
-    TROUBLES,
-    MissionEnv,
-    MissionVecEnv,
-)
+from adr_opt.learning.environment import OBSERVATIONS, TROUBLED, TROUBLES, MissionEnv, MissionVecEnv
 from adr_opt.learning.episodes import Board
 
 COST = MOVE_FIELDS.index("hours + ΔV / (450 m/s) [10 h]")
@@ -56,10 +50,7 @@ class Cheap:
 
 
 def vector_rate(
-    env: MissionVecEnv,
-    cheap: Cheap,
-    steps: int,
-    clock: Callable[[], float] = time.perf_counter,
+    env: MissionVecEnv, cheap: Cheap, steps: int, clock: Callable[[], float] = time.perf_counter
 ) -> float:
     """Steps of single missions a second of one run, by a clock."""
     spent = 0.0
@@ -120,11 +111,10 @@ def worlds(arguments: argparse.Namespace) -> None:
         for count in arguments.counts:
             envs = {
                 name: MissionVecEnv(
-                    count, observation=observation, slots=arguments.slots,
-                    uncertainty=model,
+                    count, observation=observation, slots=arguments.slots, uncertainty=model
                 )
                 for name, model in models.items()
-            }  # fmt: skip
+            }
             cheap = Cheap(count, envs["as planned"].fields.most_targets)
             for env in envs.values():
                 env.reset()

@@ -49,9 +49,12 @@ def first_plan(python: str, kept: Path, environment: dict[str, str]) -> tuple[fl
     began = time.time()
     ran = subprocess.run(
         [python, "-c", FIRST_PLAN, str(NOMINAL)],
-        check=True, capture_output=True, text=True, cwd=kept.parent,
+        check=True,
+        capture_output=True,
+        text=True,
+        cwd=kept.parent,
         env=environment | {"ADR_OPT_CACHE_DIR": str(kept)},
-    )  # fmt: skip
+    )
     whole = time.time() - began
     found, compiling = json.loads(ran.stdout.splitlines()[-1])
     return found - began, whole, compiling
@@ -96,8 +99,9 @@ def wheel(folder: Path, runs: int) -> list[str]:
     """A plan by ``auto`` from a wheel, in an environment of its own."""
     subprocess.run(
         [sys.executable, str(ROOT / "bench" / "wheel.py"), "--out", str(folder / "dist")],
-        check=True, capture_output=True,
-    )  # fmt: skip
+        check=True,
+        capture_output=True,
+    )
     (made,) = (folder / "dist").glob("*.whl")
     subprocess.run([sys.executable, "-m", "venv", str(folder / "venv")], check=True)
     python = str(folder / "venv" / "bin" / "python")

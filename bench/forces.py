@@ -177,9 +177,12 @@ def print_peer() -> None:
 
     began = time.process_time()
     motion = model.eo_dynamics(
-        max_geo_degree=20, max_geo_order=20, Cb=heyoka.expression(0.022), elp2000_thresh=1e-5,
+        max_geo_degree=20,
+        max_geo_order=20,
+        Cb=heyoka.expression(0.022),
+        elp2000_thresh=1e-5,
         vsop2013_thresh=1e-7,
-    )  # fmt: skip
+    )
     start = 26.0 * 365.25 * DAY_S
     flown = heyoka.taylor_adaptive(
         motion, [7158.0, 0.0, 0.0, 0.0, 0.47, 7.45], time=start, compact_mode=True, tol=1e-12

@@ -210,9 +210,12 @@ def table(runs: dict[str, list[Run]]) -> dict[str, float]:
         if len(each) > 1:
             prize += f" ± {1.96 * each[:, 0].std(ddof=1) / math.sqrt(len(each)):.2f}"
         cells = [
-            name, str(len(each)), prize, f"{1e3 * np.median(each[:, 1]):.3g} ms",
+            name,
+            str(len(each)),
+            prize,
+            f"{1e3 * np.median(each[:, 1]):.3g} ms",
             f"{1e3 * np.median(each[:, 2]):.3g} ms",
-        ]  # fmt: skip
+        ]
         print(f"| {' | '.join(cells)} |", flush=True)
     claims = dict[str, float]()
     for own in [name for name in runs if name.startswith("learned")]:

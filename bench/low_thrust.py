@@ -77,11 +77,13 @@ def row(
     """The row of a body, as kernels take it."""
     radius, inclination, node = body
     orbit = Orbit(
-        semi_major_axis_m=radius, eccentricity=eccentricity,
-        inclination_deg=math.degrees(inclination), raan_deg=math.degrees(node) % 360.0,
+        semi_major_axis_m=radius,
+        eccentricity=eccentricity,
+        inclination_deg=math.degrees(inclination),
+        raan_deg=math.degrees(node) % 360.0,
         argument_of_perigee_deg=perigee_deg,
         true_anomaly_deg=latitude_deg,
-    )  # fmt: skip
+    )
     return np.array(orbit.row(OBLATENESS_M2))
 
 
@@ -117,10 +119,14 @@ def flown(start, span, push, turn, times, yaws, places):
             for stage in range(4):
                 share = 0.0 if stage == 0 else (1.0 if stage == 3 else 0.5)
                 slope = rates(
-                    state[0] + share * step * slope[0], state[1] + share * step * slope[1],
-                    mass - share * step * force / EXHAUST_M_S, force, yaws[number],
-                    places[number], turn,
-                )  # fmt: skip
+                    state[0] + share * step * slope[0],
+                    state[1] + share * step * slope[1],
+                    mass - share * step * force / EXHAUST_M_S,
+                    force,
+                    yaws[number],
+                    places[number],
+                    turn,
+                )
                 weight = (1.0 if stage in (0, 3) else 2.0) / 6.0
                 for component in range(3):
                     total[component] += weight * slope[component]
@@ -185,9 +191,13 @@ def optimum(
     )
     for begin in (1.0, 0.8):
         found = minimize(
-            cost, np.array([begin * t + 1e-4 for t in times] + yaws + places), method="SLSQP",
-            bounds=limits, constraints=constraints, options={"maxiter": 400, "ftol": 1e-9},
-        )  # fmt: skip
+            cost,
+            np.array([begin * t + 1e-4 for t in times] + yaws + places),
+            method="SLSQP",
+            bounds=limits,
+            constraints=constraints,
+            options={"maxiter": 400, "ftol": 1e-9},
+        )
         if np.abs(missed(found.x)).max() < 1e-5:
             mass = 1.0 - cost(found.x) * 100.0 / EXHAUST_M_S
             best = min(best, -EXHAUST_M_S * math.log(mass))
@@ -278,11 +288,12 @@ def print_bounds(number: int) -> None:
         bodies = [
             row(
                 (EARTH_RADIUS_M + rng.uniform(500e3, 1200e3), inclination + tilt, raan + turn),
-                rng.uniform(0.0, 360.0), eccentricity=rng.uniform(0.0, 0.01) * rng.integers(2),
+                rng.uniform(0.0, 360.0),
+                eccentricity=rng.uniform(0.0, 0.01) * rng.integers(2),
                 perigee_deg=rng.uniform(0.0, 360.0),
             )
             for tilt, turn in ((0.0, 0.0), apart)
-        ]  # fmt: skip
+        ]
         departure, span = rng.uniform(0.0, 700.0) * DAY_S, 10.0 ** rng.uniform(0.5, 2.5) * DAY_S
         epoch = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
         lightest = Thrust(10.0 ** rng.uniform(-4.3, -3.0), EXHAUST_M_S)

@@ -63,23 +63,30 @@ def drawn(rng: np.random.Generator, eccentricity: float, days: float | None = No
     node = rng.uniform(0.0, 360.0)
     orbits: list[dict[str, Any]] = [
         {
-            "semi_major_axis_m": float(of[0]), "eccentricity": eccentricity * rng.uniform(),
-            "inclination_deg": float(of[1]), "raan_deg": float(raan % 360.0),
+            "semi_major_axis_m": float(of[0]),
+            "eccentricity": eccentricity * rng.uniform(),
+            "inclination_deg": float(of[1]),
+            "raan_deg": float(raan % 360.0),
             "argument_of_perigee_deg": rng.uniform(0.0, 360.0),
             "true_anomaly_deg": rng.uniform(0.0, 360.0),
         }
         for of, raan in (((axis, inclination), node), (other, node + apart))
-    ]  # fmt: skip
+    ]
     acceleration = 10.0 ** rng.uniform(-4.0, math.log10(5e-4))
     tank = {"dry_mass_kg": DRY_KG, "propellant_kg": PROPELLANT_KG, "isp_s": ISP_S}
     return instance_of(
         {
-            "format": "adr-opt-instance/2", "name": "leg",
-            "epoch": f"2027-{rng.integers(1, 13):02d}-01T00:00:00Z", "dynamics": "j2",
-            "stations": [], "targets": [{"name": "target", "orbit": orbits[1]}],
+            "format": "adr-opt-instance/2",
+            "name": "leg",
+            "epoch": f"2027-{rng.integers(1, 13):02d}-01T00:00:00Z",
+            "dynamics": "j2",
+            "stations": [],
+            "targets": [{"name": "target", "orbit": orbits[1]}],
             "chasers": [
                 {
-                    "name": "tug", "start": {"orbit": orbits[0]}, "tank": tank,
+                    "name": "tug",
+                    "start": {"orbit": orbits[0]},
+                    "tank": tank,
                     "thrust_n": float(acceleration * (DRY_KG + PROPELLANT_KG) / DUTY),
                     "duty_cycle": DUTY,
                 }
@@ -87,7 +94,7 @@ def drawn(rng: np.random.Generator, eccentricity: float, days: float | None = No
             "mission": {"duration_s": span + DAY_S, "service_s": DAY_S},
             "transfer": {"max_drift_s": span, "drift_step_s": span, "mass_class": ONE_CLASS},
         }
-    )  # fmt: skip
+    )
 
 
 def print_row(count: int, eccentricity: float) -> None:

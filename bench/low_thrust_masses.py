@@ -40,21 +40,27 @@ def drawn(seed: int, removal: str) -> Instance:
         body["orbit"]["raan_deg"] = float(rng.normal(0.0, 4.0)) % 360.0
         bodies.append(body | {"removal": removal, "mass_kg": float(rng.uniform(50.0, 200.0))})
     tug = {
-        "name": "tug", "start": {"orbit": bodies[0]["orbit"] | {"raan_deg": 1.0}},
+        "name": "tug",
+        "start": {"orbit": bodies[0]["orbit"] | {"raan_deg": 1.0}},
         "tank": {
-            "dry_mass_kg": dry_kg, "propellant_kg": dry_kg * float(rng.uniform(0.1, 0.4)),
+            "dry_mass_kg": dry_kg,
+            "propellant_kg": dry_kg * float(rng.uniform(0.1, 0.4)),
             "isp_s": 1500.0,
         },
-        "thrust_n": float(rng.uniform(0.03, 0.15)), "duty_cycle": 0.9, "kit_mass_kg": 10.0,
-    }  # fmt: skip
+        "thrust_n": float(rng.uniform(0.03, 0.15)),
+        "duty_cycle": 0.9,
+        "kit_mass_kg": 10.0,
+    }
     content = field.model_dump(mode="json") | {"targets": bodies, "chasers": [tug], "stations": []}
     content["mission"] = {"duration_s": duration_s, "service_s": DAY_S}
     if removal == "tow":
         content["mission"] |= {"disposal_altitude_m": 4.5e5}
     content["transfer"] |= {
-        "max_drift_s": duration_s, "drift_step_s": duration_s / 20, "departure_spacing_s": DAY_S,
+        "max_drift_s": duration_s,
+        "drift_step_s": duration_s / 20,
+        "departure_spacing_s": DAY_S,
         "delta_v_resolution_m_s": 0.1,
-    }  # fmt: skip
+    }
     return instance_of(content)
 
 

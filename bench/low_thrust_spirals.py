@@ -47,13 +47,20 @@ def main() -> None:
         planned = removals_by_name(instance, drive)[target.name]
         end_s = float(rng.uniform(300.0 * DAY_S, instance.mission.duration_s))
         push = Push(
-            drive.thrust_n, drive.exhaust_m_s, drive.heaviest_kg + planned.object_kg,
+            drive.thrust_n,
+            drive.exhaust_m_s,
+            drive.heaviest_kg + planned.object_kg,
             since_j2000_s(instance.epoch),
-        )  # fmt: skip
+        )
         tow = SpiralTow(
-            target.name, 0.0, end_s - planned.time_s, end_s, planned.radius_m,
-            planned.delta_v_m_s, push,
-        )  # fmt: skip
+            target.name,
+            0.0,
+            end_s - planned.time_s,
+            end_s,
+            planned.radius_m,
+            planned.delta_v_m_s,
+            push,
+        )
         bodies = TrueBodies(instance, "j2", [target.name])
         try:
             flown = towed_by_spiral(bodies, tow)
@@ -66,15 +73,19 @@ def main() -> None:
             continue
         ratios.append((end_s - flown.start_s) / planned.time_s)
     parts = np.quantile(ratios, [0.0, 0.25, 0.5, 0.75, 0.9, 1.0])
-    print("\n| tows | least | quarter | median | three quarters | nine tenths | most | eccentric "
-          "| none | within 1.0 | 1.1 | 1.25 | 1.4 | processor time |")  # fmt: skip
+    print(
+        "\n| tows | least | quarter | median | three quarters | nine tenths | most | eccentric "
+        "| none | within 1.0 | 1.1 | 1.25 | 1.4 | processor time |"
+    )
     print("|" + "---|" * 14)
     within = [f"{np.mean(np.array(ratios) <= most + 0.005):.0%}" for most in (1.0, 1.1, 1.25, 1.4)]
     print(
-        f"| {options.tows} | " + " | ".join(f"{part:.2f}" for part in parts)
-        + f" | {eccentric} | {missing} | " + " | ".join(within)
+        f"| {options.tows} | "
+        + " | ".join(f"{part:.2f}" for part in parts)
+        + f" | {eccentric} | {missing} | "
+        + " | ".join(within)
         + f" | {time.process_time() - begun:.0f} s |"
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

@@ -88,9 +88,16 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=2, help="fields of each family")
     seeds = parser.parse_args().seeds
     headings = [
-        "field", "legs", "drifts", "planned", "mean motion", "integrated",
-        "apart: total, a leg", "not led: mean, integrated", "a leg takes",
-    ]  # fmt: skip
+        "field",
+        "legs",
+        "drifts",
+        "planned",
+        "mean motion",
+        "integrated",
+        "apart: total, a leg",
+        "not led: mean, integrated",
+        "a leg takes",
+    ]
     first = next(fields(1))[1]
     fly_mean(first, adr_opt.solve(first, "greedy-guarded").plan)  # compiles
     print("| " + " | ".join(headings) + " |")

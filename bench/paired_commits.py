@@ -64,9 +64,12 @@ class Side:
     def __init__(self, tree: Path, scratch: Path, tiny: bool) -> None:
         self._process = subprocess.Popen(
             [sys.executable, "-P", str(WORKS), *(["--tiny"] if tiny else [])],
-            env=_surroundings(tree, scratch), cwd=scratch, text=True,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-        )  # fmt: skip
+            env=_surroundings(tree, scratch),
+            cwd=scratch,
+            text=True,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
         greeting = self._answer()
         self.works: list[str] = greeting["works"]
         if not Path(greeting["code"]).resolve().is_relative_to(tree.resolve()):

@@ -54,11 +54,28 @@ from adr_opt.mission.problem import problem_of
 from adr_opt.run.methods import spec
 
 __all__ = [
-    "Promise", "Row", "as_it_is", "best_bounds", "checked", "didppy_promise", "legal",
-    "legal_routes", "mended", "missions", "need", "ortools_promise", "our_row", "packages",
-    "parser_of", "peer_rows", "pyvrp_promise", "require_positive", "static_costs", "table",
+    "Promise",
+    "Row",
+    "as_it_is",
+    "best_bounds",
+    "checked",
+    "didppy_promise",
+    "legal",
+    "legal_routes",
+    "mended",
+    "missions",
+    "need",
+    "ortools_promise",
+    "our_row",
+    "packages",
+    "parser_of",
+    "peer_rows",
+    "pyvrp_promise",
+    "require_positive",
+    "static_costs",
+    "table",
     "timed",
-]  # fmt: skip
+]
 
 OURS = ("auto", "beam", "ortools")
 OTHERS = ("pyvrp", "didppy", "didppy-early")

@@ -114,10 +114,7 @@ def curve(path: Path) -> list[str]:
     every = max(1, -(-len(rows) // CURVE_ROWS))
     kept = [row for index, row in enumerate(rows) if index % every == 0 or row is rows[-1]]
     names = [name for name in rows[0] if name not in ("steps", "seconds")]
-    out = [
-        f"| steps | minutes | {' | '.join(names)} |",
-        f"|---|---|{'---|' * len(names)}",
-    ]
+    out = [f"| steps | minutes | {' | '.join(names)} |", f"|---|---|{'---|' * len(names)}"]
     for row in kept:
         means = " | ".join(f"{float(row[name]):.2f}" for name in names)
         out.append(f"| {int(row['steps']):,} | {float(row['seconds']) / 60:.0f} | {means} |")

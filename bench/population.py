@@ -89,16 +89,40 @@ UNKNOWN, UNCERTAIN = 0.05, 0.25
 EPOCH = "2026-01-01T00:00:00.000000"
 
 OMM_COLUMNS = (
-    "OBJECT_NAME", "OBJECT_ID", "EPOCH", "MEAN_MOTION", "ECCENTRICITY", "INCLINATION",
-    "RA_OF_ASC_NODE", "ARG_OF_PERICENTER", "MEAN_ANOMALY", "EPHEMERIS_TYPE",
-    "CLASSIFICATION_TYPE", "NORAD_CAT_ID", "ELEMENT_SET_NO", "REV_AT_EPOCH", "BSTAR",
-    "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT",
-)  # fmt: skip
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "EPOCH",
+    "MEAN_MOTION",
+    "ECCENTRICITY",
+    "INCLINATION",
+    "RA_OF_ASC_NODE",
+    "ARG_OF_PERICENTER",
+    "MEAN_ANOMALY",
+    "EPHEMERIS_TYPE",
+    "CLASSIFICATION_TYPE",
+    "NORAD_CAT_ID",
+    "ELEMENT_SET_NO",
+    "REV_AT_EPOCH",
+    "BSTAR",
+    "MEAN_MOTION_DOT",
+    "MEAN_MOTION_DDOT",
+)
 
 SATCAT_COLUMNS = (
-    "JCAT", "Satcat", "Piece", "Type", "Name", "Mass", "MassFlag", "DryMass", "DryFlag", "Length",
-    "LFlag", "Diameter", "DFlag",
-)  # fmt: skip
+    "JCAT",
+    "Satcat",
+    "Piece",
+    "Type",
+    "Name",
+    "Mass",
+    "MassFlag",
+    "DryMass",
+    "DryFlag",
+    "Length",
+    "LFlag",
+    "Diameter",
+    "DFlag",
+)
 
 
 def write_population(folder: Path, count: int = 20_000, seed: int = 0) -> tuple[Path, Path]:
@@ -138,10 +162,23 @@ def _elements(family: Family, number: int, random: np.random.Generator) -> list[
     bstar = 0.05 * random.lognormal(0.0, 0.8) / 12.74 if family.kind == "D" else 1e-4
     return [
         family.name,
-        _designator(number), EPOCH, f"{motion:.8f}", f"{eccentricity:.7f}", f"{inclination:.4f}",
-        f"{node:.4f}", f"{perigee:.4f}", f"{anomaly:.4f}", 0, "U", number, 999, 1,
-        f"{bstar:.5e}", 0, 0,
-    ]  # fmt: skip
+        _designator(number),
+        EPOCH,
+        f"{motion:.8f}",
+        f"{eccentricity:.7f}",
+        f"{inclination:.4f}",
+        f"{node:.4f}",
+        f"{perigee:.4f}",
+        f"{anomaly:.4f}",
+        0,
+        "U",
+        number,
+        999,
+        1,
+        f"{bstar:.5e}",
+        0,
+        0,
+    ]
 
 
 def _entry(family: Family, number: int, random: np.random.Generator) -> list[str]:
@@ -155,9 +192,20 @@ def _entry(family: Family, number: int, random: np.random.Generator) -> list[str
         elif chance < UNKNOWN + UNCERTAIN:
             flag = "?"
     return [
-        f"S{number:05d}", f"{number:05d}", _designator(number), f"{family.kind:12s}", family.name,
-        mass, flag, mass, flag, lengths[0], " ", lengths[1], " ",
-    ]  # fmt: skip
+        f"S{number:05d}",
+        f"{number:05d}",
+        _designator(number),
+        f"{family.kind:12s}",
+        family.name,
+        mass,
+        flag,
+        mass,
+        flag,
+        lengths[0],
+        " ",
+        lengths[1],
+        " ",
+    ]
 
 
 def main() -> None:

@@ -108,8 +108,7 @@ def print_bound(mission: adr_opt.Mission, runs: int) -> None:
             ),
         ]
     rows.insert(
-        2,
-        (f"one sweep at {slot:g} m/s, 1 core", lambda: walks.evaluate(walks.first_point())),
+        2, (f"one sweep at {slot:g} m/s, 1 core", lambda: walks.evaluate(walks.first_point()))
     )
     for name, function in rows:
         cells = " | ".join(f"{t:.3f} s" for t in median_s(function, runs))
@@ -182,10 +181,7 @@ def main() -> None:
     path = os.path.join(os.path.dirname(__file__), "../instances/nominal/nominal-000.json")
     for name, command in (
         ("process: import adr_opt", ["-c", "import adr_opt"]),
-        (
-            "process: solve --method greedy",
-            ["-m", "adr_opt", "solve", path, "--method", "greedy"],
-        ),
+        ("process: solve --method greedy", ["-m", "adr_opt", "solve", path, "--method", "greedy"]),
     ):
         times_of = median_s(
             lambda command=command: subprocess.run(  # type: ignore[misc]

@@ -118,9 +118,15 @@ def print_row(
     """Print what the loop comes to; whether the last plan holds in `fly`, and the rounds."""
     began = time.process_time()
     found = adr_opt.solve_refined(
-        instance, arguments.method, freedom=freedom, time_limit=arguments.time_limit, seed=0,
-        rounds=arguments.rounds, jobs=arguments.jobs, spend_savings=arguments.spend_savings,
-    )  # fmt: skip
+        instance,
+        arguments.method,
+        freedom=freedom,
+        time_limit=arguments.time_limit,
+        seed=0,
+        rounds=arguments.rounds,
+        jobs=arguments.jobs,
+        spend_savings=arguments.spend_savings,
+    )
     taken = time.process_time() - began
     first, last = found.rounds[0], found.rounds[-1]
     holds = False
@@ -156,10 +162,16 @@ def print_savings(seeds: int, arguments: argparse.Namespace) -> None:
         for spend in (False, True):
             found.append(
                 adr_opt.solve_refined(
-                    mission, arguments.method, freedom="free", time_limit=arguments.time_limit,
-                    seed=0, rounds=arguments.rounds, jobs=arguments.jobs, spend_savings=spend,
+                    mission,
+                    arguments.method,
+                    freedom="free",
+                    time_limit=arguments.time_limit,
+                    seed=0,
+                    rounds=arguments.rounds,
+                    jobs=arguments.jobs,
+                    spend_savings=spend,
                 )
-            )  # fmt: skip
+            )
         plain, spent = found
         assert plain.plan is not None
         assert spent.plan is not None

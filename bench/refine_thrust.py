@@ -43,9 +43,12 @@ def print_row(name: str, arguments: argparse.Namespace) -> bool:
     instance = instance_of(name, arguments.targets)
     began = time.process_time()
     found = adr_opt.solve_refined(
-        instance, time_limit=arguments.time_limit, rounds=arguments.rounds, seed=0,
+        instance,
+        time_limit=arguments.time_limit,
+        rounds=arguments.rounds,
+        seed=0,
         told=lambda one: print(f"{name}, {one}; corrections: {one.corrections}", flush=True),
-    )  # fmt: skip
+    )
     taken = time.process_time() - began
     first = found.rounds[0]
     holds, outcome, cells = False, found.reason, "| | "

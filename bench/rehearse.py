@@ -101,10 +101,13 @@ def speed(arguments: argparse.Namespace) -> None:
         print(f"| `{policy}` | {number} | {wall:.1f} s | {used:.1f} s | |", flush=True)
     found, wall, used = timed(
         lambda: bounds(
-            instance, dear, samples=arguments.proofs, method=arguments.method,
+            instance,
+            dear,
+            samples=arguments.proofs,
+            method=arguments.method,
             time_limit=arguments.time_limit,
         )
-    )  # fmt: skip
+    )
     proven = sum(each.proven for each in found.worlds)
     said = f"{proven} proven, {arguments.time_limit:g} s each at most"
     print(f"| perfect information | {arguments.proofs} | {wall:.1f} s | {used:.1f} s | {said} |")
@@ -135,16 +138,24 @@ def scenarios(arguments: argparse.Namespace) -> None:
             quick = policy in ("follow", "skip")
             number = 10 * arguments.rehearsals if quick else arguments.rehearsals
             made = rehearse(
-                instance, plan, uncertainty, policy=policy, samples=number,
-                seed=arguments.first_world, jobs=1 if quick else arguments.jobs,
-            )  # fmt: skip
+                instance,
+                plan,
+                uncertainty,
+                policy=policy,
+                samples=number,
+                seed=arguments.first_world,
+                jobs=1 if quick else arguments.jobs,
+            )
             answer, gaps = made.to_dict(), None if found is None else found.gaps(made)
             cells = [
-                name, f"`{policy}`", str(number),
-                _mean(answer["prize"]), "" if gaps is None else _gap(gaps["perfect"]),
+                name,
+                f"`{policy}`",
+                str(number),
+                _mean(answer["prize"]),
+                "" if gaps is None else _gap(gaps["perfect"]),
                 "" if gaps is None or name not in PRICED else _gap(gaps["penalised"]),
                 f"{made.runtime_s / number:.3f}",
-            ]  # fmt: skip
+            ]
             print(f"| {' | '.join(cells)} |", flush=True)
 
 
@@ -160,9 +171,12 @@ def prices(arguments: argparse.Namespace) -> None:
             price = multiple * per_day(instance, plan)
             told = bounded(arguments, instance, SCENARIOS[name], price).to_dict()
             cells = [
-                name, f"{price:.2f}", str(told["samples"]), _mean(told["penalised"]),
+                name,
+                f"{price:.2f}",
+                str(told["samples"]),
+                _mean(told["penalised"]),
                 str(told["proven"]),
-            ]  # fmt: skip
+            ]
             print(f"| {' | '.join(cells)} |", flush=True)
 
 
@@ -176,10 +190,15 @@ def bounded(
 ) -> Bounds:
     """Bounds with a price of time [prize per day]."""
     return bounds(
-        instance, uncertainty, samples=arguments.worlds, seed=arguments.first_world,
-        method=arguments.method, time_limit=arguments.time_limit, time_price=price,
+        instance,
+        uncertainty,
+        samples=arguments.worlds,
+        seed=arguments.first_world,
+        method=arguments.method,
+        time_limit=arguments.time_limit,
+        time_price=price,
         jobs=arguments.jobs,
-    )  # fmt: skip
+    )
 
 
 def _mean(found: dict[str, Any]) -> str:

@@ -31,11 +31,25 @@ from adr_opt.ui.report.rehearsed import rehearsed_page
 
 UNCERTAIN = Uncertainty(
     legs={"delta_v_factor": {"lognormal_sigma": 0.05}},
-    service_s={"factor": {"lognormal_sigma": 0.2}}, capture={"success": 0.9, "tries": 2},
-)  # fmt: skip
+    service_s={"factor": {"lognormal_sigma": 0.2}},
+    capture={"success": 0.9, "tries": 2},
+)
 
-CREW = ("--max-targets", "40", "--duration-days", "14", "--launches", "3", "--launch-every", "3",
-        "--delta-v", "1000", "--no-refuelling", "--dynamics", "j2")  # fmt: skip
+CREW = (
+    "--max-targets",
+    "40",
+    "--duration-days",
+    "14",
+    "--launches",
+    "3",
+    "--launch-every",
+    "3",
+    "--delta-v",
+    "1000",
+    "--no-refuelling",
+    "--dynamics",
+    "j2",
+)
 
 
 def campaign(catalogue: str) -> Instance:

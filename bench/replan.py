@@ -46,12 +46,17 @@ def measure(seed: int, day: float, limit_s: float) -> dict[str, object]:
     zoned = instance.replace(keep_out_zones=(zone,))
     known = adr_opt.solve(zoned, "auto", time_limit=limit_s)
     return {
-        "field": instance.name, "day": day, "wall_s": round(min(wall), 3),
-        "cpu_s": round(min(used), 3), "collected": flown + made.prize_after,
-        "collected_by_auto": flown + best.prize_after, "its_rest_proven": best.result.status,
-        "without_zone": plan.objective, "known_from_the_start": known.objective,
+        "field": instance.name,
+        "day": day,
+        "wall_s": round(min(wall), 3),
+        "cpu_s": round(min(used), 3),
+        "collected": flown + made.prize_after,
+        "collected_by_auto": flown + best.prize_after,
+        "its_rest_proven": best.result.status,
+        "without_zone": plan.objective,
+        "known_from_the_start": known.objective,
         "its_bound": known.upper_bound,
-    }  # fmt: skip
+    }
 
 
 def main() -> None:

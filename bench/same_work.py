@@ -41,9 +41,13 @@ def lines(families: list[str]) -> Iterator[tuple[str, dict[str, Any]]]:
             instance = adr_opt.generate(family, seed)
             for method, iterations in WORK.items():
                 result = adr_opt.solve(
-                    instance, method, time_limit=LIMIT_S, iterations=iterations, jobs=1,
+                    instance,
+                    method,
+                    time_limit=LIMIT_S,
+                    iterations=iterations,
+                    jobs=1,
                     most_labels=LABELS,
-                )  # fmt: skip
+                )
                 yield f"{instance.name} {method}", _line(instance, result)
 
 
@@ -86,8 +90,11 @@ def main() -> int:
         was = before.get(name)
         same += was == line
         told = "" if not before else "same" if was == line else f"before: {was}"
-        print(f"{name:28} {line['plan']} {line['objective']:g} of {line['upper_bound']}, "
-              f"{line['counters'].get('labels', 0):,.0f} labels  {told}", flush=True)  # fmt: skip
+        print(
+            f"{name:28} {line['plan']} {line['objective']:g} of {line['upper_bound']}, "
+            f"{line['counters'].get('labels', 0):,.0f} labels  {told}",
+            flush=True,
+        )
     if arguments.out:
         arguments.out.write_text(json.dumps(found, indent=1) + "\n")
     if arguments.against:

@@ -92,8 +92,13 @@ def main() -> None:
                 file = Path(folder) / "instance.json"
                 generated(arguments.family, seed, count, arguments.chasers).save(file)
                 command = [
-                    sys.executable, __file__, "--one", str(file), "--limit", str(arguments.limit),
-                ]  # fmt: skip
+                    sys.executable,
+                    __file__,
+                    "--one",
+                    str(file),
+                    "--limit",
+                    str(arguments.limit),
+                ]
                 if arguments.dense:
                     command.append("--dense")
                 answer = subprocess.run(command, check=True, capture_output=True, text=True)

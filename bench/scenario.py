@@ -32,9 +32,11 @@ KITS, KIT_KG = 5, 100.0
 MISSION_DAYS, SERVICE_DAYS = 700.0, 5.0
 
 ROWS = (
-    ("objects", "{:.1f}"), ("fragments", "{:.1f}"), ("catastrophic", "{:.3g}"),
+    ("objects", "{:.1f}"),
+    ("fragments", "{:.1f}"),
+    ("catastrophic", "{:.3g}"),
     ("expected_fragments_before", "{:.3g}"),
-)  # fmt: skip
+)
 
 
 def template_of(bodies: Bodies) -> Instance:
@@ -69,9 +71,14 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         bodies = bodies_of(Path(name), call.objects, DODGING)
     settings = ScenarioSettings(
-        years=call.years, every=call.every, seeds=call.seeds, time_limit_s=call.time_limit,
-        explosions=1e-4, capture_failure=0.1, campaign_failure=0.05,
-    )  # fmt: skip
+        years=call.years,
+        every=call.every,
+        seeds=call.seeds,
+        time_limit_s=call.time_limit,
+        explosions=1e-4,
+        capture_failure=0.1,
+        campaign_failure=0.05,
+    )
     begin, cpu_begin = time.perf_counter(), time.process_time()
     made = scenario(bodies, template_of(bodies), settings, jobs=1)
     wall_s, cpu_s = time.perf_counter() - begin, time.process_time() - cpu_begin
@@ -88,9 +95,13 @@ def main() -> None:
         f"{sums['captured']}, missed: {sums['missed']}, planned anew: {sums['replanned']} times.\n"
     )
     headings = (
-        "year", "case", "objects", "fragments of events", "catastrophic a year",
+        "year",
+        "case",
+        "objects",
+        "fragments of events",
+        "catastrophic a year",
         "fragments expected so far",
-    )  # fmt: skip
+    )
     print(f"| {' | '.join(headings)} |")
     print("|---|---|---|---|---|---|")
     for at in sorted({0, call.years // 2, call.years}):

@@ -61,10 +61,20 @@ class Asked:
 
     def __init__(self, folder: Path) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "adr_opt", "serve", "--folder", str(folder), "--no-open",
-             "--json"],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "adr_opt",
+                "serve",
+                "--folder",
+                str(folder),
+                "--no-open",
+                "--json",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         assert self.process.stdout is not None
         lines: list[str] = []
         while not lines or lines[-1] != "}\n":
@@ -83,9 +93,8 @@ class Asked:
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=300.0)
         began = time.perf_counter()
         connection.request(
-            "GET" if body is None else "POST", path, content,
-            {**self.headers, "Content-Type": kind},
-        )  # fmt: skip
+            "GET" if body is None else "POST", path, content, {**self.headers, "Content-Type": kind}
+        )
         answer = connection.getresponse()
         text = answer.read()
         elapsed_s = time.perf_counter() - began

@@ -30,16 +30,33 @@ PICTURE = ROOT / "docs" / "pictures" / "time-quality.svg"
 TABLE = ROOT / "bench" / "curves" / "time-quality.csv"
 
 METHODS = (
-    "greedy@10", "greedy-guarded@10",
-    "beam:width=10@60", "beam:width=100@60", "beam:width=1000@60", "beam:width=10000@60",
-    "mcts@60", "mcts:simulations=2000@60", "mcts:simulations=20000@60",
+    "greedy@10",
+    "greedy-guarded@10",
+    "beam:width=10@60",
+    "beam:width=100@60",
+    "beam:width=1000@60",
+    "beam:width=10000@60",
+    "mcts@60",
+    "mcts:simulations=2000@60",
+    "mcts:simulations=20000@60",
     "mcts:preset=tuned@60",
-    "local-search@0.3", "local-search@1", "local-search@3", "local-search@10",
-    "auto@0.5", "auto@1", "auto@3", "auto@10",
-    "ortools@1", "ortools@3", "ortools@10",
-    "ppo@10", "ppo:policy=set-transfer@10", "ppo:decode=sample@10", "ppo:decode=beam@10",
+    "local-search@0.3",
+    "local-search@1",
+    "local-search@3",
+    "local-search@10",
+    "auto@0.5",
+    "auto@1",
+    "auto@3",
+    "auto@10",
+    "ortools@1",
+    "ortools@3",
+    "ortools@10",
+    "ppo@10",
+    "ppo:policy=set-transfer@10",
+    "ppo:decode=sample@10",
+    "ppo:decode=beam@10",
     "exact@120",
-)  # fmt: skip
+)
 
 
 def lines(found: list[Spot]) -> list[str]:
@@ -77,16 +94,31 @@ def main() -> int:
             parser.error("say with --out where rows are kept, or --draw")
         if not arguments.report_only:
             status = run_all.main(
-                ["--suite", suite, "--cases", str(arguments.cases), "--iterations", "1",
-                 "--zones", "0", "--jobs", "1", "--methods", arguments.methods, "--no-report",
-                 "--out", str(arguments.out)]
-            )  # fmt: skip
+                [
+                    "--suite",
+                    suite,
+                    "--cases",
+                    str(arguments.cases),
+                    "--iterations",
+                    "1",
+                    "--zones",
+                    "0",
+                    "--jobs",
+                    "1",
+                    "--methods",
+                    arguments.methods,
+                    "--no-report",
+                    "--out",
+                    str(arguments.out),
+                ]
+            )
             if status == run_all.WRONG:
                 return status
         store = Store(arguments.out, create=False)
         try:
-            (section,) = [each for each in read(store).sections
-                          if (each.suite, each.zones) == (suite, 0)]  # fmt: skip
+            (section,) = [
+                each for each in read(store).sections if (each.suite, each.zones) == (suite, 0)
+            ]
         finally:
             store.close()
         write_table(spots(section), arguments.table)

@@ -64,9 +64,13 @@ class Training:
         """How weights were made."""
         arguments = self._arguments
         return {
-            "variant": arguments.variant, "seed": arguments.seed, "rounds": arguments.rounds,
-            "epochs": arguments.epochs, "decisions": decisions, "episodes": episodes,
-        }  # fmt: skip
+            "variant": arguments.variant,
+            "seed": arguments.seed,
+            "rounds": arguments.rounds,
+            "epochs": arguments.epochs,
+            "decisions": decisions,
+            "episodes": episodes,
+        }
 
 
 def _usual(key: tuple[str, str]) -> float:

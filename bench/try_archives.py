@@ -167,8 +167,12 @@ def served(program: str, place: Path) -> str:
     """The page starts, answers at the address that it prints, and ends when asked."""
     with subprocess.Popen(
         [program, "serve", str(NOMINAL), "--no-open"],
-        cwd=place, env=_alone(place), text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    ) as page:  # fmt: skip
+        cwd=place,
+        env=_alone(place),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    ) as page:
         try:
             said = ""
             while page.stdout is not None and (line := page.stdout.readline()):
@@ -194,8 +198,11 @@ def typed(python: Path, place: Path) -> str:
     mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(place / "types")]
     ran = subprocess.run(
         [*mypy, "--python-executable", str(python), "program.py"],
-        cwd=place, env=_alone(place), capture_output=True, text=True,
-    )  # fmt: skip
+        cwd=place,
+        env=_alone(place),
+        capture_output=True,
+        text=True,
+    )
     wrong = [line for line in ran.stdout.splitlines() if ": error:" in line]
     if len(wrong) != 1 or "program.py:6" not in wrong[0]:
         raise Failed(ran.stdout[-300:].replace("\n", " ") + ran.stderr[-300:])

@@ -78,11 +78,13 @@ def read_rows(path: Path | None) -> dict[tuple[str, str, float], Planned]:
     with path.open(encoding="utf-8", newline="") as file:
         return {
             (row["instance"], row["method"], float(row["limit_s"])): Planned(
-                float(row["prizes"]), float(row["bound"]), row["proven"] == "yes",
+                float(row["prizes"]),
+                float(row["bound"]),
+                row["proven"] == "yes",
                 float(row["time_s"]),
             )
             for row in csv.DictReader(file)
-        }  # fmt: skip
+        }
 
 
 def add_row(path: Path | None, name: str, method: str, limit_s: float, one: Planned) -> None:
@@ -95,9 +97,16 @@ def add_row(path: Path | None, name: str, method: str, limit_s: float, one: Plan
         if is_new:
             table.writerow(["instance", "method", "limit_s", *Planned._fields])
         table.writerow(
-            [name, method, limit_s, one.prizes, one.bound, "yes" if one.proven else "no",
-             round(one.time_s, 2)]
-        )  # fmt: skip
+            [
+                name,
+                method,
+                limit_s,
+                one.prizes,
+                one.bound,
+                "yes" if one.proven else "no",
+                round(one.time_s, 2),
+            ]
+        )
 
 
 def main() -> None:

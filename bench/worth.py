@@ -78,9 +78,9 @@ def closed(one: MovingOrbit, other: MovingOrbit) -> float:
     return float(encounter_rate(shells, tilts, np.full(2, 0.5), mean_speeds(), 0, 1)[0])
 
 
-def drawn_pairs(bodies: worth.Bodies, count: int, random: np.random.Generator) -> Iterator[
-    tuple[MovingOrbit, MovingOrbit]
-]:  # fmt: skip
+def drawn_pairs(
+    bodies: worth.Bodies, count: int, random: np.random.Generator
+) -> Iterator[tuple[MovingOrbit, MovingOrbit]]:
     """Pairs of a population whose shells meet."""
     while count:
         i, j = random.choice(len(bodies), 2, replace=False)

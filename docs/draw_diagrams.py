@@ -50,15 +50,28 @@ def box(ax: Any, x: float, y: float, text: str, wide: float = 1.5, fill: str = P
 
 
 def arrow(
-    ax: Any, start: tuple[float, float], end: tuple[float, float], text: str = "",
-    at: tuple[float, float] = (0.0, 0.0), align: str = "center", bend: float = 0.0,
-) -> None:  # fmt: skip
+    ax: Any,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    text: str = "",
+    at: tuple[float, float] = (0.0, 0.0),
+    align: str = "center",
+    bend: float = 0.0,
+) -> None:
     """An arrow with a text near its middle, moved by `at`."""
     ax.annotate(
-        "", end, start,
-        arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.1, "shrinkA": 0,
-                    "shrinkB": 0, "connectionstyle": f"arc3,rad={bend}"},
-    )  # fmt: skip
+        "",
+        end,
+        start,
+        arrowprops={
+            "arrowstyle": "-|>",
+            "color": INK,
+            "linewidth": 1.1,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "connectionstyle": f"arc3,rad={bend}",
+        },
+    )
     x, y = (start[0] + end[0]) / 2 + at[0], (start[1] + end[1]) / 2 + at[1]
     ax.text(x, y, text, ha=align, va="center", fontsize=9.5, color=SOFT, linespacing=1.2)
 
@@ -90,17 +103,32 @@ def choice() -> Any:
 
 
 ENGINE = (
-    ("launched missions that\nservice all targets",
-     "tours through time:\nannealed and crossed", "walks over cells of time,\nat prices (exact)"),
-    ("arrivals that are\nfunctions of time",
-     "beams over sets", "the earliest time of\neach set and place"),
-    ("all targets early, on\ngiven connections",
-     "strings of targets taken out\nand put back", "all orders, of few targets"),
-    ("one chaser",
-     "beams, strings taken out\nand put back", "multipliers, then labels\nwhose memory grows"),
-    ("several chasers",
-     "pools of routes, packed\nand exchanged", "columns, and cuts by\nthree targets"),
-)  # fmt: skip
+    (
+        "launched missions that\nservice all targets",
+        "tours through time:\nannealed and crossed",
+        "walks over cells of time,\nat prices (exact)",
+    ),
+    (
+        "arrivals that are\nfunctions of time",
+        "beams over sets",
+        "the earliest time of\neach set and place",
+    ),
+    (
+        "all targets early, on\ngiven connections",
+        "strings of targets taken out\nand put back",
+        "all orders, of few targets",
+    ),
+    (
+        "one chaser",
+        "beams, strings taken out\nand put back",
+        "multipliers, then labels\nwhose memory grows",
+    ),
+    (
+        "several chasers",
+        "pools of routes, packed\nand exchanged",
+        "columns, and cuts by\nthree targets",
+    ),
+)
 """Missions in the order in which `auto` asks for them, with their searches and proofs."""
 
 
@@ -170,18 +198,34 @@ def relaxation() -> Any:
     for k in range(9):
         x = left + k * (right - left) / 8
         ax.plot([x, x], [low - 0.22, low + 1.87], color=FAINT, lw=0.8, ls=(0, (2, 2)), zorder=0)
-    ax.text((left + right) / 2, low + 2.02, "time in buckets: ready at the beginning of a bucket",
-            ha="center", fontsize=9.5)  # fmt: skip
+    ax.text(
+        (left + right) / 2,
+        low + 2.02,
+        "time in buckets: ready at the beginning of a bucket",
+        ha="center",
+        fontsize=9.5,
+    )
     height = {name: low + 0.55 * (3 - number) for number, name in enumerate(rows)}
-    walk = [("station", 1.25, "debris-2", 2.2), ("debris-2", 2.75, "debris-1", 3.65),
-            ("debris-1", 4.05, "debris-2", 5.1)]  # fmt: skip
+    walk = [
+        ("station", 1.25, "debris-2", 2.2),
+        ("debris-2", 2.75, "debris-1", 3.65),
+        ("debris-1", 4.05, "debris-2", 5.1),
+    ]
     for number, (origin, leaves, destination, arrives) in enumerate(walk):
         again = number == 2
         ax.annotate(
-            "", (arrives, height[destination]), (leaves, height[origin]),
-            arrowprops={"arrowstyle": "-|>", "color": ZONE if again else BLUE, "lw": 2.0,
-                        "ls": "--" if again else "-", "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
+            "",
+            (arrives, height[destination]),
+            (leaves, height[origin]),
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": ZONE if again else BLUE,
+                "lw": 2.0,
+                "ls": "--" if again else "-",
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+        )
     for name, begin, end in (("debris-2", 2.2, 2.75), ("debris-1", 3.65, 4.05)):
         ax.plot([begin, end], [height[name]] * 2, color=ORANGE, lw=4.0, zorder=2)
     ax.text(

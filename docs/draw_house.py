@@ -54,9 +54,11 @@ def main() -> None:
     for above, below in arrows:
         (x, y), (to_x, to_y) = place[above], place[below]
         ax.annotate(
-            "", (to_x, to_y + 0.5 * HEIGHT), (x, y - 0.5 * HEIGHT),
+            "",
+            (to_x, to_y + 0.5 * HEIGHT),
+            (x, y - 0.5 * HEIGHT),
             arrowprops={"arrowstyle": "-|>", "color": INK, "alpha": 0.45, "linewidth": 0.9},
-        )  # fmt: skip
+        )
     for room, (x, y) in place.items():
         package, name = room.split(".")
         ax.add_patch(
@@ -72,9 +74,11 @@ def main() -> None:
     ax.autoscale_view()
     plt.rcParams["svg.hashsalt"] = "house"
     figure.savefig(
-        ROOT / "docs/pictures/house.svg", bbox_inches="tight", metadata={"Date": None},
+        ROOT / "docs/pictures/house.svg",
+        bbox_inches="tight",
+        metadata={"Date": None},
         transparent=True,
-    )  # fmt: skip
+    )
 
 
 if __name__ == "__main__":

@@ -89,18 +89,24 @@ def sequence() -> Any:
     half(origin, phasing, 0.0, "hohmann-1")
     swept = np.linspace(math.pi, 3.0 * math.pi, 361)
     ax.plot(
-        phasing * np.cos(swept), phasing * np.sin(swept),
-        color=plot.COLOURS["phasing"], lw=2.6, label=plot.LABELS["phasing"],
-    )  # fmt: skip
+        phasing * np.cos(swept),
+        phasing * np.sin(swept),
+        color=plot.COLOURS["phasing"],
+        lw=2.6,
+        label=plot.LABELS["phasing"],
+    )
     half(phasing, co_elliptic, math.pi, "co-elliptic")
     half(co_elliptic, target, 2.0 * math.pi, "terminal", math.pi)
     end = math.pi
     swept = np.linspace(end, end + behind, 31)
     bow = target - 0.07 * np.sin(np.linspace(0.0, math.pi, 31))
     ax.plot(
-        bow * np.cos(swept), bow * np.sin(swept),
-        color=plot.COLOURS["approach"], lw=2.6, label=plot.LABELS["approach"],
-    )  # fmt: skip
+        bow * np.cos(swept),
+        bow * np.sin(swept),
+        color=plot.COLOURS["approach"],
+        lw=2.6,
+        label=plot.LABELS["approach"],
+    )
     x, y = target * math.cos(end + behind), target * math.sin(end + behind)
     ax.plot([x], [y], "s", color=plot.COLOURS["service"], ms=9, zorder=6)
     ax.annotate("target", (x, y), (x - 0.08, y - 0.17), ha="center")
@@ -208,9 +214,14 @@ def connections() -> Any:
     figure, ax = plt.subplots(figsize=(WIDTH_IN, 3.7))
     shown = (found.departure < end) & (found.delta_v < dearest)
     ax.plot(
-        found.departure[shown] / 3600.0, found.delta_v[shown],
-        ls="none", marker=".", ms=3.5, color=FAINT, label="connections",
-    )  # fmt: skip
+        found.departure[shown] / 3600.0,
+        found.delta_v[shown],
+        ls="none",
+        marker=".",
+        ms=3.5,
+        color=FAINT,
+        label="connections",
+    )
     ready = np.arange(0.0, end, 600.0)
     for choose, phase, label in (
         ("earliest", "hohmann-1", "the earliest"),
@@ -257,15 +268,25 @@ def waiting() -> Any:
         if departure < flown[1].departure_s and _is_blocked(closed, 0, target, event, departure)
     ]
     ax.plot(
-        blocked, [home] * len(blocked), "x", color=ZONE, ms=8, mew=2.2, zorder=6,
+        blocked,
+        [home] * len(blocked),
+        "x",
+        color=ZONE,
+        ms=8,
+        mew=2.2,
+        zorder=6,
         label=f"{len(blocked)} departures that it blocks",
-    )  # fmt: skip
+    )
     ax.plot([taken], [home], "o", color=INK, ms=7, zorder=6, label="the departure that is taken")
     ax.fill_between(
         [zone.start_s / 3600.0, zone.end_s / 3600.0],
-        zone.min_altitude_m / 1000.0, zone.max_altitude_m / 1000.0,
-        color=ZONE, alpha=0.25, lw=0.0, label="keep-out zone",
-    )  # fmt: skip
+        zone.min_altitude_m / 1000.0,
+        zone.max_altitude_m / 1000.0,
+        color=ZONE,
+        alpha=0.25,
+        lw=0.0,
+        label="keep-out zone",
+    )
     ax.set(xlabel="hours since the epoch", ylabel="altitude [km]")
     ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.46, -0.2), handlelength=1.2)
     return figure
@@ -290,9 +311,13 @@ def detour() -> Any:
         ax.plot(hours, altitudes, color=colour, lw=2.4, label=label)
     ax.fill_between(
         [zone.start_s / 3600.0, zone.end_s / 3600.0],
-        zone.min_altitude_m / 1000.0, zone.max_altitude_m / 1000.0,
-        color=ZONE, alpha=0.3, lw=0.0, label="keep-out zone",
-    )  # fmt: skip
+        zone.min_altitude_m / 1000.0,
+        zone.max_altitude_m / 1000.0,
+        color=ZONE,
+        alpha=0.3,
+        lw=0.0,
+        label="keep-out zone",
+    )
     ax.set(xlabel="hours since the epoch", ylabel="altitude [km]")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), handlelength=1.4)
     return figure
@@ -303,10 +328,7 @@ def drift() -> Any:
     days = np.geomspace(1.0, 365.0, 200)
     asked = math.radians(5.0)
     figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH_IN, 5.2), sharex=True)
-    for altitude, inclination, phase in (
-        (750e3, 96.0, "phasing"),
-        (840e3, 71.0, "terminal"),
-    ):
+    for altitude, inclination, phase in ((750e3, 96.0, "phasing"), (840e3, 71.0, "terminal")):
         radius, angle = EARTH_RADIUS_M + altitude, math.radians(inclination)
         node_rate = ephemeris.node_rate(radius, angle, OBLATENESS_M2)
         rate = ephemeris.latitude_rate(radius, angle, OBLATENESS_M2)
@@ -329,10 +351,13 @@ def drift() -> Any:
         for day, share in zip(DRIFTED_DAYS, shares[days.size :], strict=True):
             above.plot([day], [share], "o", color=colour, ms=6)
             above.annotate(
-                f"{share:.3f}", (day, share), (4, 5) if altitude < 8e5 else (-5, -11),
-                textcoords="offset points", ha="left" if altitude < 8e5 else "right",
+                f"{share:.3f}",
+                (day, share),
+                (4, 5) if altitude < 8e5 else (-5, -11),
+                textcoords="offset points",
+                ha="left" if altitude < 8e5 else "right",
                 fontsize=10.5,
-            )  # fmt: skip
+            )
         below.axhline(altitude / 1000.0, color=colour, lw=0.9, ls=(0, (2, 2)))
     above.set(ylabel="ΔV / direct turn", ylim=(-0.08, 1.1), xscale="log")
     below.set(xlabel="days from departure to arrival", ylabel="drifts at [km], for 5°")
@@ -360,13 +385,21 @@ def flown() -> Any:
     planned = [leg.planned_delta_v_m_s for leg in free.legs]
     ax.bar(numbers, planned, 0.86, color="#d5dbe1", label="planned")
     ax.bar(
-        numbers, [leg.flown_delta_v_m_s for leg in free.legs], 0.5,
-        color=plot.COLOURS["phasing"], label="flown, free burns",
-    )  # fmt: skip
+        numbers,
+        [leg.flown_delta_v_m_s for leg in free.legs],
+        0.5,
+        color=plot.COLOURS["phasing"],
+        label="flown, free burns",
+    )
     ax.plot(
-        numbers, [leg.flown_delta_v_m_s for leg in own.legs], "_",
-        color=INK, ms=9, mew=1.8, label="flown, the plan's own burns",
-    )  # fmt: skip
+        numbers,
+        [leg.flown_delta_v_m_s for leg in own.legs],
+        "_",
+        color=INK,
+        ms=9,
+        mew=1.8,
+        label="flown, the plan's own burns",
+    )
     ax.set(xlabel="leg", ylabel="ΔV [m/s]", xlim=(0.2, len(numbers) + 0.8))
     ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, handlelength=1.2)
     figure.tight_layout()

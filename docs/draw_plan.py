@@ -101,10 +101,17 @@ def draw(folder: Path) -> Path:
             visits += 1
             times.append(share(leg.end_s))
             styles.append(
-                frames(f"d{k}", [(0.0, f"fill:{FAINT}"), (times[-1], f"fill:{FAINT}"),
-                                 (times[-1] + 0.004, f"fill:{DONE}"), (1.0, f"fill:{DONE}")])
+                frames(
+                    f"d{k}",
+                    [
+                        (0.0, f"fill:{FAINT}"),
+                        (times[-1], f"fill:{FAINT}"),
+                        (times[-1] + 0.004, f"fill:{DONE}"),
+                        (1.0, f"fill:{DONE}"),
+                    ],
+                )
                 + f".d{k}{{fill:{DONE};animation:d{k} {LOOP_S}s linear infinite}}"
-            )  # fmt: skip
+            )
             marks.append(f'<circle class="d{k}" cx="{to_x}" cy="{to_y}" r="5"/>')
     for name in targets.keys() - {leg.destination for leg in plan.legs}:
         x, y = place(name)

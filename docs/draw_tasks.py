@@ -92,9 +92,13 @@ def _zone(title: str) -> tuple[Any, Any]:
     zone = KeepOutZone(**described)
     ax.fill_between(
         [zone.start_s / DAY_S, zone.end_s / DAY_S],
-        zone.min_altitude_m / 1000.0, zone.max_altitude_m / 1000.0,
-        color=ZONE, alpha=0.28, lw=0.0, label="keep-out zone",
-    )  # fmt: skip
+        zone.min_altitude_m / 1000.0,
+        zone.max_altitude_m / 1000.0,
+        color=ZONE,
+        alpha=0.28,
+        lw=0.0,
+        label="keep-out zone",
+    )
     ax.axvline(NEWS_D, color=INK, lw=1.0, ls=(0, (3, 2)), label="the news")
     ax.set(title=title, xlabel="days since the epoch", ylabel="altitude [km]", xlim=(2.2, 4.8))
     ax.set_ylim(450.0, 1250.0)
@@ -120,9 +124,14 @@ def zone_after(files: Path) -> Any:
 
 def _with_legend(figure: Any, ax: Any) -> Any:
     ax.legend(
-        *_phases(ax), ncols=3, loc="upper center", bbox_to_anchor=(0.46, -0.15), handlelength=1.2,
-        columnspacing=1.0, fontsize=10,
-    )  # fmt: skip
+        *_phases(ax),
+        ncols=3,
+        loc="upper center",
+        bbox_to_anchor=(0.46, -0.15),
+        handlelength=1.2,
+        columnspacing=1.0,
+        fontsize=10,
+    )
     return figure
 
 
@@ -165,9 +174,11 @@ def chemical_or_electric(files: Path) -> Any:
     plot.mass(below, instance, plan)
     plot.mass(below, *load(files, "chemical", "chemical-plan"))
     for line, colour, name in zip(
-        below.lines, (plot.COLOURS["thrust"], plot.COLOURS["phasing"]), ("thrusts", "burns"),
+        below.lines,
+        (plot.COLOURS["thrust"], plot.COLOURS["phasing"]),
+        ("thrusts", "burns"),
         strict=True,
-    ):  # fmt: skip
+    ):
         line.set(color=colour, label=name)
     below.legend(loc="upper right", handlelength=1.2)
     above.set(xlabel="", xlim=(0.0, instance.mission.duration_s / DAY_S))
@@ -191,19 +202,26 @@ def own_cost(files: Path) -> Any:
     for number, leg in enumerate(legs, 1):
         (x, y), (u, v) = km[places.index(leg.origin)], km[places.index(leg.destination)]
         left.annotate(
-            "", (u, v), (x, y),
+            "",
+            (u, v),
+            (x, y),
             arrowprops={
-                "arrowstyle": "-|>", "color": plot.COLOURS["phasing"], "lw": 2.2,
-                "shrinkA": 7, "shrinkB": 7,
+                "arrowstyle": "-|>",
+                "color": plot.COLOURS["phasing"],
+                "lw": 2.2,
+                "shrinkA": 7,
+                "shrinkB": 7,
             },
-        )  # fmt: skip
+        )
         clock = f"{6 + int(leg.arrival_s // HOUR_S)}:{int(leg.arrival_s % HOUR_S) // 60:02d}"
         left.annotate(
             f"{leg.destination} {clock}" if number < len(legs) else f"{leg.destination}\n{clock}",
-            (u, v), (0, 9) if v >= 0 else (0, -17), textcoords="offset points",
+            (u, v),
+            (0, 9) if v >= 0 else (0, -17),
+            textcoords="offset points",
             ha="left" if leg.destination == "mill" else "center",
             fontsize=10.5,
-        )  # fmt: skip
+        )
     left.plot(*km[1:].T, "o", color=plot.COLOURS["service"], ms=9, zorder=5)
     left.plot(*km[0], "s", color=plot.COLOURS["refuelling"], ms=10, zorder=5)
     left.set(xlim=(-19, 22), ylim=(-16, 20), xlabel="km", aspect="equal")
@@ -211,13 +229,19 @@ def own_cost(files: Path) -> Any:
     quay = [places.index("quay")]
     found = [names["road"](0, quay, HOUR_S * hour) for hour in hours]
     right.plot(
-        6 + hours, [float(took[0]) / 60 for took, _ in found],
-        color=plot.COLOURS["hohmann-1"], lw=2.4, label="minutes",
-    )  # fmt: skip
+        6 + hours,
+        [float(took[0]) / 60 for took, _ in found],
+        color=plot.COLOURS["hohmann-1"],
+        lw=2.4,
+        label="minutes",
+    )
     right.plot(
-        6 + hours, [10 * float(cost[0]) for _, cost in found],
-        color=plot.COLOURS["co-elliptic"], lw=2.4, label="tenths of a kWh",
-    )  # fmt: skip
+        6 + hours,
+        [10 * float(cost[0]) for _, cost in found],
+        color=plot.COLOURS["co-elliptic"],
+        lw=2.4,
+        label="tenths of a kWh",
+    )
     right.set(xlabel="depot to quay, leaving at [h]", ylim=(0, 60))
     right.legend(loc="upper right", handlelength=1.2)
     figure.tight_layout()
@@ -234,13 +258,18 @@ def own_policy(files: Path) -> Any:
         with path.open(encoding="utf-8") as lines:
             rows = list(csv.DictReader(lines))
         for name, phase in (
-            ("nominal", "phasing"), ("reduced-fuel", "terminal"), ("reduced-time", "co-elliptic"),
-        ):  # fmt: skip
+            ("nominal", "phasing"),
+            ("reduced-fuel", "terminal"),
+            ("reduced-time", "co-elliptic"),
+        ):
             ax.plot(
                 [max(float(row["steps"]), 8000.0) for row in rows],
                 [float(row[name]) for row in rows],
-                color=plot.COLOURS[phase], lw=width, ls=dashes, label=f"{name}, {label}",
-            )  # fmt: skip
+                color=plot.COLOURS[phase],
+                lw=width,
+                ls=dashes,
+                label=f"{name}, {label}",
+            )
     ax.set(xscale="log", xlabel="steps (those at the left edge: none)", ylabel="visits")
     ax.set_ylim(0.0, 31.0)
     ax.legend(ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.2), handlelength=1.8)

@@ -90,5 +90,7 @@ if __name__ == "__main__":
     made = coastline(json.loads(typed.land.read_text(encoding="utf-8")))
     typed.out.write_text(json.dumps(made, separators=(",", ":")) + "\n", encoding="utf-8")
     points = sum(len(line) for line in made["lines"]) // 2
-    print(f"{typed.out}: {len(made['lines'])} lines of {points} points, "
-          f"{typed.out.stat().st_size / 1000:.0f} kB")  # fmt: skip
+    print(
+        f"{typed.out}: {len(made['lines'])} lines of {points} points, "
+        f"{typed.out.stat().st_size / 1000:.0f} kB"
+    )

@@ -6,9 +6,16 @@ from adr_opt.problem.rules import CAMPAIGNS, FIRST, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
 PLAYED = FIRST - {
-    "bodies without an orbit", "prizes that fall", "number of stations", "start orbits", "launches",
-    "late availability", "ends", "most targets", "tanks not full",
-}  # fmt: skip
+    "bodies without an orbit",
+    "prizes that fall",
+    "number of stations",
+    "start orbits",
+    "launches",
+    "late availability",
+    "ends",
+    "most targets",
+    "tanks not full",
+}
 """What policies play: missions of :data:`adr_opt.learning.episodes.FOLLOWS`."""
 
 AUTO = MethodSpec(

@@ -35,9 +35,16 @@ settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
 LONG = {
-    "test_all_rules", "test_campaigns", "test_cli_interrupted", "test_large_bound", "test_models",
-    "test_registry", "test_report", "test_verify_steps", "test_wheel",
-}  # fmt: skip
+    "test_all_rules",
+    "test_campaigns",
+    "test_cli_interrupted",
+    "test_large_bound",
+    "test_models",
+    "test_registry",
+    "test_report",
+    "test_verify_steps",
+    "test_wheel",
+}
 """Begun with: a file is for one process, and none should be left with one of these at the end."""
 
 

@@ -92,9 +92,13 @@ class LegPair:
             if numbered is not None:
                 number, leg = numbered
                 sides[name] = {
-                    "leg": number, "origin": leg.origin, "departure_s": leg.departure_s,
-                    "arrival_s": leg.arrival_s, "end_s": leg.end_s, "delta_v_m_s": leg.delta_v_m_s,
-                }  # fmt: skip
+                    "leg": number,
+                    "origin": leg.origin,
+                    "departure_s": leg.departure_s,
+                    "arrival_s": leg.arrival_s,
+                    "end_s": leg.end_s,
+                    "delta_v_m_s": leg.delta_v_m_s,
+                }
         return {"what": self.what, "chaser": self.chaser, "destination": self.destination, **sides}
 
 

@@ -164,9 +164,13 @@ def _build(problem: Problem, bodies: list[int]) -> None:
     """Ensure that there is a timetable, with the bodies of the legs first."""
     names = [problem.names[body] for body in bodies]
     candidates(
-        problem, BUILD_S, first=list(dict.fromkeys(names)), interrupted=lambda: False,
-        building=lambda share: None, on_demand=True,
-    )  # fmt: skip
+        problem,
+        BUILD_S,
+        first=list(dict.fromkeys(names)),
+        interrupted=lambda: False,
+        building=lambda share: None,
+        on_demand=True,
+    )
 
 
 def _pinned(mission: Mission, route: list[_Leg], whose: str) -> Mission:

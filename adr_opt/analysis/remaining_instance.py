@@ -107,9 +107,14 @@ def remaining_instance(
     if stations is None:
         return None
     return _changed(
-        zoned, states, name=name, targets=targets, chasers=chasers, stations=stations,
+        zoned,
+        states,
+        name=name,
+        targets=targets,
+        chasers=chasers,
+        stations=stations,
         mission=mission,
-    )  # fmt: skip
+    )
 
 
 def _changed(instance: Instance, states: Sequence[ChaserState], **changes: Any) -> Instance:

@@ -92,8 +92,11 @@ class Replanned(Shown):
             "instance": {"name": self.instance.name, "sha256": self.instance.sha256},
             "fixed": [
                 {
-                    "chaser": state.chaser.name, "legs": len(state.legs), "at": state.body,
-                    "free_s": state.free_s, "delta_v_left_m_s": state.left_m_s,
+                    "chaser": state.chaser.name,
+                    "legs": len(state.legs),
+                    "at": state.body,
+                    "free_s": state.free_s,
+                    "delta_v_left_m_s": state.left_m_s,
                 }
                 for state in self.states
             ],
@@ -108,7 +111,7 @@ class Replanned(Shown):
             "kept_legs": self.kept,
             "notes": list(self.notes),
             "runtime_s": self.runtime_s,
-        }  # fmt: skip
+        }
 
 
 class PlannedRest(NamedTuple):
@@ -130,9 +133,14 @@ class PlannedRest(NamedTuple):
 
 
 def compared(
-    instance: Instance, rest: PlannedRest, former: Orders, lost: tuple[str, ...],
-    went: Deviations, notes: tuple[str, ...], began: float,
-) -> Replanned:  # fmt: skip
+    instance: Instance,
+    rest: PlannedRest,
+    former: Orders,
+    lost: tuple[str, ...],
+    went: Deviations,
+    notes: tuple[str, ...],
+    began: float,
+) -> Replanned:
     """Gains and losses of the new rest against the former one.
 
     Parameters

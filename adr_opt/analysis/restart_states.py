@@ -99,9 +99,14 @@ def _refuelled(rest: Instance, state: ChaserState, number: int) -> Iterator[Chas
         )
         (leg,) = weighed(rest, chaser.replace(kits=None), [leg])
         yield replace(
-            state, legs=(*state.legs, leg), body=name, free_s=leg.end_s,
-            left_m_s=full_m_s, propellant_kg=None, since_refuelling=0,
-        )  # fmt: skip
+            state,
+            legs=(*state.legs, leg),
+            body=name,
+            free_s=leg.end_s,
+            left_m_s=full_m_s,
+            propellant_kg=None,
+            since_refuelling=0,
+        )
 
 
 def orders_left(

@@ -250,9 +250,19 @@ def _state(
         free_s = legs[-1].end_s if is_put else legs[-1].done_s
     left_m_s = max(aboard.on_arrival_m_s if is_put else aboard.left_m_s, 0.0)
     return ChaserState(
-        chaser, legs, body, max(fixed.since_s, free_s), left_m_s, propellant, kits, since, since_s,
-        is_put=is_put, missed=missed, notes=fixed.notes,
-    )  # fmt: skip
+        chaser,
+        legs,
+        body,
+        max(fixed.since_s, free_s),
+        left_m_s,
+        propellant,
+        kits,
+        since,
+        since_s,
+        is_put=is_put,
+        missed=missed,
+        notes=fixed.notes,
+    )
 
 
 def _begins_s(flown: Flown) -> list[float]:

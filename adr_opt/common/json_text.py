@@ -120,9 +120,12 @@ def _nothing(number: str) -> None:
 def _check_keys(text: str | bytes, title: str) -> None:
     try:
         json.loads(
-            text, object_pairs_hook=_only_keys, parse_float=_nothing, parse_int=_nothing,
+            text,
+            object_pairs_hook=_only_keys,
+            parse_float=_nothing,
+            parse_int=_nothing,
             parse_constant=_nothing,
-        )  # fmt: skip
+        )
     except _RepeatedKeyError as error:
         told = PydanticCustomError(REPEATED, "{said}", {"said": str(error)})
         raise ValidationError.from_exception_data(

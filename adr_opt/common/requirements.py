@@ -64,12 +64,14 @@ def requirements(state: Callable[[str], list[str] | None] = requires) -> tuple[R
     found = [_STATED.fullmatch(text) for text in stated]
     return tuple(
         Requirement(
-            each["package"], each["bounds"], each["extra"] or "",
+            each["package"],
+            each["bounds"],
+            each["extra"] or "",
             tuple((each["parts"] or "").split(",")) if each["parts"] else (),
         )
         for each in found
         if each is not None
-    )  # fmt: skip
+    )
 
 
 def installed(package: str) -> str | None:

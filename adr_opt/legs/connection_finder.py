@@ -32,9 +32,13 @@ from .timetable_size import Size
 FloatArray = npt.NDArray[np.float64]
 
 NO_CONNECTIONS = ConnectionArrays(
-    np.empty(0), np.empty(0), np.empty(0),
-    np.empty(0, np.int8), np.empty(0, np.int32), np.empty(0, np.int8),
-)  # fmt: skip
+    np.empty(0),
+    np.empty(0),
+    np.empty(0),
+    np.empty(0, np.int8),
+    np.empty(0, np.int32),
+    np.empty(0, np.int8),
+)
 
 SAMPLED_PAIRS = 8
 """Number of pairs whose connections are counted to estimate the total."""
@@ -171,9 +175,14 @@ class ConnectionFinder:
         return _until(found, self.ends.altitudes.leave_by[i], math.inf)
 
     def flown(
-        self, i: int, j: int, family: int, stated: StatedLeg, delta_v_m_s: float | None = None,
+        self,
+        i: int,
+        j: int,
+        family: int,
+        stated: StatedLeg,
+        delta_v_m_s: float | None = None,
         class_kg: float | None = None,
-    ) -> FlownLeg:  # fmt: skip
+    ) -> FlownLeg:
         """Flight of a connection of a pair by a family, given by its number.
 
         Of low thrust for a class of chasers with a largest mass, by default the heaviest.
@@ -321,10 +330,13 @@ class ConnectionFinder:
         there = arrival <= self._end
         count = int(there.sum())
         found = ConnectionArrays(
-            departure[there], arrival[there], np.full(count, function.cost),
-            np.zeros(count, dtype=np.int8), np.arange(count, dtype=np.int32),
+            departure[there],
+            arrival[there],
+            np.full(count, function.cost),
+            np.zeros(count, dtype=np.int8),
+            np.arange(count, dtype=np.int32),
             np.full(count, GIVEN, dtype=np.int8),
-        )  # fmt: skip
+        )
         found = self.charged(i, j, found)
         return Connections(
             found.departure, found.arrival, found.delta_v, found.revolutions, found.family

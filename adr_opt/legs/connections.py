@@ -108,10 +108,13 @@ class AllConnections(Shown):
             ``revolutions``.
         """
         return {
-            "origin": self.origin, "destination": self.destination, "departure_s": self.departure,
-            "arrival_s": self.arrival, "delta_v_m_s": self.delta_v,
+            "origin": self.origin,
+            "destination": self.destination,
+            "departure_s": self.departure,
+            "arrival_s": self.arrival,
+            "delta_v_m_s": self.delta_v,
             "revolutions": self.revolutions,
-        }  # fmt: skip
+        }
 
     @classmethod
     def joined(cls, names: tuple[str, ...], pairs: Iterable[Pairwise]) -> AllConnections:

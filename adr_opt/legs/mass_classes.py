@@ -54,9 +54,13 @@ def by_departure(classes: Iterable[tuple[float, ConnectionArrays]]) -> Connectio
     order = np.lexsort((found.arrival, found.departure))
     found = ConnectionArrays(*(column[order] for column in found))
     return Connections(
-        found.departure, found.arrival, found.delta_v, found.revolutions, found.family,
+        found.departure,
+        found.arrival,
+        found.delta_v,
+        found.revolutions,
+        found.family,
         mass_kg[order],
-    )  # fmt: skip
+    )
 
 
 def _joined(parts: tuple[ConnectionArrays, ConnectionArrays]) -> ConnectionArrays:

@@ -73,6 +73,8 @@ class Matrices(Shown):
         return all(
             np.allclose(getattr(self, name), getattr(other, name), rtol=0.0, atol=most)
             for name, most in (
-                ("departures", time_s), ("delta_v", delta_v_m_s), ("duration", time_s)
+                ("departures", time_s),
+                ("delta_v", delta_v_m_s),
+                ("duration", time_s),
             )
-        )  # fmt: skip
+        )

@@ -127,18 +127,26 @@ def places_of(instance: Instance, time_s: float) -> FloatArray:
     middle = float(np.median(radius))
     speed = math.sqrt(MU_M3_S2 / middle)
     normal = np.stack(
-        [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
-         np.cos(inclination)], axis=1
-    )  # fmt: skip
+        [
+            np.sin(inclination) * np.sin(node),
+            -np.sin(inclination) * np.cos(node),
+            np.cos(inclination),
+        ],
+        axis=1,
+    )
     across = np.stack([np.cos(node), np.sin(node), np.zeros_like(node)], axis=1)
     ahead = np.cross(normal, across)
     perigee = elements.perigees(orbits, EPOCH_S)
     shape = np.cos(perigee)[:, None] * across + np.sin(perigee)[:, None] * ahead
     half = 0.5 * speed
     return np.concatenate(
-        [speed * normal, (half / middle * radius)[:, None],
-         half * elements.eccentricities(orbits, time_s)[:, None] * shape], axis=1
-    )  # fmt: skip
+        [
+            speed * normal,
+            (half / middle * radius)[:, None],
+            half * elements.eccentricities(orbits, time_s)[:, None] * shape,
+        ],
+        axis=1,
+    )
 
 
 def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64]:

@@ -144,10 +144,14 @@ class Timetable(Shown):
                 limits.closes, connecting.ends.altitudes.arrive_by + limits.service
             )
             source = Source(
-                *connecting.inputs[:3], rule, limits._replace(closes=in_sight), *asked,
-                connecting.is_listed, interval,
+                *connecting.inputs[:3],
+                rule,
+                limits._replace(closes=in_sight),
+                *asked,
+                connecting.is_listed,
+                interval,
                 math.inf if connecting.times is None else connecting.times.most,
-            )  # fmt: skip
+            )
             table = making.without_entries(size.bodies, source)
             making.space(source.arriving, table)
         elif not connecting.is_listed:
@@ -156,8 +160,11 @@ class Timetable(Shown):
             making.space(given[0], table)
             built = _in_slices(
                 lambda first, last: making.fill(first, last, chosen, given, limits, table),
-                most, max(1, SLICE_ENTRIES // size.events), threads, so_far,
-            )  # fmt: skip
+                most,
+                max(1, SLICE_ENTRIES // size.events),
+                threads,
+                so_far,
+            )
         else:
             chooser = connecting
             if not len(chooser.kept):  # else there was room, and it is taken by now
@@ -166,8 +173,11 @@ class Timetable(Shown):
                 lambda first, last: chooser.choose_pairs(
                     chosen, first, last, limits, time_value_m_s_per_h
                 ),
-                most, max(1, int(SLICE_ENTRIES / max(size.listed, size.events))), threads, so_far,
-            )  # fmt: skip
+                most,
+                max(1, int(SLICE_ENTRIES / max(size.listed, size.events))),
+                threads,
+                so_far,
+            )
             pairs = chosen = begun(chosen, built)
             table = chooser.table(limits.duration, making.slots_of(chosen))
         for array in table[:-1]:

@@ -165,10 +165,15 @@ def transfer_leg(
 def _arc(arc: ThrustArc) -> LowThrustArc:
     """An arc as stated in plans."""
     return LowThrustArc(
-        start_s=arc.start, end_s=arc.end, delta_v_m_s=arc.delta_v,
-        window_deg=math.degrees(arc.window), argument_of_latitude_deg=math.degrees(arc.place),
-        size_m_s=arc.climb, inclination_deg=math.degrees(arc.tilt), raan_deg=math.degrees(arc.turn),
-    )  # fmt: skip
+        start_s=arc.start,
+        end_s=arc.end,
+        delta_v_m_s=arc.delta_v,
+        window_deg=math.degrees(arc.window),
+        argument_of_latitude_deg=math.degrees(arc.place),
+        size_m_s=arc.climb,
+        inclination_deg=math.degrees(arc.tilt),
+        raan_deg=math.degrees(arc.turn),
+    )
 
 
 def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited, ...]:
@@ -191,8 +196,13 @@ def unvisited(flown: Iterable[tuple[Mission, Iterable[int]]]) -> tuple[Unvisited
 
 
 _FURTHEST: tuple[Reason, ...] = (
-    "not-considered", "no-transfer", "duration", "delta-v", "capacity", "not-worth-it",
-)  # fmt: skip
+    "not-considered",
+    "no-transfer",
+    "duration",
+    "delta-v",
+    "capacity",
+    "not-worth-it",
+)
 """Obstacles to reaching a target, hardest first."""
 
 

@@ -80,10 +80,17 @@ def certify(  # noqa: PLR0913
     """
     routes = None if sequence is None else [sequence]
     return certify_routes(
-        Problem.of(mission), method, routes, seed=seed, runtime_s=runtime_s,
-        upper_bound=upper_bound, cost_bound=cost_bound, evidence=evidence, counters=counters,
+        Problem.of(mission),
+        method,
+        routes,
+        seed=seed,
+        runtime_s=runtime_s,
+        upper_bound=upper_bound,
+        cost_bound=cost_bound,
+        evidence=evidence,
+        counters=counters,
         notes=notes,
-    )  # fmt: skip
+    )
 
 
 def certify_routes(  # noqa: PLR0913
@@ -137,9 +144,18 @@ def certify_routes(  # noqa: PLR0913
         if lacking:
             said = (*said, _lacks(problem, lacking, status))
         return Result(
-            method, None, None, -math.inf, upper_bound, status, dict(counters or {}), seed,
-            runtime_s, said, evidence=evidence,
-        )  # fmt: skip
+            method,
+            None,
+            None,
+            -math.inf,
+            upper_bound,
+            status,
+            dict(counters or {}),
+            seed,
+            runtime_s,
+            said,
+            evidence=evidence,
+        )
     priced = tuple(
         Route(chaser=mission.chaser.name, legs=legs(mission, sequence, timing))
         for (mission, sequence), timing in zip(flown, schedules or [None] * len(flown), strict=True)
@@ -171,6 +187,16 @@ def certify_routes(  # noqa: PLR0913
     )
     upper_bound = math.inf if bound is None else bound
     return Result(
-        method, moves, plan, objective, upper_bound, status, dict(counters or {}), seed, runtime_s,
-        said, tuple(sequence for _, sequence in flown), evidence=evidence,
-    )  # fmt: skip
+        method,
+        moves,
+        plan,
+        objective,
+        upper_bound,
+        status,
+        dict(counters or {}),
+        seed,
+        runtime_s,
+        said,
+        tuple(sequence for _, sequence in flown),
+        evidence=evidence,
+    )

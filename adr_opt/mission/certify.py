@@ -91,9 +91,10 @@ def _priced(prizes: Prizes, cost: CostEvidence) -> ProvenCost:
     """The proven cost, with names of bodies."""
     instance = prizes.instance
     proven = ProvenCost(
-        prize=max(prizes.shown(cost.worth), 0.0), bound=max(float(cost.bound), 0.0),
+        prize=max(prizes.shown(cost.worth), 0.0),
+        bound=max(float(cost.bound), 0.0),
         per_prize=float(cost.per_worth),
-    )  # fmt: skip
+    )
     if cost.neighbourhoods is not None:
         return proven.replace(neighbourhoods=_remembered(instance, cost.neighbourhoods))
     assert cost.multipliers is not None
@@ -120,9 +121,11 @@ def _stated(instance: Instance, walks: Walks) -> ProvenWalks:
     """The proven walks, with names of bodies and chasers."""
     chasers = tuple(instance.chasers[number].name for number in walks.chasers)
     return ProvenWalks(
-        chasers=chasers, most=float(walks.most),
-        neighbourhoods=_remembered(instance, walks.neighbourhoods), worth_per_m_s=walks.per_m_s,
-    )  # fmt: skip
+        chasers=chasers,
+        most=float(walks.most),
+        neighbourhoods=_remembered(instance, walks.neighbourhoods),
+        worth_per_m_s=walks.per_m_s,
+    )
 
 
 def _remembered(

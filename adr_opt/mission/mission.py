@@ -117,9 +117,12 @@ class Mission(Shown, Prizes):
         if self._twin is not None:
             return self._twin.timetable
         return Timetable(
-            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            connecting=self.connecting, chaser=self._number,
-        )  # fmt: skip
+            self.instance,
+            self._threads,
+            time_value_m_s_per_h=self.time_value_m_s_per_h,
+            connecting=self.connecting,
+            chaser=self._number,
+        )
 
     @property
     def has_timetable(self) -> bool:
@@ -146,10 +149,15 @@ class Mission(Shown, Prizes):
         """
         self._forget()
         self.__dict__["timetable"] = Timetable(
-            self.instance, self._threads, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            pairs=pairs, most=most, enough=enough, connecting=self.connecting,
+            self.instance,
+            self._threads,
+            time_value_m_s_per_h=self.time_value_m_s_per_h,
+            pairs=pairs,
+            most=most,
+            enough=enough,
+            connecting=self.connecting,
             chaser=self._number,
-        )  # fmt: skip
+        )
 
     def ask(self, near: Neighbours) -> None:
         """Do without a timetable: costs of a pair are computed when a search first asks for them.
@@ -161,9 +169,12 @@ class Mission(Shown, Prizes):
         """
         self._forget()
         self.__dict__["timetable"] = Timetable(
-            self.instance, time_value_m_s_per_h=self.time_value_m_s_per_h,
-            connecting=self.connecting, chaser=self._number, asked=near,
-        )  # fmt: skip
+            self.instance,
+            time_value_m_s_per_h=self.time_value_m_s_per_h,
+            connecting=self.connecting,
+            chaser=self._number,
+            asked=near,
+        )
 
     def do_without(self) -> None:
         """Do without a timetable, for planners that look at connections themselves."""
@@ -228,10 +239,12 @@ class Mission(Shown, Prizes):
     def _like(self, **changes: Any) -> Mission:
         """The same mission with some arguments changed."""
         arguments: dict[str, Any] = {
-            "threads": self._threads, "margin": self.margin,
-            "time_value_m_s_per_h": self.time_value_m_s_per_h, "chaser": self._number,
+            "threads": self._threads,
+            "margin": self.margin,
+            "time_value_m_s_per_h": self.time_value_m_s_per_h,
+            "chaser": self._number,
             "connecting": self.connecting,
-        }  # fmt: skip
+        }
         arguments |= changes
         return Mission(arguments.pop("instance", self.instance), **arguments)
 
@@ -352,9 +365,12 @@ class Mission(Shown, Prizes):
         if self._twin is not None:
             return self._twin.schedules.under(self.rules, self.chaser)
         return Scheduler(
-            self.connecting, lambda: self.rules, self.instance.objective.cost, self.chaser,
+            self.connecting,
+            lambda: self.rules,
+            self.instance.objective.cost,
+            self.chaser,
             self.instance.time_m_s_per_s,
-        )  # fmt: skip
+        )
 
     @cached_property
     def transfer_inputs(

@@ -336,9 +336,14 @@ def _missions(
             finder = finders[drive] = connecting.of_chaser(number)
         twin = there.get((since, drive))
         mission = Mission(
-            instance, threads=threads, margin=margin, chaser=number, connecting=finder,
-            twin=twin, timetable=timetables[number] if timetables and twin is None else None,
-        )  # fmt: skip
+            instance,
+            threads=threads,
+            margin=margin,
+            chaser=number,
+            connecting=finder,
+            twin=twin,
+            timetable=timetables[number] if timetables and twin is None else None,
+        )
         there.setdefault((since, drive), mission)
         missions.append(mission)
     return missions

@@ -96,9 +96,13 @@ class Schedule:
     def connections(self) -> Connections:
         """The connection flown by each leg, in order."""
         return Connections(
-            self.departures, self.arrivals, self.delta_vs, self.revolutions, self.families,
+            self.departures,
+            self.arrivals,
+            self.delta_vs,
+            self.revolutions,
+            self.families,
             self.masses,
-        )  # fmt: skip
+        )
 
 
 def left_at_start(rules: Rules, kits: int) -> float:
@@ -308,15 +312,27 @@ class Scheduler:
         flown = 0.0 if loads is None else float(loads.flown[j])
         weight, price = self._paid(here, found.delta_v, aboard, refuelled, j)
         visit = kernels.Visit(
-            j, aboard, rules.service[j], rules.opens[j], rules.closes[j], rules.is_station[j],
-            rules.budget, self._losses.falls, self._caps(found, i, aboard),
-        )  # fmt: skip
+            j,
+            aboard,
+            rules.service[j],
+            rules.opens[j],
+            rules.closes[j],
+            rules.is_station[j],
+            rules.budget,
+            self._losses.falls,
+            self._caps(found, i, aboard),
+        )
         front = Front(
             *kernels.follow(
-                here.ready, here.left, here.cost, weight,
-                (found.departure, found.arrival, found.delta_v, price), visit, loads,
+                here.ready,
+                here.left,
+                here.cost,
+                weight,
+                (found.departure, found.arrival, found.delta_v, price),
+                visit,
+                loads,
             )
-        )  # fmt: skip
+        )
         if self._weighs:
             spent = here.spent[front.parent] + found.delta_v[front.taken] + flown
             front = front._replace(spent=spent)

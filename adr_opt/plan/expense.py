@@ -65,11 +65,12 @@ def cost_of_routes(instance: Instance, routes: Iterable[Route]) -> float:
     numbers = _numbers(instance, routes)
     return instance.objective.together(
         expense_of(
-            instance, instance.chasers[numbers[route.chaser]],
+            instance,
+            instance.chasers[numbers[route.chaser]],
             [(leg.destination, leg.delta_v_m_s) for leg in route.legs],
         )
         for route in routes
-    )  # fmt: skip
+    )
 
 
 def time_paid_m_s(instance: Instance, routes: Sequence[Route]) -> float:

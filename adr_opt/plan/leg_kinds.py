@@ -129,9 +129,10 @@ class OneOf:
         if word not in known:
             *others, last = map(repr, known)
             raise PydanticCustomError(
-                "literal_error", "Input should be {expected}",
+                "literal_error",
+                "Input should be {expected}",
                 {"expected": f"{', '.join(others)} or {last}"},
-            )  # fmt: skip
+            )
         return word
 
     def __get_pydantic_core_schema__(

@@ -70,11 +70,7 @@ def between(first: Plane, second: Plane, angle: float, share: float) -> Plane:
 def normal_of(plane: Plane) -> tuple[float, float, float]:
     """Unit normal of a plane, as in :func:`adr_opt.kernels.orbits.ephemeris.frame`."""
     sine = math.sin(plane.inclination)
-    return (
-        sine * math.sin(plane.raan),
-        -sine * math.cos(plane.raan),
-        math.cos(plane.inclination),
-    )
+    return (sine * math.sin(plane.raan), -sine * math.cos(plane.raan), math.cos(plane.inclination))
 
 
 class Arcs:

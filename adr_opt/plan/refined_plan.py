@@ -7,12 +7,7 @@ import math
 import os
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..common.card import Shown
 from ..common.files import read_model, read_text, to_text, write_text
@@ -253,9 +248,14 @@ class RefinedLeg(Record):
     def _without_none(self, plainly: SerializerFunctionWrapHandler) -> dict[str, Any]:
         content: dict[str, Any] = plainly(self)
         for name in (
-            "chaser", "tow_before", "after_launch", "tow", "thrust", "holding_delta_v_m_s",
+            "chaser",
+            "tow_before",
+            "after_launch",
+            "tow",
+            "thrust",
+            "holding_delta_v_m_s",
             "vented_kg",
-        ):  # fmt: skip
+        ):
             if getattr(self, name) is None:
                 content.pop(name, None)
         return content

@@ -42,10 +42,11 @@ class StationLimits:
             (station.name, weighs, float(limit))
             for station in instance.stations
             for weighs, limit in (
-                (False, station.max_refuellings), (True, station.max_propellant_kg)
+                (False, station.max_refuellings),
+                (True, station.max_propellant_kg),
             )
             if limit is not None
-        ]  # fmt: skip
+        ]
         self._limits = tuple((name, weighs) for name, weighs, _ in limits)
         self.most: FloatArray = np.array([limit for *_, limit in limits])
         self.of_body: FloatArray = np.ones(len(instance.names))

@@ -18,8 +18,10 @@ def check_names(
     """Names of bodies and chasers must be unique."""
     seen = set()
     named: tuple[tuple[str, Sequence[Station | Target | Chaser]], ...] = (
-        ("stations", stations), ("targets", targets), ("chasers", chasers),
-    )  # fmt: skip
+        ("stations", stations),
+        ("targets", targets),
+        ("chasers", chasers),
+    )
     for field, them in named:
         for number, one in enumerate(them):
             if one.name in seen:

@@ -159,14 +159,20 @@ def among(
     left = np.array([name in starts for name in given.names], dtype=np.bool_)
     become = np.array([number[starts.get(name, name)] for name in given.names], dtype=np.int32)
     # A body that is left and stays leads on twice: from itself, and from the start.
-    mine, taken = (np.flatnonzero(origins[given.origin] & stays[given.destination])
-                   for origins in (stays, left))  # fmt: skip
+    mine, taken = (
+        np.flatnonzero(origins[given.origin] & stays[given.destination])
+        for origins in (stays, left)
+    )
     rows = np.concatenate([mine, taken])
     made = _made(
         np.concatenate([given.origin[mine], become[given.origin[taken]]]),
-        given.destination[rows], given.departure[rows], given.arrival[rows], given.cost[rows],
-        known, "row {}".format,
-    )  # fmt: skip
+        given.destination[rows],
+        given.departure[rows],
+        given.arrival[rows],
+        given.cost[rows],
+        known,
+        "row {}".format,
+    )
     if given.functions is not None:
         made = made.with_functions(given.functions.among(names, starts))
     return made
@@ -219,9 +225,13 @@ def of_rows(columns: Any, names: Sequence[str]) -> Given:
     if alone.size:
         at = int(alone[0])
         missing, stated = COLUMNS[3:] if lacks_arrival[at] else COLUMNS[:2:-1]
-        raise InputError(_half(
-            f"row {at}, {names[int(ends[0][at])]!r} to {names[int(ends[1][at])]!r}", missing, stated
-        ))  # fmt: skip
+        raise InputError(
+            _half(
+                f"row {at}, {names[int(ends[0][at])]!r} to {names[int(ends[1][at])]!r}",
+                missing,
+                stated,
+            )
+        )
     rows = np.flatnonzero(~lacks_arrival)
     origin, destination = (values[rows] for values in ends)
     departure, arrival, cost = (values[rows] for values in times)
@@ -298,8 +308,8 @@ def of_matrices(
     leaves, i, j = np.nonzero(there)
     departure = times[leaves]
     return _made(
-        i, j, departure, departure + takes[there], costs[there], names, "connection {}".format,
-    )  # fmt: skip
+        i, j, departure, departure + takes[there], costs[there], names, "connection {}".format
+    )
 
 
 def of_function(
@@ -395,9 +405,13 @@ def _departures(departures: npt.ArrayLike) -> FloatArray:
 
 
 NO_NUMBERS = {
-    "b": "true and false", "U": "text", "S": "text", "M": "dates", "m": "times",
+    "b": "true and false",
+    "U": "text",
+    "S": "text",
+    "M": "dates",
+    "m": "times",
     "c": "complex numbers",
-}  # fmt: skip
+}
 """Kinds of arrays that NumPy would convert to numbers, against any likely intention."""
 
 
@@ -498,9 +512,7 @@ def _made(
     columns = pair, departure, arrival, cost
     if not _are_in_order(*(column[order] for column in columns)):
         order = np.lexsort(columns[::-1])
-    return Given(
-        tuple(kept), i[order], j[order], departure[order], arrival[order], cost[order]
-    )  # fmt: skip
+    return Given(tuple(kept), i[order], j[order], departure[order], arrival[order], cost[order])
 
 
 def _are_in_order(*columns: npt.NDArray[Any]) -> bool:

@@ -185,9 +185,11 @@ def _refuse_kind(name: str, kind: Any) -> None:
     else:
         wanted = "numbers" if name == COST else "numbers or durations"
         fits = [
-            types.is_integer(inner), types.is_floating(inner), types.is_decimal(inner),
+            types.is_integer(inner),
+            types.is_floating(inner),
+            types.is_decimal(inner),
             types.is_duration(inner) and name != COST,
-        ]  # fmt: skip
+        ]
     if not any(fits) and not types.is_null(inner):  # of no rows many programs know no type
         raise InputError(f"column {name} holds {_cut(str(kind))}; it must hold {wanted}")
 
@@ -283,8 +285,9 @@ def _refuse_shapes(variables: Mapping[str, Any], names: Sequence[str]) -> None:
             )
     stored = sum(
         (each.size + math.prod(each.chunks or ())) * each.dtype.itemsize
-        for name, each in variables.items() if sizes[name]
-    )  # fmt: skip
+        for name, each in variables.items()
+        if sizes[name]
+    )
     _refuse_size(stored / 8 + len(_VALUES) * sizes.get(_CUBE[0], 0) * (1 + len(names) ** 2))
 
 

@@ -51,9 +51,11 @@ class KeptRows:
         self._rows = np.empty((0, len(ORBIT_COLUMNS)))
 
     def of(
-        self, orbits: Sequence[Orbit | None], oblateness_m2: float,
+        self,
+        orbits: Sequence[Orbit | None],
+        oblateness_m2: float,
         decays_m_per_day: Sequence[float],
-    ) -> npt.NDArray[np.float64]:  # fmt: skip
+    ) -> npt.NDArray[np.float64]:
         """A copy of what :func:`orbit_rows` gives, worked out anew for other orbits."""
         asked = orbits, oblateness_m2, decays_m_per_day
         if self._of != asked:  # equal orbits are mostly the same objects, which is quick

@@ -10,12 +10,7 @@ import hashlib
 from itertools import chain
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..common.constants import DAY_S
 from ..common.errors import InputError
@@ -103,9 +98,11 @@ class InstanceFile(Record):
         check_falling_prizes(self.targets)
         check_expense(self.chasers, self.objective)
         check_thrust(
-            self.chasers, self.transfer, zones=bool(self.keep_out_zones),
+            self.chasers,
+            self.transfer,
+            zones=bool(self.keep_out_zones),
             drifts=self.dynamics == "j2",
-        )  # fmt: skip
+        )
         check_separation(self.chasers, self.mission)
         is_given = self.transfer.given is not None
         check_orbits(self.stations, self.targets, self.mission, is_given=is_given)
@@ -115,9 +112,8 @@ class InstanceFile(Record):
                 "out"
             )
         check_removals(
-            self.targets, self.chasers, self.mission, self.transfer,
-            zones=bool(self.keep_out_zones),
-        )  # fmt: skip
+            self.targets, self.chasers, self.mission, self.transfer, zones=bool(self.keep_out_zones)
+        )
         return self
 
     def __eq__(self, other: object) -> bool:
@@ -234,6 +230,8 @@ def _filled(chaser: Chaser, propellant_kg: float) -> TankByMass:
     if initial is not None:
         initial = min(initial, propellant_kg)
     return TankByMass(
-        dry_mass_kg=tank.dry_mass_kg, propellant_kg=propellant_kg, isp_s=tank.isp_s,
+        dry_mass_kg=tank.dry_mass_kg,
+        propellant_kg=propellant_kg,
+        isp_s=tank.isp_s,
         initial_propellant_kg=initial,
-    )  # fmt: skip
+    )

@@ -14,9 +14,13 @@ from .chasers import AtStation, Chaser, InOrbit
 from .orbit import Orbit
 
 LEO = Orbit(
-    semi_major_axis_m=EARTH_RADIUS_M + 700e3, eccentricity=0.0, inclination_deg=98.0,
-    raan_deg=0.0, argument_of_perigee_deg=0.0, true_anomaly_deg=0.0,
-)  # fmt: skip
+    semi_major_axis_m=EARTH_RADIUS_M + 700e3,
+    eccentricity=0.0,
+    inclination_deg=98.0,
+    raan_deg=0.0,
+    argument_of_perigee_deg=0.0,
+    true_anomaly_deg=0.0,
+)
 """Arbitrary low orbit."""
 
 

@@ -104,12 +104,14 @@ USUAL = (
     Usual(_chemical, 0.0, 1000.0, "no chemical engine has it; is it an exhaust speed in m/s?"),
     Usual(_altitudes, 50e3, math.inf, "within the air; is it in km? The field is in m"),
     Usual(
-        _heights, EARTH_RADIUS_M + 100e3, EARTH_RADIUS_M + 50e6,
+        _heights,
+        EARTH_RADIUS_M + 100e3,
+        EARTH_RADIUS_M + 50e6,
         "an altitude within the air or beyond the high orbits; is it in another unit?",
     ),
     Usual(_durations, HOUR_S, math.inf, "less than a revolution; is it in days? The field is in s"),
     Usual(_windows, HOUR_S, math.inf, "over at once; is it in days? The field is in s"),
-)  # fmt: skip
+)
 """Limits are generous: what lies outside has been meant now and then, and is a note, no error."""
 
 

@@ -45,30 +45,57 @@ ORBIT = (
     "true_anomaly_deg"
 )
 
-FACTS = frozenset((
-    "format", "name", "epoch", "frame", "stations", "targets", "mission", "transfer", "objective",
-    *_at("frame", "name axes_epoch"), *_at("stations[]", "name orbit object_id"),
-    *_at("stations[].orbit", ORBIT),
-    *_at("targets[]", "name orbit mass_kg object_id fit success"), *_at("targets[].orbit", ORBIT),
-    "targets[].fit.eccentricity_offset", "chasers[].name",
-))  # fmt: skip
+FACTS = frozenset(
+    (
+        "format",
+        "name",
+        "epoch",
+        "frame",
+        "stations",
+        "targets",
+        "mission",
+        "transfer",
+        "objective",
+        *_at("frame", "name axes_epoch"),
+        *_at("stations[]", "name orbit object_id"),
+        *_at("stations[].orbit", ORBIT),
+        *_at("targets[]", "name orbit mass_kg object_id fit success"),
+        *_at("targets[].orbit", ORBIT),
+        "targets[].fit.eccentricity_offset",
+        "chasers[].name",
+    )
+)
 """Fields that limit nothing. The chance of a capture is for rehearsals, which draw from it."""
 
 
-CHANCES = frozenset((
-    "format", "legs", "service_s", "capture", "gone", "launches", "tanks", "targets",
-    *_at("legs", "delta_v_factor kinds"), *_at("legs.delta_v_factor", "lognormal_sigma least most"),
-    *_at("legs.kinds[]", "lognormal_sigma least most"), *_at("service_s", "factor added"),
-    *_at("service_s.factor", "lognormal_sigma least most"),
-    *_at("service_s.added", "chance mean_s most_s"), *_at("capture", "success tries"),
-    *_at("launches", "slip_s chasers"), *_at("launches.slip_s", "chance mean_s most_s"),
-    *_at("launches.chasers[]", "chance mean_s most_s"), *_at("tanks", "least most"),
-    *_at("targets[]", "delta_v_factor service_s success tries gone"),
-    *_at("targets[].delta_v_factor", "lognormal_sigma least most"),
-    *_at("targets[].service_s", "factor added"),
-    *_at("targets[].service_s.factor", "lognormal_sigma least most"),
-    *_at("targets[].service_s.added", "chance mean_s most_s"),
-))  # fmt: skip
+CHANCES = frozenset(
+    (
+        "format",
+        "legs",
+        "service_s",
+        "capture",
+        "gone",
+        "launches",
+        "tanks",
+        "targets",
+        *_at("legs", "delta_v_factor kinds"),
+        *_at("legs.delta_v_factor", "lognormal_sigma least most"),
+        *_at("legs.kinds[]", "lognormal_sigma least most"),
+        *_at("service_s", "factor added"),
+        *_at("service_s.factor", "lognormal_sigma least most"),
+        *_at("service_s.added", "chance mean_s most_s"),
+        *_at("capture", "success tries"),
+        *_at("launches", "slip_s chasers"),
+        *_at("launches.slip_s", "chance mean_s most_s"),
+        *_at("launches.chasers[]", "chance mean_s most_s"),
+        *_at("tanks", "least most"),
+        *_at("targets[]", "delta_v_factor service_s success tries gone"),
+        *_at("targets[].delta_v_factor", "lognormal_sigma least most"),
+        *_at("targets[].service_s", "factor added"),
+        *_at("targets[].service_s.factor", "lognormal_sigma least most"),
+        *_at("targets[].service_s.added", "chance mean_s most_s"),
+    )
+)
 """Fields of an uncertainty, which all that read one follow."""
 
 
@@ -165,9 +192,7 @@ RULES = {
         "give connections in place of functions",
     ),
     "bodies without an orbit": Rule(
-        ("targets[].orbit", "stations[].orbit"),
-        lambda i: not i.has_orbits,
-        "give orbits",
+        ("targets[].orbit", "stations[].orbit"), lambda i: not i.has_orbits, "give orbits"
     ),
     "prizes": Rule(("targets[].prize",), _always),
     "required targets": Rule(("targets[].required",), lambda i: any(t.required for t in i.targets)),
@@ -182,8 +207,7 @@ RULES = {
         ("stations",), lambda i: len(i.stations) != 1, "give exactly one station"
     ),
     "starts": Rule(
-        ("chasers[].start", "chasers[].start.station"),
-        _chasers(lambda c: c.starts_at_station),
+        ("chasers[].start", "chasers[].start.station"), _chasers(lambda c: c.starts_at_station)
     ),
     "start orbits": Rule(
         ("chasers[].start", "chasers[].start.orbit", *_at("chasers[].start.orbit", ORBIT)),
@@ -274,13 +298,37 @@ RULES = {
 
 # Bundles of words, as they were in 1.0. A rule that came later is in none of them.
 
-FIRST = frozenset({
-    "duration", "services", "refuelling", "transfers", "drift", "fixed planes", "ephemerides",
-    "given connections", "bodies without an orbit", "prizes", "required targets", "windows",
-    "prizes that fall", "decay", "number of stations", "starts", "start orbits", "launches",
-    "late availability", "end of availability", "ends", "most targets", "tanks", "tanks not full",
-    "low thrust", "keep-out zones", "cost",
-})  # fmt: skip
+FIRST = frozenset(
+    {
+        "duration",
+        "services",
+        "refuelling",
+        "transfers",
+        "drift",
+        "fixed planes",
+        "ephemerides",
+        "given connections",
+        "bodies without an orbit",
+        "prizes",
+        "required targets",
+        "windows",
+        "prizes that fall",
+        "decay",
+        "number of stations",
+        "starts",
+        "start orbits",
+        "launches",
+        "late availability",
+        "end of availability",
+        "ends",
+        "most targets",
+        "tanks",
+        "tanks not full",
+        "low thrust",
+        "keep-out zones",
+        "cost",
+    }
+)
 """What every method of 1.0 followed: so does a planner that declares nothing, and no more."""
 
 CARGO = frozenset({"kits", "tows", "tanks not full by mass"})
@@ -293,10 +341,13 @@ CAMPAIGNS = CARGO | SUPPLIES | {"several chasers", "expense"}
 TOURS = frozenset({"longest leg", "missions apart"})
 """Where to be earlier is not always better (docs/model.md section 5.5): planned in tours alone."""
 
-TOGETHER = frozenset({
-    "rules of tours beyond tours", "functions of time beyond one chaser without cargo",
-    "prizes that fall beyond lists of connections",
-})  # fmt: skip
+TOGETHER = frozenset(
+    {
+        "rules of tours beyond tours",
+        "functions of time beyond one chaser without cargo",
+        "prizes that fall beyond lists of connections",
+    }
+)
 """What planners follow each alone; judges follow them together as well."""
 
 

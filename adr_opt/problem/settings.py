@@ -6,12 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    Field,
-    SerializerFunctionWrapHandler,
-    model_serializer,
-    model_validator,
-)
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ..common.constants import DAY_S
 from ..common.records import (
@@ -26,9 +21,12 @@ from ..common.records import (
 )
 
 NOT_WRITTEN = (
-    "service_revolutions", "service_s", "disposal_altitude_m", "launch_separation_s",
+    "service_revolutions",
+    "service_s",
+    "disposal_altitude_m",
+    "launch_separation_s",
     "mission_separation_s",
-)  # fmt: skip
+)
 """Fields omitted from the file if None."""
 
 LARGEST_MASS_CLASS = 1e6

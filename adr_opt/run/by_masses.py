@@ -54,9 +54,13 @@ def planned(
 def bounded(found: Result) -> Result:
     """A bound with the lightest chaser, whose plans are none of the mission."""
     return replace(
-        found, sequence=None, plan=None, objective=-math.inf, routes=(),
+        found,
+        sequence=None,
+        plan=None,
+        objective=-math.inf,
+        routes=(),
         status="infeasible" if found.status == "infeasible" else "unknown",
-    )  # fmt: skip
+    )
 
 
 def bounds_only(progress: Progress, objective: float = -math.inf) -> Progress:

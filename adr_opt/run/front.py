@@ -165,9 +165,14 @@ def bound(  # noqa: PLR0913
         As in :func:`solve`.
     """
     wanted = RunOptions(
-        time_limit, seed, start, jobs=jobs, iterations=iterations, margin=margin,
+        time_limit,
+        seed,
+        start,
+        jobs=jobs,
+        iterations=iterations,
+        margin=margin,
         options=method_options,
-    )  # fmt: skip
+    )
     return run(BOUNDS, instance, method, wanted, stop=stop, progress=progress)
 
 
@@ -215,9 +220,15 @@ def run(
         group: str, problem: Problem, method: str, wanted: RunOptions, heard: Progress
     ) -> Result:
         return _run(
-            group, problem, method, wanted, stop=stop, progress=heard, building=building,
+            group,
+            problem,
+            method,
+            wanted,
+            stop=stop,
+            progress=heard,
+            building=building,
             sizing=sizing,
-        )  # fmt: skip
+        )
 
     if not whole.depends_on_mass:
         return once(group, whole, method, wanted, progress)
@@ -273,10 +284,14 @@ def _run(
     only_prover = both_jobs is not None and not known.uses_cores
     its_jobs = None if only_prover else jobs
     prepared = prepare(
-        group, method, seed=wanted.seed, starts=start is not None, repair=repair,
+        group,
+        method,
+        seed=wanted.seed,
+        starts=start is not None,
+        repair=repair,
         options=wanted.options,
         jobs=its_jobs,
-    )  # fmt: skip
+    )
     destinations = start_destinations(whole, () if start is None else start, repair=repair)
     others = () if stop is None else (stop,)
     drifts, tours = whole.connecting.is_listed, is_tour(whole, known)
@@ -344,8 +359,10 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
         # whose connections cost what the model says.
         plan = plan.replace(
             **proven_of(problem, plan.objective)._asdict(),
-            cost_bound=None, cost_gap=None, cost_status=None,
-        )  # fmt: skip
+            cost_bound=None,
+            cost_gap=None,
+            cost_status=None,
+        )
     drift = None if plan is None else drift_warning(problem.instance, plan)
     quickest = None if registered_of(problem.instance) else too_short(problem.instance)
     idle = plan is not None and not plan.legs

@@ -139,13 +139,16 @@ class Prepared:
         progress(quick.objective, result.upper_bound)
         said = [note for note in result.notes if note != APPROXIMATE]  # certify says it again
         return certify_routes(
-            problem, self.method, quick.routes,
-            seed=result.seed, runtime_s=result.runtime_s,
+            problem,
+            self.method,
+            quick.routes,
+            seed=result.seed,
+            runtime_s=result.runtime_s,
             upper_bound=problem.worth(result.upper_bound),
             evidence=result.evidence,
             counters=result.counters,
             notes=[*said, f"{self.method} ran out of time: the plan is that of {FALLBACK}"],
-        )  # fmt: skip
+        )
 
 
 def _check_result(method: str, result: object) -> None:
@@ -335,10 +338,13 @@ def warm_up(
         begins["start"] = routes if prepared.spec.several else routes[0]
     try:
         result = prepared.function(
-            given_to(problem, prepared.spec), seed=0,
-            stop=PracticeStop(habit.rounds), progress=silent, **begins,
+            given_to(problem, prepared.spec),
+            seed=0,
+            stop=PracticeStop(habit.rounds),
+            progress=silent,
+            **begins,
             options=read(type(given), chosen),
-        )  # fmt: skip
+        )
         _check_result(method, result)
         if habit.more:
             named(habit.more)(problem)

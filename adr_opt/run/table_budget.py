@@ -99,9 +99,17 @@ class TableBudget:
         """The result where time ran out before anything was available."""
         note = f"there was no time to begin: {self._cost}"
         return Result(
-            method, None, None, -math.inf, self.mission.total_prize, "unknown", {}, seed,
-            self.spent_s, (note,),
-        )  # fmt: skip
+            method,
+            None,
+            None,
+            -math.inf,
+            self.mission.total_prize,
+            "unknown",
+            {},
+            seed,
+            self.spent_s,
+            (note,),
+        )
 
     def of_the_whole(self, result: Result, *, of_all: bool = False) -> Result:
         """A result restated for the whole mission: a bound over some pairs does not bound all.
@@ -123,15 +131,22 @@ class TableBudget:
             return replace(result, upper_bound=bound, evidence=None, status="unknown", notes=notes)
         proven = proven_of(self.mission, result.objective, bound)
         plan = result.plan.replace(
-            **proven._asdict(), cost_bound=None, cost_gap=None, cost_status=None,
+            **proven._asdict(),
+            cost_bound=None,
+            cost_gap=None,
+            cost_status=None,
             notes=(*result.plan.notes, note),
-        )  # fmt: skip
+        )
         if proven.upper_bound is not None:
             bound = proven.upper_bound
         return replace(
-            result, plan=plan, upper_bound=bound, status=proven.status, notes=notes,
+            result,
+            plan=plan,
+            upper_bound=bound,
+            status=proven.status,
+            notes=notes,
             evidence=result.evidence if of_all else None,
-        )  # fmt: skip
+        )
 
 
 def no_table(whole: Problem) -> TableBudget:

@@ -126,9 +126,12 @@ def tour_problem() -> Problem:
     field = generate("removal", 0, targets=5)
     rest_s, leg_s, service_s = 5.0 * DAY_S, 60.0 * DAY_S, 5.0 * DAY_S
     mission = field.mission.replace(
-        duration_s=400.0 * DAY_S, service_revolutions=None, service_s=service_s,
-        launch_separation_s=None, mission_separation_s=rest_s,
-    )  # fmt: skip
+        duration_s=400.0 * DAY_S,
+        service_revolutions=None,
+        service_s=service_s,
+        launch_separation_s=None,
+        mission_separation_s=rest_s,
+    )
     priced = field.chasers[0].replace(
         available_s=(0.0, None), kits=None, expense=Expense(fixed=1.0, per_kg_squared=1e-6)
     )

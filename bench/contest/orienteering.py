@@ -108,14 +108,17 @@ def instance_of(places: Places) -> Instance:
         stations=(Station(name="begin"), Station(name="end")),
         targets=tuple(
             Target(
-                name=names[place + 1], prize=float(places.prize[place]),
+                name=names[place + 1],
+                prize=float(places.prize[place]),
                 window_s=(float(places.opens[place]), float(places.closes[place])),
             )
             for place in range(1, count)
         ),
         chasers=(
             Chaser(
-                name="tourist", start=AtStation(station="begin"), end=AtStation(station="end"),
+                name="tourist",
+                start=AtStation(station="begin"),
+                end=AtStation(station="end"),
                 tank=Tank(delta_v_m_s=1.0),
             ),
         ),
@@ -123,11 +126,14 @@ def instance_of(places: Places) -> Instance:
             duration_s=float(places.closes[0]), service_s=0.0, refuel_revolutions=0.0
         ),
         transfer=TransferSettings(given=GivenFile(file="windows.parquet")),
-    )  # fmt: skip
+    )
     columns = {
-        "origin": origin, "destination": destination, "departure_s": departs.astype(float),
-        "arrival_s": lands.astype(float), "delta_v_m_s": np.zeros(departs.size),
-    }  # fmt: skip
+        "origin": origin,
+        "destination": destination,
+        "departure_s": departs.astype(float),
+        "arrival_s": lands.astype(float),
+        "delta_v_m_s": np.zeros(departs.size),
+    }
     return instance.with_given(of_rows(columns, names))
 
 
@@ -164,10 +170,13 @@ def by_pyvrp(places: Places, time_limit_s: float, seed: int = 0) -> int:
     model.add_depot(spots[0])
     for place in range(1, places.prize.size):
         model.add_client(
-            spots[place], service_duration=int(places.service[place]),
-            tw_early=int(places.opens[place]), tw_late=int(places.closes[place]),
-            prize=1000 * int(places.prize[place]), required=False,
-        )  # fmt: skip
+            spots[place],
+            service_duration=int(places.service[place]),
+            tw_early=int(places.opens[place]),
+            tw_late=int(places.closes[place]),
+            prize=1000 * int(places.prize[place]),
+            required=False,
+        )
     model.add_vehicle_type(num_available=1, tw_early=0, tw_late=int(places.closes[0]))
     for i, here in enumerate(spots):
         for j, there in enumerate(spots):

@@ -75,9 +75,15 @@ def checked(problem: Problem, result: adr_opt.Result) -> float:
 
 
 def peer_rows(
-    name: str, variant: str, problem: Problem, *, time_limit_s: float, seed: int,
-    slot_s: float, jobs: int,
-) -> list[Row]:  # fmt: skip
+    name: str,
+    variant: str,
+    problem: Problem,
+    *,
+    time_limit_s: float,
+    seed: int,
+    slot_s: float,
+    jobs: int,
+) -> list[Row]:
     """A peer's rows: its orders as they are, and mended; the variant is a statistic or "early"."""
     if name in STATIC:
         shown, promised = STATIC[name]
@@ -109,9 +115,7 @@ def peer_rows(
 
 
 def timed(
-    problem: Problem,
-    routes: Sequence[Sequence[int]],
-    follow: Callable[..., tuple[int, ...]],
+    problem: Problem, routes: Sequence[Sequence[int]], follow: Callable[..., tuple[int, ...]]
 ) -> list[tuple[int, ...]]:
     """Remainder of each chaser's route, timed exactly in a way."""
     return [follow(*each) for each in zip(problem.missions, routes, strict=True)]

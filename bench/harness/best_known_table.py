@@ -166,10 +166,9 @@ def update(folder: Path, claim: Claim) -> str:
         _refuse_illegal(claim.instance, plan)
         slack = tolerance(plan.objective)
         more = plan.objective > row.objective + slack
-        cheaper = (
-            abs(plan.objective - row.objective) <= slack
-            and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - COST_RELATIVE)
-        )  # fmt: skip
+        cheaper = abs(
+            plan.objective - row.objective
+        ) <= slack and plan.delta_v_m_s < row.delta_v_m_s * (1.0 - COST_RELATIVE)
         if more or cheaper:
             said.append(f"plan {plan.objective:g} with {plan.delta_v_m_s:.1f} m/s by {plan.method}")
             improved = replace(

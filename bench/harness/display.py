@@ -110,10 +110,14 @@ class Display:
             from rich.progress import TimeElapsedColumn as Elapsed
 
             self._progress = Progress(
-                TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Elapsed(),
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                Elapsed(),
                 TextColumn("{task.fields[forecast]}"),
-                console=Console(stderr=True), transient=True,
-            )  # fmt: skip
+                console=Console(stderr=True),
+                transient=True,
+            )
             self._task = self._progress.add_task("plans", total=self._total, forecast="")
             self._progress.start()
         return self

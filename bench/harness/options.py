@@ -53,9 +53,11 @@ def parse(arguments: Sequence[str], description: str) -> Options:
         Something is wrong with it, in one sentence.
     """
     parser = _Parser(
-        prog="run_all.py", description=description, allow_abbrev=False,
+        prog="run_all.py",
+        description=description,
+        allow_abbrev=False,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--suite", action="append", help="families, by comma; all: the published three [nominal]"
     )
@@ -79,9 +81,10 @@ def parse(arguments: Sequence[str], description: str) -> Options:
     parser.add_argument("--cluster", help="dask://HOST:PORT of a scheduler, instead of --jobs")
     parser.add_argument("--out", type=Path, help="folder of results and report")
     parser.add_argument(
-        "--quick", action="store_true",
+        "--quick",
+        action="store_true",
         help="--suite all --cases 5 --iterations 2 --time-limit 2, where nothing else is given",
-    )  # fmt: skip
+    )
     parser.add_argument("--report-only", action="store_true", help="plan nothing, report what is")
     parser.add_argument("--no-report", action="store_true", help="only keep rows")
     parser.add_argument(

@@ -5,17 +5,49 @@ FORMAT = 2
 """Kept in the file as ``user_version``: files of another format are refused, not guessed at."""
 
 ROW_COLUMNS = (
-    "suite", "field", "iteration", "zones", "method", "seed",
-    "outcome", "message", "violations", "status",
-    "visits", "refuellings", "objective", "delta_v_m_s", "duration_used_s",
-    "planning_s", "runtime_s", "check_s", "build_s",
-    "upper_bound", "sha256", "sequence", "environment", "run", "finished",
-    "planning_cpu_s", "build_cpu_s",
-)  # fmt: skip
+    "suite",
+    "field",
+    "iteration",
+    "zones",
+    "method",
+    "seed",
+    "outcome",
+    "message",
+    "violations",
+    "status",
+    "visits",
+    "refuellings",
+    "objective",
+    "delta_v_m_s",
+    "duration_used_s",
+    "planning_s",
+    "runtime_s",
+    "check_s",
+    "build_s",
+    "upper_bound",
+    "sha256",
+    "sequence",
+    "environment",
+    "run",
+    "finished",
+    "planning_cpu_s",
+    "build_cpu_s",
+)
 BOUND_COLUMNS = (
-    "suite", "field", "iteration", "zones", "method", "limit_s",
-    "upper_bound", "status", "planning_s", "message", "environment", "run", "finished",
-)  # fmt: skip
+    "suite",
+    "field",
+    "iteration",
+    "zones",
+    "method",
+    "limit_s",
+    "upper_bound",
+    "status",
+    "planning_s",
+    "message",
+    "environment",
+    "run",
+    "finished",
+)
 
 SCHEMA = """
 CREATE TABLE run (

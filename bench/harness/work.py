@@ -246,9 +246,13 @@ def _bound(
     began = time.perf_counter()
     try:
         result = front.bound(
-            mission, call.name, time_limit=call.limit_s, seed=seed,
-            stop=_Met(best, mission.prize_step), **options,
-        )  # fmt: skip
+            mission,
+            call.name,
+            time_limit=call.limit_s,
+            seed=seed,
+            stop=_Met(best, mission.prize_step),
+            **options,
+        )
         row["upper_bound"] = result.upper_bound if math.isfinite(result.upper_bound) else None
         row["status"] = result.status
     except (Exception, SystemExit) as error:

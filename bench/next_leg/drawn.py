@@ -77,18 +77,29 @@ def _of_kind(kind: str, rng: np.random.Generator) -> Instance:
     if kind in ("kits", "towed"):
         tank = TankByMass(
             dry_mass_kg=float(rng.uniform(300.0, 700.0)),
-            propellant_kg=float(rng.uniform(300.0, 900.0)), isp_s=300.0,
-        )  # fmt: skip
+            propellant_kg=float(rng.uniform(300.0, 900.0)),
+            isp_s=300.0,
+        )
         targets, chasers = int(rng.integers(16, 41)), int(rng.integers(1, 3))
         if kind == "kits":
             return generate(
-                "nominal", seed, targets=targets, chasers=chasers, tank=tank,
-                kits=int(rng.integers(3, 12)), kit_mass_kg=float(rng.uniform(5.0, 30.0)),
-            )  # fmt: skip
+                "nominal",
+                seed,
+                targets=targets,
+                chasers=chasers,
+                tank=tank,
+                kits=int(rng.integers(3, 12)),
+                kit_mass_kg=float(rng.uniform(5.0, 30.0)),
+            )
         return generate(
-            "nominal", seed, targets=targets, chasers=chasers, tank=tank,
-            towed_kg=float(rng.uniform(50.0, 300.0)), disposal_altitude_m=500e3,
-        )  # fmt: skip
+            "nominal",
+            seed,
+            targets=targets,
+            chasers=chasers,
+            tank=tank,
+            towed_kg=float(rng.uniform(50.0, 300.0)),
+            disposal_altitude_m=500e3,
+        )
     return generate(kind, seed)
 
 
@@ -108,8 +119,9 @@ def drawn_uncertainty(rng: np.random.Generator) -> Uncertainty:
             content["service_s"] = service
         if rng.random() < 0.5:
             content["capture"] = {
-                "success": float(rng.uniform(0.7, 0.95)), "tries": int(rng.integers(1, 4)),
-            }  # fmt: skip
+                "success": float(rng.uniform(0.7, 0.95)),
+                "tries": int(rng.integers(1, 4)),
+            }
         if rng.random() < 0.4:
             content["gone"] = float(rng.uniform(0.02, 0.1))
     return Uncertainty(**content)  # type: ignore[arg-type]

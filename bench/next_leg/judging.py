@@ -85,9 +85,12 @@ class Judge:
     """
 
     def __init__(
-        self, ground: Ground, uncertainty: Uncertainty, seed: int,
+        self,
+        ground: Ground,
+        uncertainty: Uncertainty,
+        seed: int,
         routes: Sequence[Sequence[int]] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         instance = with_worths(ground.instance, mean_worths(ground.instance, uncertainty))
         later_s = float(sight_of(ground, uncertainty).later_s[ground.first_target :].mean())
         if later_s != 0.0:

@@ -53,20 +53,34 @@ class NextLegNetwork(nn.Module):
             return tensor.detach().numpy().astype(np.float32)
 
         return ScorerLayers(
-            of(self.leg.weight), of(self.mission.weight), of(self.leg.bias),
-            of(self.inner.weight), of(self.inner.bias), of(self.own.weight), of(self.mean.weight),
-            of(self.most.weight), of(self.own.bias), of(self.out.weight[0]),
-        )  # fmt: skip
+            of(self.leg.weight),
+            of(self.mission.weight),
+            of(self.leg.bias),
+            of(self.inner.weight),
+            of(self.inner.bias),
+            of(self.own.weight),
+            of(self.mean.weight),
+            of(self.most.weight),
+            of(self.own.bias),
+            of(self.out.weight[0]),
+        )
 
     @classmethod
     def of(cls, layers: ScorerLayers) -> NextLegNetwork:
         """The network that has some weights."""
         made = cls(layers.bias.size)
         slots = (
-            made.leg.weight, made.mission.weight, made.leg.bias, made.inner.weight,
-            made.inner.bias, made.own.weight, made.mean.weight, made.most.weight, made.own.bias,
+            made.leg.weight,
+            made.mission.weight,
+            made.leg.bias,
+            made.inner.weight,
+            made.inner.bias,
+            made.own.weight,
+            made.mean.weight,
+            made.most.weight,
+            made.own.bias,
             made.out.weight,
-        )  # fmt: skip
+        )
         with torch.no_grad():
             for slot, array in zip(slots, layers, strict=True):
                 slot.copy_(torch.from_numpy(np.array(array)).reshape(slot.shape))

@@ -96,16 +96,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = os.environ.get("ADR_OPT_EXTERNAL_DATA")
     parser.add_argument("--data", type=Path, default=Path(given) if given else None)
     parser.add_argument(
-        "--time-limit",
-        type=float,
-        metavar="SECONDS",
-        help="of each instance of tdtsptw",
+        "--time-limit", type=float, metavar="SECONDS", help="of each instance of tdtsptw"
     )
     parser.add_argument("--cells", type=Path, metavar="FILE", help="of the results of tdtsptw")
     parser.add_argument(
-        "--draw", type=int, metavar="N",
+        "--draw",
+        type=int,
+        metavar="N",
         help="of tdtsptw: N of the largest with a known end and N without, instead of all",
-    )  # fmt: skip
+    )
     parser.add_argument("--fly", type=int, help="of gtoc9: fly this mission of a campaign, from 0")
     parser.add_argument(
         "--fly-all", type=Path, metavar="FILE", help="of gtoc9: fly a campaign, and write it there"
@@ -120,9 +119,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--write-instance", type=Path, metavar="FILE", help="of gtoc9: write it as an instance"
     )
     parser.add_argument(
-        "--step", type=float, default=0.1, metavar="DAYS",
+        "--step",
+        type=float,
+        default=0.1,
+        metavar="DAYS",
         help="of gtoc9: grid of the connections of that instance [%(default)g d]",
-    )  # fmt: skip
+    )
     parser.add_argument("--out", type=Path, metavar="FILE", help="keep there what is printed")
     parsed = parser.parse_args(arguments)
     try:
@@ -135,9 +137,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         def lines(doing: Doing) -> Iterator[str]:
             if parsed.name == "gtoc9" and parsed.cells is None:
                 return of_gtoc9_report(folder, parsed, doing)
-            return report(
-                parsed.name, folder, parsed.time_limit, parsed.cells, doing, parsed.draw
-            )  # fmt: skip
+            return report(parsed.name, folder, parsed.time_limit, parsed.cells, doing, parsed.draw)
 
         tell(lines, heading(), parsed.out)
     except InputError as error:

@@ -85,11 +85,12 @@ def _bar() -> Iterator[tuple[Doing, Callable[[], Any]]]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
-    )  # fmt: skip
-    bar = Progress(
-        *columns, console=Console(stderr=True), transient=True, redirect_stdout=False
-    )  # fmt: skip
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False)
     task = bar.add_task("reading", total=None)
 
     def doing(what: str, done: int, total: int) -> None:

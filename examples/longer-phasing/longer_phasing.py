@@ -54,9 +54,13 @@ class LongerPhasing(RegisteredFamily):
     def _own(self, ends: PairEnds, resolution_m_s: float) -> ConnectionArrays:
         """Those of all revolutions that short legs may not have."""
         found = regular.of_pair(
-            ends.leaving, ends.arriving, ends.eccentricity_m_s, self._rule(ends), ends.latest_s,
+            ends.leaving,
+            ends.arriving,
+            ends.eccentricity_m_s,
+            self._rule(ends),
+            ends.latest_s,
             resolution_m_s,
-        )  # fmt: skip
+        )
         more = found.revolutions > ends.rule.max_phasing_revolutions
         own = ConnectionArrays(*(column[more] for column in found))
         return own._replace(family=np.full(own.departure.size, self.number, dtype=np.int8))

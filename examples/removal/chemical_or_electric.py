@@ -32,9 +32,11 @@ MASSES_KG = {"SL-16 R/B": 9000.0, "SL-8 R/B": 1400.0}
 """Masses of the stages by name, to some hundreds of kilograms."""
 SERVICE_S = 10.0 * DAY_S
 GRID = TransferSettings(
-    drift_step_s=20.0 * DAY_S, max_drift_s=360.0 * DAY_S, departure_spacing_s=8.0 * DAY_S,
+    drift_step_s=20.0 * DAY_S,
+    max_drift_s=360.0 * DAY_S,
+    departure_spacing_s=8.0 * DAY_S,
     delta_v_resolution_m_s=20.0,
-)  # fmt: skip
+)
 """The same for each drive, fine enough for legs of months."""
 
 
@@ -68,13 +70,17 @@ def mission(typed: argparse.Namespace, drive: Drive) -> Instance:
         ),
         crew=catalogue.Crew(
             tank=TankByMass(
-                dry_mass_kg=typed.dry_mass, propellant_kg=drive.tanks * typed.propellant,
+                dry_mass_kg=typed.dry_mass,
+                propellant_kg=drive.tanks * typed.propellant,
                 isp_s=drive.isp_s,
             ),
-            launches=1, towed_kg=1.0, disposal_altitude_m=1e3 * typed.disposal_altitude,
-            service_s=SERVICE_S, thrust_n=drive.thrust_n,
+            launches=1,
+            towed_kg=1.0,
+            disposal_altitude_m=1e3 * typed.disposal_altitude,
+            service_s=SERVICE_S,
+            thrust_n=drive.thrust_n,
         ),
-    )  # fmt: skip
+    )
     instance = made.instance
     targets = (
         target.replace(mass_kg=next(kg for part, kg in MASSES_KG.items() if part in target.name))
@@ -95,9 +101,7 @@ def told(instance: Instance, result: Result) -> str:
     last = max(days, default=0.0)
     most = min(result.upper_bound, float(len(instance.targets)))
     names = [leg.destination for leg in plan.legs]
-    kinds = ", ".join(
-        f"{sum(part in name for name in names)} {part}" for part in MASSES_KG
-    )  # fmt: skip
+    kinds = ", ".join(f"{sum(part in name for name in names)} {part}" for part in MASSES_KG)
     return (
         f"removes {plan.objective:g} of {len(instance.targets)} ({kinds}), at most {most:g}; "
         f"{used_kg:.0f} kg of propellant, {100.0 * plan.objective / max(used_kg, 1.0):.1f} "

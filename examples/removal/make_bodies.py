@@ -4,10 +4,7 @@ from random import Random
 
 from adr_opt.sources.catalogue.tle import checksum
 
-KINDS = (
-    ("SL-16", 9, (70.97, 71.03), (14.13, 14.18)),
-    ("SL-8", 6, (82.92, 82.96), (13.72, 13.78)),
-)
+KINDS = (("SL-16", 9, (70.97, 71.03), (14.13, 14.18)), ("SL-8", 6, (82.92, 82.96), (13.72, 13.78)))
 """Name, how many, inclinations [degrees], revolutions a day."""
 
 

@@ -66,12 +66,13 @@ def with_deadlines(instance: Instance, deadline_s: float) -> Instance:
     return instance.replace(
         targets=tuple(
             target.replace(
-                mass_kg=mass, required=at in worst,
+                mass_kg=mass,
+                required=at in worst,
                 window_s=(0.0, deadline_s if at in worst else None),
             )
             for at, (target, mass) in enumerate(zip(instance.targets, masses, strict=True))
         )
-    )  # fmt: skip
+    )
 
 
 def mission(typed: argparse.Namespace) -> Instance:
@@ -85,10 +86,12 @@ def mission(typed: argparse.Namespace) -> Instance:
         mission=catalogue.MissionOutline(duration_s=DAY_S * typed.days, refuelling=False),
         crew=catalogue.Crew(
             tank=TankByMass(propellant_kg=typed.propellant, **TANK),
-            launches=3, apart_s=DAY_S * typed.launch_every, kits=typed.kits,
+            launches=3,
+            apart_s=DAY_S * typed.launch_every,
+            kits=typed.kits,
             kit_mass_kg=KIT_MASS_KG,
         ),
-    )  # fmt: skip
+    )
     for warning in made.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return with_deadlines(made.instance, DAY_S * typed.deadline)

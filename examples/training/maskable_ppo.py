@@ -88,9 +88,16 @@ def main() -> None:
     print(f"{asked.pool} fields worked out in {time.perf_counter() - began:.1f} s")
 
     model = MaskablePPO(
-        "MultiInputPolicy", env, n_steps=256, batch_size=256, gamma=1.0, ent_coef=0.01,
-        learning_rate=1e-3, seed=asked.seed, device="cpu",
-    )  # fmt: skip
+        "MultiInputPolicy",
+        env,
+        n_steps=256,
+        batch_size=256,
+        gamma=1.0,
+        ent_coef=0.01,
+        learning_rate=1e-3,
+        seed=asked.seed,
+        device="cpu",
+    )
     began = time.perf_counter()
     model.learn(asked.steps)
     print(f"{model.num_timesteps:,} steps trained in {time.perf_counter() - began:.1f} s")
@@ -110,8 +117,10 @@ def main() -> None:
     assert isinstance(alone, MissionEnv)
     if asked.worlds:
         for who, choose in (
-            ("MaskablePPO", learned), ("legal moves at random", at_random), ("greedy", greedy)
-        ):  # fmt: skip
+            ("MaskablePPO", learned),
+            ("legal moves at random", at_random),
+            ("greedy", greedy),
+        ):
             prizes = collected_in(alone, choose, unseen, asked.worlds)
             print(f"{who}: {np.mean(prizes):.1f} targets, mean of {len(prizes)} worlds")
         return

@@ -153,9 +153,12 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
         buckets *= 2
     which = np.empty(width, np.int64)
     scratch = LevelScratch(
-        np.empty(buckets, np.int32), np.empty(width, np.int32), np.empty(bodies, np.int64),
-        np.empty(cand.score.size, np.int64), which,
-    )  # fmt: skip
+        np.empty(buckets, np.int32),
+        np.empty(width, np.int32),
+        np.empty(bodies, np.int64),
+        np.empty(cand.score.size, np.int64),
+        which,
+    )
     most, few = width, HURRIED_ASKING if asks(rules.table) else HURRIED
     depth, priced = 0, 0
     while depth < remaining and size > 0:
@@ -226,9 +229,14 @@ def beam_search(
     first = _ways_to_fly(mission, prefix)
     with halted_by(stop) as halt:
         found, prize, delta_v, priced = beam_kernel(
-            rules, done, (body, since, *first),
-            no_latest() if guide is None else guide, guide is not None, weights, halt,
-        )  # fmt: skip
+            rules,
+            done,
+            (body, since, *first),
+            no_latest() if guide is None else guide,
+            guide is not None,
+            weights,
+            halt,
+        )
     return np.concatenate([np.array(prefix, dtype=np.int64), found]), prize, delta_v, priced
 
 

@@ -205,19 +205,28 @@ def _compact(cand, limit, count, wanted):
 def new_level(width, words):
     """An empty level."""
     return Level(
-        np.empty(width, np.int64), resource_kernels.columns(width), np.empty(width),
-        np.empty(width), np.empty(width), np.empty(width, np.uint64),
+        np.empty(width, np.int64),
+        resource_kernels.columns(width),
+        np.empty(width),
+        np.empty(width),
+        np.empty(width),
+        np.empty(width, np.uint64),
         np.empty((width, words), np.uint64),
-    )  # fmt: skip
+    )
 
 
 @kernel
 def new_candidates(room):
     """Empty storage for candidates."""
     return Successors(
-        np.empty(room), np.empty(room, np.int32), np.empty(room, np.int32),
-        np.empty(room, np.int32), np.empty(room), np.empty(room), np.empty(room),
-    )  # fmt: skip
+        np.empty(room),
+        np.empty(room, np.int32),
+        np.empty(room, np.int32),
+        np.empty(room, np.int32),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+    )
 
 
 @inlined

@@ -240,9 +240,11 @@ class RoutingBoundOptions(Options, method="routing-bound"):
     """Options of the bound ``routing-bound``."""
 
     effort: float = option(
-        math.inf, "Limit of CP-SAT in its deterministic time, about seconds.", above=0.0,
+        math.inf,
+        "Limit of CP-SAT in its deterministic time, about seconds.",
+        above=0.0,
         most=math.inf,
-    )  # fmt: skip
+    )
 
 
 def routing_bound(

@@ -65,10 +65,12 @@ def settle(problem: Problem, certificate: GapTracker, pool: RoutePool, stop: Sto
     covered = np.array([[j in column.targets for column in columns] for j in required], dtype=float)
     constraints = [
         packing(
-            problem, [(column.kind, column.targets) for column in columns],
-            [column.use for column in columns], all_flown=True,
+            problem,
+            [(column.kind, column.targets) for column in columns],
+            [column.use for column in columns],
+            all_flown=True,
         )
-    ]  # fmt: skip
+    ]
     if required:
         constraints.append(LinearConstraint(covered, 1.0, np.inf))
     found = cheapest_of(-scale * worths, constraints, stop.remaining_s(), gap=0.0)
@@ -131,10 +133,17 @@ def _list_all(problem: Problem, pool: RoutePool, stop: Stop) -> bool:
         for size in range(1, len(targets) + 1):
             for chosen in combinations(targets, size):
                 over = stop.remaining_s() <= 0.0
-                routes = None if over else cheapest_routes(
-                    kind.mission, frozenset(chosen), lambda: stop.remaining_s() <= 0.0, counted,
-                    every=by_weight,
-                )  # fmt: skip
+                routes = (
+                    None
+                    if over
+                    else cheapest_routes(
+                        kind.mission,
+                        frozenset(chosen),
+                        lambda: stop.remaining_s() <= 0.0,
+                        counted,
+                        every=by_weight,
+                    )
+                )
                 if routes is None:
                     return False
                 for route in routes:

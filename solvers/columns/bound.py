@@ -105,9 +105,12 @@ class CampaignBound(Generic[Walks]):
         if found < self._least:
             self._least = found
             self.evidence = evidence_of(
-                point, self._chasers, [float(value) + self._guard for value in values], None,
+                point,
+                self._chasers,
+                [float(value) + self._guard for value in values],
+                None,
                 self.walks[0].slot,
-            )  # fmt: skip
+            )
         return found, point, slope
 
     @property

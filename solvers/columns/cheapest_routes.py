@@ -128,9 +128,14 @@ def _timed(mission: Mission, route: tuple[int, ...], stops: tuple[int, ...]) -> 
 
 
 def _extend(
-    mission: Mission, kits: int, known: dict[_State, _Reached], state: _State, j: int,
-    counted: frozenset[int], found: dict[_State, list[tuple[_State, Front]]],
-) -> None:  # fmt: skip
+    mission: Mission,
+    kits: int,
+    known: dict[_State, _Reached],
+    state: _State,
+    j: int,
+    counted: frozenset[int],
+    found: dict[_State, list[tuple[_State, Front]]],
+) -> None:
     """Extend a state to body j."""
     aboard = kits - mission.schedules.kits_for(tuple(state.done))
     front = mission.schedules.extended(

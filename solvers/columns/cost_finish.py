@@ -50,12 +50,7 @@ class CostFinish:
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        certificate: GapTracker,
-        pool: RoutePool,
-        asked: float,
-        stop: Stop,
+        self, problem: Problem, certificate: GapTracker, pool: RoutePool, asked: float, stop: Stop
     ) -> None:
         self._problem, self._certificate, self._pool = problem, certificate, pool
         self._asked, self._stop = asked, stop
@@ -128,9 +123,13 @@ class CostFinish:
         kind, targets, _ = key
         over = self._stop.remaining_s() <= 0.0
         mission = self._problem.kinds[kind].mission
-        found = None if over else cheapest_routes(
-            mission, targets, lambda: self._stop.remaining_s() <= 0.0, self._counted
-        )  # fmt: skip
+        found = (
+            None
+            if over
+            else cheapest_routes(
+                mission, targets, lambda: self._stop.remaining_s() <= 0.0, self._counted
+            )
+        )
         if found is None:
             return False
         # A set without a route cannot be serviced.

@@ -155,12 +155,12 @@ class ColumnCost(CostRounds):
         self._over = lambda: stop.remaining_s() <= 0.0
         self._asked = asked(problem, certificate.incumbent)
         self._bounds = CampaignBound(
-            problem, COARSER * options.delta_v_slot_m_s, jobs=options.cores,
+            problem,
+            COARSER * options.delta_v_slot_m_s,
+            jobs=options.cores,
             over=self._over,
-            kind=partial(
-                PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(problem)
-            ),
-        )  # fmt: skip
+            kind=partial(PricedBound, greatest_tanks=GREATEST_TANKS, greatest=_greatest(problem)),
+        )
         self._places = tuple(self._all_places())
         self._counts = np.array([len(kind.chasers) for kind in problem.kinds])
         self._master = Master(problem, self._asked)
@@ -217,10 +217,13 @@ class ColumnCost(CostRounds):
         for place in self._places:
             found += len(
                 place.pricing.quickly(
-                    self._charged(place, prices), float(paid[place.kind]), QUICK_LABELS,
-                    self._over, partial(self._keep, duals, place.kind),
+                    self._charged(place, prices),
+                    float(paid[place.kind]),
+                    QUICK_LABELS,
+                    self._over,
+                    partial(self._keep, duals, place.kind),
                 )
-            )  # fmt: skip
+            )
         return found > 0
 
     def _by_labels(self, duals: Duals, prices: Prices, paid: np.ndarray) -> tuple[bool, bool]:
@@ -228,9 +231,12 @@ class ColumnCost(CostRounds):
         new, finished, most = False, True, np.zeros(len(self._counts))
         for place in self._places:
             answered, routes = place.pricing.search(
-                self._charged(place, prices), float(paid[place.kind]), self._labels, self._over,
+                self._charged(place, prices),
+                float(paid[place.kind]),
+                self._labels,
+                self._over,
                 partial(self._keep, duals, place.kind),
-            )  # fmt: skip
+            )
             new, finished = new or bool(routes), finished and answered
             most[place.kind] = max(most[place.kind], place.pricing.most_worth)
         if finished:
@@ -280,15 +286,21 @@ class ColumnCost(CostRounds):
         cuts[: proven.prices.cuts.size] = proven.prices.cuts
         stated_less = STATED_LESS * self._certificate.cost
         found = evidence_of(
-            proven.prices.targets, [kind.chasers for kind in problem.kinds],
+            proven.prices.targets,
+            [kind.chasers for kind in problem.kinds],
             (proven.most + 0.5 * stated_less / len(problem.missions)).tolist(),
             [proven.remembered[kind] for kind in range(len(problem.kinds))],
-            self._options.delta_v_slot_m_s, self._cuts.priced(cuts),
-        )  # fmt: skip
+            self._options.delta_v_slot_m_s,
+            self._cuts.priced(cuts),
+        )
         return CostEvidence(
-            proven.bound - stated_less, self._certificate.incumbent, proven.prices.worth,
-            walks=found.walks, multipliers=found.multipliers, cuts=found.cuts,
-        )  # fmt: skip
+            proven.bound - stated_less,
+            self._certificate.incumbent,
+            proven.prices.worth,
+            walks=found.walks,
+            multipliers=found.multipliers,
+            cuts=found.cuts,
+        )
 
     def _charged(self, place: _Place, prices: Prices) -> np.ndarray:
         """Charge walks; returns the inputs of their pricing: multipliers, fees at stations."""
@@ -314,9 +326,10 @@ class ColumnCost(CostRounds):
     def _mix(self) -> None:
         """Add new or cheaper routes of the pool to the master."""
         new = [
-            column for column in self._pool.columns()
+            column
+            for column in self._pool.columns()
             if column.cost < self._mixed.get((column.kind, column.targets), math.inf)
-        ]  # fmt: skip
+        ]
         self._mixed |= {(column.kind, column.targets): column.cost for column in new}
         self._master.add(new)
 
@@ -409,11 +422,7 @@ class ColumnCost(CostRounds):
 
 
 def prove_cost_by_columns(
-    problem: Problem,
-    certificate: GapTracker,
-    pool: RoutePool,
-    stop: Stop,
-    options: ProofOptions,
+    problem: Problem, certificate: GapTracker, pool: RoutePool, stop: Stop, options: ProofOptions
 ) -> tuple[float, dict[str, float]]:
     """Prove a lower bound on the cost of plans with at least the incumbent's worth.
 

@@ -96,9 +96,13 @@ class Master:
                 if (times := times_paid(cut, column.targets))
             }
             self._highs.addCol(
-                column.cost if self._minimises else column.worth, 0.0, highspy.kHighsInf,
-                len(rows), np.array([*rows], dtype=np.int32), np.array([*rows.values()]),
-            )  # fmt: skip
+                column.cost if self._minimises else column.worth,
+                0.0,
+                highspy.kHighsInf,
+                len(rows),
+                np.array([*rows], dtype=np.int32),
+                np.array([*rows.values()]),
+            )
             self.columns.append(column)
 
     def cut(self, cuts: Sequence[Rows]) -> None:

@@ -132,9 +132,12 @@ class ColumnProof:
         self._rng = np.random.default_rng(seed)
         self._over = lambda: stop.remaining_s() <= 0.0
         self._coarse = CampaignBound(
-            problem, COARSER * options.delta_v_slot_m_s, jobs=options.cores, over=self._over,
+            problem,
+            COARSER * options.delta_v_slot_m_s,
+            jobs=options.cores,
+            over=self._over,
             kind=WalkBound,
-        )  # fmt: skip
+        )
         self._descent = Descent(self._coarse)
         self._pricing: tuple[LabelPricing, ...] = ()
         self._fine: CampaignBound[WalkBound] | None = None
@@ -175,9 +178,13 @@ class ColumnProof:
         """
         if not self._pricing:
             self._fine = CampaignBound(
-                self._problem, self._options.delta_v_slot_m_s, jobs=self._options.cores,
-                over=self._over, kind=WalkBound, known=self._coarse,
-            )  # fmt: skip
+                self._problem,
+                self._options.delta_v_slot_m_s,
+                jobs=self._options.cores,
+                over=self._over,
+                kind=WalkBound,
+                known=self._coarse,
+            )
             self._pricing = tuple(LabelPricing(*place) for place in self._fine.of_kind)
         most = self._labels_made + LABELS
         with suppress(TimeIsOver):
@@ -291,9 +298,13 @@ class ColumnProof:
         while not certificate.proven and not enough():
             goal = certificate.next_goal
             answer, routes = finish.ask(
-                goal, multipliers.targets, most_worth, self._options.most_labels, enough,
+                goal,
+                multipliers.targets,
+                most_worth,
+                self._options.most_labels,
+                enough,
                 self._stop.remaining_s,
-            )  # fmt: skip
+            )
             if answer is EnumerationAnswer.NONE:
                 certificate.lower(certificate.below(goal))
             if routes is None or not certificate.offer(*routes):
@@ -304,9 +315,10 @@ class ColumnProof:
     def _mix(self) -> None:
         """Add new routes of the pool to the master."""
         new = [
-            column for column in self._pool.columns()
+            column
+            for column in self._pool.columns()
             if (column.key, column.worth) not in self._mixed
-        ]  # fmt: skip
+        ]
         self._mixed.update((column.key, column.worth) for column in new)
         self._master.add(new)
 

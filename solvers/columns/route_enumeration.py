@@ -167,9 +167,13 @@ class Finish:
         return answer, taken
 
     def _packed(
-        self, goal: float, routes: list[tuple[int, tuple[int, ...]]], time_limit_s: float,
-        *, limited: bool,
-    ) -> tuple[EnumerationAnswer, Routes | None]:  # fmt: skip
+        self,
+        goal: float,
+        routes: list[tuple[int, tuple[int, ...]]],
+        time_limit_s: float,
+        *,
+        limited: bool,
+    ) -> tuple[EnumerationAnswer, Routes | None]:
         """Packing of given routes, with or without the limits of stations."""
         problem, first = self._problem, self._problem.instance.first_target
         sets = [(kind, frozenset(j for j in route if j >= first)) for kind, route in routes]

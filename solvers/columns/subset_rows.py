@@ -148,9 +148,7 @@ class SubsetRows:
             at = [place for place, body in enumerate(route) if body in rows]
             if len(at) < 2:
                 continue
-            needed = min(
-                (set(route[one:other]) - memory for one, other in pairwise(at)), key=len
-            )  # fmt: skip
+            needed = min((set(route[one:other]) - memory for one, other in pairwise(at)), key=len)
             memory |= needed
             grown += len(needed)
         return grown

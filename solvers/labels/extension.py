@@ -203,9 +203,13 @@ def _stay(search, labels, waiting, row, i, kept):
     for k in range(waiting.size[i]):
         label = waiting.label[i, k]
         kept[k] = label >= 0 and _promises(
-            search, row, resources_of(labels, label, search.loads), labels.value[label],
-            labels.worth[label], labels.came_from[label],
-        )  # fmt: skip
+            search,
+            row,
+            resources_of(labels, label, search.loads),
+            labels.value[label],
+            labels.worth[label],
+            labels.came_from[label],
+        )
     keep(waiting, i, kept, 2 * search.neighbourhood.shape[1])
     waiting.bucket[i] = search.values.bucket[row]
 
@@ -358,9 +362,11 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 # A label ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.
                 if preceded and not (
-                    timed and network.may_end[j] and collected >= search.least_worth
+                    timed
+                    and network.may_end[j]
+                    and collected >= search.least_worth
                     and most - _time_paid(search, network.end[leg]) >= search.asked
-                ):  # fmt: skip
+                ):
                     continue
                 count = cursor[1]
                 if count == labels.row.size:

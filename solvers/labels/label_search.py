@@ -61,9 +61,15 @@ def table_of(bound: WalkBound) -> CompletionValues:
     """Completion values of a bound's last evaluation."""
     best, second = bound.values.best, bound.values.second
     return CompletionValues(
-        bound.buckets.of_row, best.reshape(1, -1), second.reshape(1, -1), best.shape[1],
-        bound.bits, bound.width, bound.top, bound.slot,
-    )  # fmt: skip
+        bound.buckets.of_row,
+        best.reshape(1, -1),
+        second.reshape(1, -1),
+        best.shape[1],
+        bound.bits,
+        bound.width,
+        bound.top,
+        bound.slot,
+    )
 
 
 class LabelSearch:
@@ -207,11 +213,28 @@ class LabelSearch:
         needs -= math.ceil(min(bound.ahead(self._start) / self._unit, MOST_PAID))
         price = np.broadcast_to(bound.price / self._unit, self._roots).copy()
         search = LabelQuery(
-            self._values, shift, needs, self._gain, self.neighbourhood, self.compared,
-            bound.budget, bound.loads, bound.most_targets, price, bool(price.any()),
-            bound.time_price / self._unit, float(bound.since[self._start]), need, self._worths,
-            self.least_worth, self._reach, self._reach_unit, self._cuts, bound.falls, self._unit,
-        )  # fmt: skip
+            self._values,
+            shift,
+            needs,
+            self._gain,
+            self.neighbourhood,
+            self.compared,
+            bound.budget,
+            bound.loads,
+            bound.most_targets,
+            price,
+            bool(price.any()),
+            bound.time_price / self._unit,
+            float(bound.since[self._start]),
+            need,
+            self._worths,
+            self.least_worth,
+            self._reach,
+            self._reach_unit,
+            self._cuts,
+            bound.falls,
+            self._unit,
+        )
         words = self.neighbourhood.shape[1]
         waiting = room(bound.prize.size, words, FIRST_WAITING)
         pending = pending_room(self._rows.body.size, words, FIRST_BLOCKS)
@@ -264,10 +287,7 @@ class LabelSearch:
         return found
 
     def search(
-        self,
-        threshold: float,
-        most_labels: int,
-        enough: Callable[[], bool],
+        self, threshold: float, most_labels: int, enough: Callable[[], bool]
     ) -> tuple[bool, float, np.ndarray | None, int]:
         """One search for walks worth at least ``threshold``, with its lessons.
 

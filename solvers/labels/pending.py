@@ -77,9 +77,14 @@ def is_preceded(pending, row, labels, candidate, memory, compared, loads, cuts):
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, pending.label[block * LANES + lane], candidate, memory, compared, loads,
+                labels,
+                pending.label[block * LANES + lane],
+                candidate,
+                memory,
+                compared,
+                loads,
                 cuts,
-            ):  # fmt: skip
+            ):
                 return True
             lane += 1
         block = pending.following[block]

@@ -145,9 +145,12 @@ def resources_of(labels, label, loads):
     """Resources of a label, with a time common to all that wait with it."""
     visits = labels.visits[label]
     return Resources(
-        0.0, labels.left[label], np.int64(0), np.int64(services_in(loads, visits)),
+        0.0,
+        labels.left[label],
+        np.int64(0),
+        np.int64(services_in(loads, visits)),
         np.int64(kits_in(loads, visits)),
-    )  # fmt: skip
+    )
 
 
 @inlined
@@ -250,9 +253,14 @@ def _drop_dominated(waiting, labels, j, label, compared, loads, cuts):
             if hits >> lane & 1 and k + lane < waiting.size[j]:
                 other = waiting.label[j, k + lane]
                 if other >= 0 and dominates(
-                    labels, label, candidate_of(labels, other, loads), labels.memory[other],
-                    compared, loads, cuts,
-                ):  # fmt: skip
+                    labels,
+                    label,
+                    candidate_of(labels, other, loads),
+                    labels.memory[other],
+                    compared,
+                    loads,
+                    cuts,
+                ):
                     waiting.label[j, k + lane] = -1
                     waiting.keys[base + k + lane] = NOBODY
             lane += 1

@@ -144,9 +144,12 @@ def _keep(network, start, of_row, i, slot, parts, steps):
         least[leg] = cheapest[destination[leg], cost[leg]]
         cost[leg] //= parts
     return (
-        first - at, destination[at:].copy(), landing[at:].copy(), cost[at:].copy(),
+        first - at,
+        destination[at:].copy(),
+        landing[at:].copy(),
+        cost[at:].copy(),
         least[at:].copy(),
-    )  # fmt: skip
+    )
 
 
 class Assignment(NamedTuple):

@@ -190,9 +190,15 @@ def _from_body(i, leaving, orbits, extra_delta_v, transfer_rule, listed, rules, 
         taken[j] = c
     first[rows] = leg
     return Outgoing(
-        chosen(time, order, rows), chosen(destination, order, rows), first,
-        delta_v, number, end, body, shortest,
-    )  # fmt: skip
+        chosen(time, order, rows),
+        chosen(destination, order, rows),
+        first,
+        delta_v,
+        number,
+        end,
+        body,
+        shortest,
+    )
 
 
 @kernel

@@ -203,10 +203,15 @@ class LegSource:
             Of a step of time [s], and of ΔV [m/s].
         """
         found: tuple[np.ndarray, int] = _of_body(
-            i, self._inputs, listed_of(self._mission, i), self._rules, self._is_start,
-            LegUnits(length, unit), units_of(self._rules.budget, unit),
+            i,
+            self._inputs,
+            listed_of(self._mission, i),
+            self._rules,
+            self._is_start,
+            LegUnits(length, unit),
+            units_of(self._rules.budget, unit),
             int(i not in self._launches),
-        )  # fmt: skip
+        )
         return found
 
     def stream(

@@ -83,10 +83,12 @@ class Workspace(NamedTuple):
 def new_front(places):
     """Empty storage for fronts."""
     return ParetoFront(
-        np.zeros(places, np.int64), np.empty((places, MOST_POINTS)),
-        np.empty((places, MOST_POINTS)), np.empty((places, MOST_POINTS), np.int16),
+        np.zeros(places, np.int64),
+        np.empty((places, MOST_POINTS)),
+        np.empty((places, MOST_POINTS)),
         np.empty((places, MOST_POINTS), np.int16),
-    )  # fmt: skip
+        np.empty((places, MOST_POINTS), np.int16),
+    )
 
 
 @kernel
@@ -95,9 +97,13 @@ def new_workspace(connections):
     most = max(1, connections.total.max())
     places = connections.total.shape[0] + 1
     return Workspace(
-        np.empty(places, np.int64), np.empty(places), np.empty(most), np.empty(most, np.int16),
-        new_front(3), new_front(2),
-    )  # fmt: skip
+        np.empty(places, np.int64),
+        np.empty(places),
+        np.empty(most),
+        np.empty(most, np.int16),
+        new_front(3),
+        new_front(2),
+    )
 
 
 @inlined
@@ -148,9 +154,7 @@ def _fly(connections, i, j, here, at, latest, workspace, to):
     size = here.size[at]
     if total == 0 or here.tank[at, size - 1] < connections.least[i, j]:
         return 0
-    low = first_at(
-        connections.departure, begin, begin + total, earliest_taken(here.time[at, 0])
-    )  # fmt: skip
+    low = first_at(connections.departure, begin, begin + total, earliest_taken(here.time[at, 0]))
     # From a single point ΔV left need not be worked out beforehand; most searches end early.
     alone = size == 1
     point, high = 0, begin + total if alone else low
@@ -233,9 +237,14 @@ def _merge(count, parts, rest, step, to, at):
         if parts.tank[place, point] > best + step:
             best = parts.tank[place, point]
             size = put(
-                to, at, size, parts.time[place, point], best, parts.parent[place, point],
+                to,
+                at,
+                size,
+                parts.time[place, point],
+                best,
+                parts.parent[place, point],
                 parts.via[place, point],
-            )  # fmt: skip
+            )
     to.size[at] = size
     return size
 
@@ -285,9 +294,14 @@ def forwards(rules, connections, i, j, refuels, here, latest, workspace):
         if rest > 0:
             for a in range(size):
                 put(
-                    parts, DIRECT, a, there.time[0, a], there.tank[0, a], there.parent[0, a],
+                    parts,
+                    DIRECT,
+                    a,
+                    there.time[0, a],
+                    there.tank[0, a],
+                    there.parent[0, a],
                     there.via[0, a],
-                )  # fmt: skip
+                )
             size = _merge(size, parts, rest, step, there, 0)
     return size
 

@@ -9,15 +9,7 @@ from adr_opt.kernels.core.memory import borrowed
 
 from ..beams.levels import STRAIGHT
 from .connection_table import STEPS
-from .fronts import (
-    AT_STATION,
-    BY_STATION,
-    DIRECT,
-    MOST_POINTS,
-    first_at,
-    first_by_end,
-    put,
-)
+from .fronts import AT_STATION, BY_STATION, DIRECT, MOST_POINTS, first_at, first_by_end, put
 
 
 @kernel

@@ -309,9 +309,11 @@ class Strings:
         far = near.mean(axis=1) if near.size else np.zeros(len(near))  # one target has no others
         far[~np.isfinite(far)] = 0.0
         self._around = Surroundings(
-            np.argsort(apart, axis=1, kind="stable") + first, far,
-            reach_of(self._lines, rules.stations, rules.duration), np.zeros(rules.service.size),
-        )  # fmt: skip
+            np.argsort(apart, axis=1, kind="stable") + first,
+            far,
+            reach_of(self._lines, rules.stations, rules.duration),
+            np.zeros(rules.service.size),
+        )
         self._order = np.arange(first, rules.service.size, dtype=np.int64)
         self._length = self._annealed = 0
         self._is_varied = is_varied(self._lines)
@@ -362,8 +364,14 @@ class Strings:
         schedule = AnnealingSchedule(worth, HOT * prize, COLD * prize, iterations)
         with halted_by(self._stop) as halt:
             best, self._length = anneal(
-                rules, self._lines, self._around, self._order, self._length, schedule, self._rng,
+                rules,
+                self._lines,
+                self._around,
+                self._order,
+                self._length,
+                schedule,
+                self._rng,
                 halt,
-            )  # fmt: skip
+            )
         found: npt.NDArray[np.int64] = best
         return found

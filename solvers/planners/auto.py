@@ -25,8 +25,7 @@ class AutoOptions(ProofOptions, method="auto"):
     """Options of the planner ``auto``."""
 
     prove: bool = option(
-        True,
-        "Work on the bound as well; otherwise only beams and local search run.",
+        True, "Work on the bound as well; otherwise only beams and local search run."
     )
     time_value_m_s_per_h: float = option(USUAL, "As for `beam`.", unit="m/s per h")
 
@@ -60,21 +59,42 @@ def auto(
         return tours.auto(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:
         return timed_sets.plan(
-            "auto", problem.alone, seed=seed, stop=stop, progress=progress,
-            start=None if start is None else next(iter(start)), options=options,
-        )  # fmt: skip
+            "auto",
+            problem.alone,
+            seed=seed,
+            stop=stop,
+            progress=progress,
+            start=None if start is None else next(iter(start)),
+            options=options,
+        )
     if problem.asks_for_least_end:
         return least_end.plan(
-            "auto", problem, seed=seed, stop=stop, progress=progress,
-            start=None if start is None else next(iter(start)), cores=options.cores,
-        )  # fmt: skip
+            "auto",
+            problem,
+            seed=seed,
+            stop=stop,
+            progress=progress,
+            start=None if start is None else next(iter(start)),
+            cores=options.cores,
+        )
     if problem.alone is not None:
         return one_route.plan(
-            problem.alone, seed=seed, stop=stop, progress=progress,
-            start=None if start is None else next(iter(start)), options=options,
-            proves=options.prove, time_value_m_s_per_h=options.time_value_m_s_per_h,
-        )  # fmt: skip
+            problem.alone,
+            seed=seed,
+            stop=stop,
+            progress=progress,
+            start=None if start is None else next(iter(start)),
+            options=options,
+            proves=options.prove,
+            time_value_m_s_per_h=options.time_value_m_s_per_h,
+        )
     return many_routes.plan(
-        "auto", problem, seed=seed, stop=stop, progress=progress, start=start, options=options,
+        "auto",
+        problem,
+        seed=seed,
+        stop=stop,
+        progress=progress,
+        start=start,
+        options=options,
         goals=Goals(proves=options.prove),
-    )  # fmt: skip
+    )

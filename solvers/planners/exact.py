@@ -90,15 +90,26 @@ def exact(
         return tours.exact(problem, seed=seed, stop=stop, progress=progress, cores=options.cores)
     if problem.alone is not None and problem.alone.has_functions:
         return timed_sets.plan(
-            "exact", problem.alone, seed=seed, stop=stop, progress=progress,
-            start=None if start is None else next(iter(start)), options=options,
-        )  # fmt: skip
+            "exact",
+            problem.alone,
+            seed=seed,
+            stop=stop,
+            progress=progress,
+            start=None if start is None else next(iter(start)),
+            options=options,
+        )
     if problem.alone is not None:
         return _one_route(problem.alone, seed, stop, progress, start, options)
     return many_routes.plan(
-        "exact", problem, seed=seed, stop=stop, progress=progress, start=start, options=options,
+        "exact",
+        problem,
+        seed=seed,
+        stop=stop,
+        progress=progress,
+        start=start,
+        options=options,
         goals=many_routes.Goals(until_done=True, cost=options.cost),
-    )  # fmt: skip
+    )
 
 
 def _one_route(
@@ -144,19 +155,28 @@ def _one_route(
     if options.cost and certificate.proven and certificate.sequence is not None:
         if mission.instance.objective.cost == "duration":
             cost_bound, counted = prove_end(
-                Problem.of(mission), certificate, stop,
+                Problem.of(mission),
+                certificate,
+                stop,
                 lambda sooner, within: exact(
-                    sooner, seed=seed, stop=within, progress=silent,
+                    sooner,
+                    seed=seed,
+                    stop=within,
+                    progress=silent,
                     options=replace(options, cost=False),
                 ),
                 lambda found: certificate.offer(*found.routes),
-            )  # fmt: skip
+            )
         else:
             cost_bound, counted = prove_cost(
                 mission, certificate, stop, replace(options, delta_v_slot_m_s=COST_SLOT_M_S)
             )
         counters |= counted
     return certificate.result(
-        "exact", seed=seed, counters=counters, cost_bound=cost_bound, notes=proof_notes(mission),
+        "exact",
+        seed=seed,
+        counters=counters,
+        cost_bound=cost_bound,
+        notes=proof_notes(mission),
         otherwise=((),),
-    )  # fmt: skip
+    )

@@ -84,9 +84,17 @@ class _Chain:
         annealing = Cooling(self.hot * pace, COLD * pace, iterations, latest, SPARE)
         with halted_by(stop) as halt:
             best, end, self._length = search(
-                self._legs, self._rules.start, self._rules.ready, self._order, self._length,
-                self._near, self._missed, annealing, self._rng, halt,
-            )  # fmt: skip
+                self._legs,
+                self._rules.start,
+                self._rules.ready,
+                self._order,
+                self._length,
+                self._near,
+                self._missed,
+                annealing,
+                self._rng,
+                halt,
+            )
         self._keep(best, float(end))
 
     def take_over(self, other: _Chain) -> None:
@@ -163,6 +171,4 @@ def plan(
             counters["rounds"] += 1.0
             counters["iterations"] += float(CHAINS * iterations)
             iterations = int(LONGER * iterations)
-    return certificate.result(
-        method, seed=seed, counters=counters, upper_bound=certificate.stated
-    )  # fmt: skip
+    return certificate.result(method, seed=seed, counters=counters, upper_bound=certificate.stated)

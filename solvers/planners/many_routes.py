@@ -120,12 +120,7 @@ class _Search:
     """The searching half: ruin and recreate across routes, packing, and target exchange."""
 
     def __init__(
-        self,
-        problem: Problem,
-        seed: int,
-        stop: Stop,
-        certificate: GapTracker,
-        pool: RoutePool,
+        self, problem: Problem, seed: int, stop: Stop, certificate: GapTracker, pool: RoutePool
     ) -> None:
         self._certificate, self._stop = certificate, stop
         self.routes = RouteSearch(problem, seed, stop, certificate, pool)
@@ -219,9 +214,14 @@ def plan(
         certificate.lower(floor_bound(problem))
     if not infeasible:
         rounds = run(
-            certificate, search, prover, stop=stop, within=within, cores=options.cores,
+            certificate,
+            search,
+            prover,
+            stop=stop,
+            within=within,
+            cores=options.cores,
             until_done=goals.until_done,
-        )  # fmt: skip
+        )
     if goals.proves and problem.limits and not (lacking or certificate.proven):
         settle(problem, certificate, pool, stop)
         search.routes.pack(PACKING_S)
@@ -234,18 +234,29 @@ def plan(
     if goals.cost and certificate.proven and certificate.routes is not None:
         if problem.instance.objective.cost == "duration":
             cost_bound, counted = prove_end(
-                problem, certificate, stop,
+                problem,
+                certificate,
+                stop,
                 lambda sooner, within: plan(
-                    method, sooner, seed=seed, stop=within, progress=silent, options=options,
+                    method,
+                    sooner,
+                    seed=seed,
+                    stop=within,
+                    progress=silent,
+                    options=options,
                     goals=Goals(until_done=True, prizes_alone=True),
                 ),
                 lambda found: certificate.offer(*found.routes),
-            )  # fmt: skip
+            )
         else:
             cost_bound, counted = prove_cost_by_columns(problem, certificate, pool, stop, options)
         counters |= counted
     stated = certificate.stated
     return certificate.result(
-        method, seed=seed, counters=counters, upper_bound=stated, cost_bound=cost_bound,
+        method,
+        seed=seed,
+        counters=counters,
+        upper_bound=stated,
+        cost_bound=cost_bound,
         notes=proof_notes(problem) if math.isfinite(stated) else (),
-    )  # fmt: skip
+    )

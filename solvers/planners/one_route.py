@@ -294,9 +294,11 @@ def _prover(mission: Mission, certificate: GapTracker, stop: Stop, options: Proo
     """The proving half."""
     own = GapTracker(mission, certificate.tell)
     return ConcurrentProof(
-        certificate, own, stop,
+        certificate,
+        own,
+        stop,
         lambda: proof_of(mission, own, stop, options, LEAST_PROOF_S, LEAST_SET_UPS),
-    )  # fmt: skip
+    )
 
 
 def _one_after_another(first: Task | None, then: Task) -> Task:
@@ -354,6 +356,9 @@ def plan(
         counters |= prover.counters
     stated = certificate.stated
     return certificate.result(
-        "auto", seed=seed, counters=counters, upper_bound=stated,
+        "auto",
+        seed=seed,
+        counters=counters,
+        upper_bound=stated,
         notes=proof_notes(mission) if math.isfinite(stated) else (),
-    )  # fmt: skip
+    )

@@ -46,10 +46,7 @@ class PpoOptions(Options, method="ppo"):
         choices=("greedy", "sample", "beam"),
     )
     samples: int = option(
-        512,
-        "Maximum number of plans drawn by `sample`.",
-        least=1,
-        most=10_000_000,
+        512, "Maximum number of plans drawn by `sample`.", least=1, most=10_000_000
     )
     temperature: float = option(
         1.5, "Temperature of samples; lower values keep closer to the best move.", above=0.0
@@ -145,8 +142,5 @@ def ppo(
         seed=seed,
         runtime_s=now_s() - began,
         counters=counters,
-        notes=(
-            f"policy {learned.name!r}, decoded by {options.decode}",
-            *learned.notes(mission),
-        ),
+        notes=(f"policy {learned.name!r}, decoded by {options.decode}", *learned.notes(mission)),
     )

@@ -64,9 +64,13 @@ def plan(
     if not searches.answered:
         cost_bound = searches.all_routes()
     return certificate.result(
-        method, seed=seed, counters={"labels": searches.labels}, cost_bound=cost_bound,
-        upper_bound=certificate.bound, otherwise=((),),
-    )  # fmt: skip
+        method,
+        seed=seed,
+        counters={"labels": searches.labels},
+        cost_bound=cost_bound,
+        upper_bound=certificate.bound,
+        otherwise=((),),
+    )
 
 
 class _Searches:

@@ -17,10 +17,25 @@ OPSET = 17
 
 OPERATORS = frozenset(
     {
-        "Add", "Clip", "Concat", "Constant", "Div", "Gather", "Gemm", "Identity", "MatMul", "Max",
-        "Mul", "ReduceMax", "ReduceSum", "Relu", "Squeeze", "Tanh", "Unsqueeze",
+        "Add",
+        "Clip",
+        "Concat",
+        "Constant",
+        "Div",
+        "Gather",
+        "Gemm",
+        "Identity",
+        "MatMul",
+        "Max",
+        "Mul",
+        "ReduceMax",
+        "ReduceSum",
+        "Relu",
+        "Squeeze",
+        "Tanh",
+        "Unsqueeze",
     }
-)  # fmt: skip
+)
 """Operators of supported networks; none of them loops or reads a file."""
 
 MOST_NODES = 500

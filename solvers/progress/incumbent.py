@@ -104,9 +104,13 @@ def _by_choice(mission: Mission, moves: tuple[int, ...]) -> tuple[float, float]:
     rules, sequence = mission.rules, np.array(moves, dtype=np.int64)
     ends, lefts = np.empty((2, len(moves)))
     made, delta_v, state = rule_kernels.replay(
-        rules, sequence, rule_kernels.beginning(rules),
-        np.zeros(rules.service.size, dtype=np.bool_), ends, lefts,
-    )  # fmt: skip
+        rules,
+        sequence,
+        rule_kernels.beginning(rules),
+        np.zeros(rules.service.size, dtype=np.bool_),
+        ends,
+        lefts,
+    )
     if made < len(moves):
         return math.inf, 0.0
     worth = 0.0 if rules.falls is None else float(rule_kernels.collected(rules, sequence, ends))

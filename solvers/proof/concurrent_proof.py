@@ -54,11 +54,7 @@ class ConcurrentProof(Generic[AnyProof]):
     """
 
     def __init__(
-        self,
-        shared: GapTracker,
-        own: GapTracker,
-        stop: Stop,
-        made: Callable[[], AnyProof | None],
+        self, shared: GapTracker, own: GapTracker, stop: Stop, made: Callable[[], AnyProof | None]
     ) -> None:
         self._shared, self._own, self._stop, self._made = shared, own, stop, made
         self.proof: AnyProof | None = None

@@ -93,9 +93,14 @@ class PricedBound(WalkBound):
     ) -> None:
         time_price = mission.instance.time_m_s_per_s
         super().__init__(
-            mission, delta_v_slot_m_s, jobs=jobs, over=over, network=network,
-            paid=Paid(PARTS, time_price > 0.0), others=others,
-        )  # fmt: skip
+            mission,
+            delta_v_slot_m_s,
+            jobs=jobs,
+            over=over,
+            network=network,
+            paid=Paid(PARTS, time_price > 0.0),
+            others=others,
+        )
         # Losses are left out, a relaxation: services are worth their greatest prize.
         self.falls = self.fall = None
         self.time_price = time_price
@@ -191,9 +196,13 @@ class CostProof(CostRounds):
     ) -> None:
         self._offer, self._cost, self._over, self._jobs = offer, cost, over, jobs
         self._reach = WalkBound(
-            mission, delta_v_slot_m_s, bucket_share=REACH_SHARE, jobs=jobs, over=over,
+            mission,
+            delta_v_slot_m_s,
+            bucket_share=REACH_SHARE,
+            jobs=jobs,
+            over=over,
             paid=Paid(time=mission.instance.time_m_s_per_s > 0.0),
-        )  # fmt: skip
+        )
         self._walks = PricedBound(
             mission, COARSER * delta_v_slot_m_s, jobs, over, self._reach.network
         )
@@ -220,9 +229,11 @@ class CostProof(CostRounds):
             return
         self.bound = bound
         self.evidence = CostEvidence(
-            (1.0 - STATED_LESS) * bound, self._asked_worth, price,
+            (1.0 - STATED_LESS) * bound,
+            self._asked_worth,
+            price,
             as_bits(neighbourhood, self._walks.prize.size),
-        )  # fmt: skip
+        )
 
     @property
     def proven(self) -> bool:
@@ -262,10 +273,15 @@ class CostProof(CostRounds):
             walks.cost_at(price, self._worth)
             tables.append((walks.values.best[0].copy(), walks.values.second[0].copy()))
         values = CompletionValues(
-            walks.buckets.of_row, np.stack([one for one, _ in tables]),
-            np.stack([one for _, one in tables]), tables[0][0].size, walks.bits, walks.width,
-            walks.top, walks.slot,
-        )  # fmt: skip
+            walks.buckets.of_row,
+            np.stack([one for one, _ in tables]),
+            np.stack([one for _, one in tables]),
+            tables[0][0].size,
+            walks.bits,
+            walks.width,
+            walks.top,
+            walks.slot,
+        )
         for routes in (self._proving, self._finding):
             routes.pay(values, prices, reach, self._worth)
         self._price = float(prices[0])

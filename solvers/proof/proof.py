@@ -62,10 +62,7 @@ class ProofOptions(Options):
         0, "Number of cores, 0 for all. No effect on the result.", least=0, most=MOST_JOBS
     )
     delta_v_slot_m_s: float = option(
-        20.0,
-        "Slot of ΔV: finer slots give a tighter bound and take longer.",
-        unit="m/s",
-        above=0.0,
+        20.0, "Slot of ΔV: finer slots give a tighter bound and take longer.", unit="m/s", above=0.0
     )
     most_labels: int = option(8_000_000, MOST_LABELS, least=1)
 
@@ -184,9 +181,12 @@ class Proof:
         """
         if self._routes is None:
             self._fine = WalkBound(
-                self._mission, self._options.delta_v_slot_m_s, jobs=self._options.cores,
-                over=self._over, network=self._bound.network,
-            )  # fmt: skip
+                self._mission,
+                self._options.delta_v_slot_m_s,
+                jobs=self._options.cores,
+                over=self._over,
+                network=self._bound.network,
+            )
             self._routes = LabelSearch(self._fine)
         none = np.zeros(self._mission.rules.prize.size)
         if self._plain is not None:
@@ -335,10 +335,15 @@ def prove_cost(
     if stop.remaining_s() < set_up_s(mission):
         return 0.0, {}
     proof = CostProof(
-        mission, certificate.incumbent, certificate.offer, lambda: certificate.cost, over,
-        jobs=options.cores, delta_v_slot_m_s=options.delta_v_slot_m_s,
+        mission,
+        certificate.incumbent,
+        certificate.offer,
+        lambda: certificate.cost,
+        over,
+        jobs=options.cores,
+        delta_v_slot_m_s=options.delta_v_slot_m_s,
         most_labels=options.most_labels,
-    )  # fmt: skip
+    )
     bound, counters = settled(proof, over)
     certificate.cost_evidence = proof.evidence
     return bound, counters

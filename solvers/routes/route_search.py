@@ -55,12 +55,7 @@ class RouteSearch:
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        seed: int,
-        stop: Stop,
-        certificate: GapTracker,
-        pool: RoutePool,
+        self, problem: Problem, seed: int, stop: Stop, certificate: GapTracker, pool: RoutePool
     ) -> None:
         self._problem = problem
         self._rng = np.random.default_rng(seed)

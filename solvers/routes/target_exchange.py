@@ -88,11 +88,7 @@ class Exchanges:
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        seed: int,
-        certificate: GapTracker,
-        pool: RoutePool,
+        self, problem: Problem, seed: int, certificate: GapTracker, pool: RoutePool
     ) -> None:
         self._problem, self._certificate, self._pool = problem, certificate, pool
         self._rng = np.random.default_rng(seed)
@@ -230,11 +226,7 @@ class Exchanges:
         return {j for j in route[begin:end] if j >= self._first}
 
     def _place(
-        self,
-        routes: list[tuple[int, ...]],
-        costs: list[float],
-        bag: list[int],
-        with_stations: bool,
+        self, routes: list[tuple[int, ...]], costs: list[float], bag: list[int], with_stations: bool
     ) -> _Place | None:
         """Cheapest insertion of any of some targets, apart from skipped positions."""
         best: _Place | None = None

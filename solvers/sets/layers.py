@@ -64,9 +64,13 @@ class Windows(NamedTuple):
 def empty_layer(room: int) -> Layer:
     """A layer with room for labels."""
     return Layer(
-        np.empty(room, np.int64), np.empty(room, np.int8), np.empty(room),
-        np.empty(room, np.int32), np.empty(room, np.int64), np.empty(room, np.int32),
-    )  # fmt: skip
+        np.empty(room, np.int64),
+        np.empty(room, np.int8),
+        np.empty(room),
+        np.empty(room, np.int32),
+        np.empty(room, np.int64),
+        np.empty(room, np.int32),
+    )
 
 
 def windows_of(latest: npt.NDArray[np.float64]) -> Windows:
@@ -197,9 +201,13 @@ FIRST_ROOM, CHUNK = 1 << 14, 20_000
 def _at(layer: Layer, labels: npt.NDArray[np.int64]) -> Layer:
     """Some labels of a layer."""
     return Layer(
-        layer.done[labels], layer.place[labels], layer.time[labels], layer.bound[labels],
-        layer.rest[labels], layer.parent[labels],
-    )  # fmt: skip
+        layer.done[labels],
+        layer.place[labels],
+        layer.time[labels],
+        layer.bound[labels],
+        layer.rest[labels],
+        layer.parent[labels],
+    )
 
 
 class LayerSearch:

@@ -301,10 +301,21 @@ class Orienteering:
         rules, instance = mission.rules, mission.instance
         self._over, self._bodies = over, rules.service.size
         self._terms = RouteTerms(
-            rules.first_target, rules.stations, rules.start, rules.most_targets, rules.service,
-            rules.opens, rules.closes, rules.prize, rules.may_end, rules.budget, rules.ready,
-            rules.duration, instance.time_m_s_per_s, instance.objective.cost == "duration",
-        )  # fmt: skip
+            rules.first_target,
+            rules.stations,
+            rules.start,
+            rules.most_targets,
+            rules.service,
+            rules.opens,
+            rules.closes,
+            rules.prize,
+            rules.may_end,
+            rules.budget,
+            rules.ready,
+            rules.duration,
+            instance.time_m_s_per_s,
+            instance.objective.cost == "duration",
+        )
         self._legs = _legs_of(mission)
         self._latest = _latest_of(self._legs, self._terms)
 
@@ -355,10 +366,16 @@ class Orienteering:
 def _wider(routes: Routes | None, count: int, room: int) -> tuple[Routes, npt.NDArray[np.int32]]:
     """Labels with more room, and their table."""
     made = Routes(
-        np.empty(room, np.int64), np.empty(room, np.int32), np.empty(room, np.int32),
-        np.empty(room, np.int32), np.empty(room, np.bool_), np.empty(room), np.empty(room),
-        np.empty(room), np.empty(room),
-    )  # fmt: skip
+        np.empty(room, np.int64),
+        np.empty(room, np.int32),
+        np.empty(room, np.int32),
+        np.empty(room, np.int32),
+        np.empty(room, np.bool_),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+        np.empty(room),
+    )
     table = np.full(4 << (room - 1).bit_length(), -1, dtype=np.int32)
     if routes is not None:
         for name in Routes._fields:

@@ -211,9 +211,16 @@ def tour_of(mission: Mission) -> TimedTour | None:
     if not ends:
         closes[targets + 1] = rules.duration
     return TimedTour(
-        targets, np.array(first, dtype=np.int64), np.concatenate(leaves), np.concatenate(lands),
-        rules.service[bodies], rules.opens[bodies], closes, rules.ready, not ends,
-    )  # fmt: skip
+        targets,
+        np.array(first, dtype=np.int64),
+        np.concatenate(leaves),
+        np.concatenate(lands),
+        rules.service[bodies],
+        rules.opens[bodies],
+        closes,
+        rules.ready,
+        not ends,
+    )
 
 
 def _leads(mission: Mission, station: int, *, to: bool) -> bool:

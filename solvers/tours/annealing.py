@@ -252,9 +252,16 @@ def anneal(costs, tour, grid, expense, iterations, seed, heat, rules):
     order[:], begins[:], at[:] = now[:count], cut[:count], when[:count]
     best_order, best_begins, best_at = order.copy(), begins.copy(), at.copy()
     putting = PuttingRules(
-        grid, wide, rules.near, expense.fixed + expense.per_kg * expense.kit_kg, usual, 0.25,
-        rules.blinks, rules.noise * heat, expense.most_missions,
-    )  # fmt: skip
+        grid,
+        wide,
+        rules.near,
+        expense.fixed + expense.per_kg * expense.kit_kg,
+        usual,
+        0.25,
+        rules.blinks,
+        rules.noise * heat,
+        expense.most_missions,
+    )
     for _ in range(iterations):
         split = marked(least, now, cut, when, count, most, marks)
         if split >= 0 and cut.sum() >= expense.most_missions:

@@ -144,9 +144,15 @@ class Campaign:
             takes_kits = self.instance.targets[0].service.takes_kit
             kit_kg = chaser.kit_mass_kg if takes_kits else 0.0
             return TourExpense(
-                stated.fixed, stated.per_kg, stated.per_kg_squared, tank.dry_mass_kg, kit_kg,
-                tank.exhaust_m_s, kept * tank.propellant_kg, most,
-            )  # fmt: skip
+                stated.fixed,
+                stated.per_kg,
+                stated.per_kg_squared,
+                tank.dry_mass_kg,
+                kit_kg,
+                tank.exhaust_m_s,
+                kept * tank.propellant_kg,
+                most,
+            )
         fixed, per_m_s = 0.0, 1.0
         if self.instance.objective.cost == "expense":
             fixed, per_m_s = chaser.priced.fixed, 1e-6
@@ -242,9 +248,7 @@ class Campaign:
         return of_leg
 
 
-def _looked_up(
-    chosen: dict[tuple[int, int], Connections],
-) -> Callable[[int, int], Connections]:
+def _looked_up(chosen: dict[tuple[int, int], Connections]) -> Callable[[int, int], Connections]:
     """Connections by origin and destination."""
     return lambda i, j: chosen[i, j]
 
@@ -256,9 +260,12 @@ def _one(leaves: float, arrives: float, delta_v: float, laps: int, family: int) 
         return np.array([value], kind)
 
     return Connections(
-        np.array([leaves]), np.array([arrives]), np.array([delta_v]),
-        np.array([laps], np.int8), np.array([family], np.int8),
-    )  # fmt: skip
+        np.array([leaves]),
+        np.array([arrives]),
+        np.array([delta_v]),
+        np.array([laps], np.int8),
+        np.array([family], np.int8),
+    )
 
 
 def plan_tours(
@@ -339,11 +346,17 @@ def certified_tour(
     lacking = planned.routes is None
     notes = ("no tour through time was found that services all targets",) if lacking else ()
     return certify_routes(
-        problem, method, planned.routes, seed=seed, runtime_s=now_s() - began_s,
-        schedules=planned.schedules or None, cost_bound=cost_bound,
-        upper_bound=math.inf if lacking else problem.total_worth, notes=notes,
+        problem,
+        method,
+        planned.routes,
+        seed=seed,
+        runtime_s=now_s() - began_s,
+        schedules=planned.schedules or None,
+        cost_bound=cost_bound,
+        upper_bound=math.inf if lacking else problem.total_worth,
+        notes=notes,
         counters={**planned.counters, **(counters or {})},
-    )  # fmt: skip
+    )
 
 
 def _timed(campaign: Campaign, tours: Sequence[Tour], stop: Stop, cores: int) -> list[FlownTour]:

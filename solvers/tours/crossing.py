@@ -40,11 +40,7 @@ def pieces_of(tour: Tour) -> list[Piece]:
 
 
 def completed(
-    costs: TourCosts,
-    grid: TimeGrid,
-    expense: TourExpense,
-    pieces: list[Piece],
-    lacking: np.ndarray,
+    costs: TourCosts, grid: TimeGrid, expense: TourExpense, pieces: list[Piece], lacking: np.ndarray
 ) -> Tour:
     """Missions with all other targets inserted, each where it costs least.
 
@@ -75,14 +71,26 @@ def completed(
     rows = [np.full((count, times), FAR, np.float32) for _ in range(2)]
     helpers = [np.full((1, times), FAR, np.float32) for _ in range(2)]
     rules = PuttingRules(
-        grid, times, min(times // 2, 40), expense.fixed, usual, 0.25, blinks=0.0, noise=0.0,
+        grid,
+        times,
+        min(times // 2, 40),
+        expense.fixed,
+        usual,
+        0.25,
+        blinks=0.0,
+        noise=0.0,
         most_missions=expense.most_missions,
-    )  # fmt: skip
+    )
     if lacking.size:
         _, complete = put_back(
-            costs, TourRows(order, begins, at, slope, kit), size, lacking, lacking.size,
-            CostRows(*rows, *helpers), rules,
-        )  # fmt: skip
+            costs,
+            TourRows(order, begins, at, slope, kit),
+            size,
+            lacking,
+            lacking.size,
+            CostRows(*rows, *helpers),
+            rules,
+        )
         if not complete:
             raise NoPlace("the horizon has no room for all targets in these missions")
     return Tour(order[:-1].copy(), begins[:-1].copy(), at[:-1].copy(), float("inf"))

@@ -190,9 +190,15 @@ class LeastExpense:
             prices = np.full(self._count, now.value / self._count)
         first = FirstPrices(prices, now.missions, fee)
         return bound(
-            self._cells, self._grid, self._expense, tangent, self._memory, settings, first,
+            self._cells,
+            self._grid,
+            self._expense,
+            tangent,
+            self._memory,
+            settings,
+            first,
             self._likely,
-        )  # fmt: skip
+        )
 
     def _keep(self, now: _Campaigns, found: Bound) -> None:
         """Take over what a stage found; other numbers of missions begin with its prices."""

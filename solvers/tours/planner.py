@@ -148,9 +148,15 @@ class Population:
         for made in range(0, iterations, settings.chunk):
             heat = hot * (settings.cold / hot) ** (made / iterations)
             cost, better = anneal(
-                self._costs, here, self._grid, self._expense,
-                min(settings.chunk, iterations - made), seed * 100_003 + made, heat, settings.ruin,
-            )  # fmt: skip
+                self._costs,
+                here,
+                self._grid,
+                self._expense,
+                min(settings.chunk, iterations - made),
+                seed * 100_003 + made,
+                heat,
+                settings.ruin,
+            )
             if math.isfinite(cost) and (best is None or cost < best.expense):
                 best = Tour(better.order, better.begins, better.at, cost)
             if self._share() >= 1.0:

@@ -45,6 +45,11 @@ def exact(problem: Problem, *, seed: int, stop: Stop, progress: Progress, cores:
         if stop.remaining_s() <= 0.0 or stop(everything, everything):
             break
     return certified_tour(
-        "exact", problem, planned, seed=seed, began_s=began_s, cost_bound=least.value,
+        "exact",
+        problem,
+        planned,
+        seed=seed,
+        began_s=began_s,
+        cost_bound=least.value,
         counters={"rounds": float(least.rounds)},
-    )  # fmt: skip
+    )

@@ -83,10 +83,15 @@ def write_onnx(
         # axes of any length.
         warnings.simplefilter("ignore")
         torch.onnx.export(
-            network, inputs, file,  # type: ignore[arg-type]  # it takes files, and does not say so
-            input_names=names, output_names=["scores", "value"], dynamic_axes=axes,
-            opset_version=OPSET, dynamo=False,
-        )  # fmt: skip
+            network,
+            inputs,
+            file,  # type: ignore[arg-type]  # it takes files, and does not say so
+            input_names=names,
+            output_names=["scores", "value"],
+            dynamic_axes=axes,
+            opset_version=OPSET,
+            dynamo=False,
+        )
     network.train(training)
     model = onnx.ModelProto.FromString(file.getvalue())
     for key, value in {

@@ -54,9 +54,13 @@ def write_policy(
         made = Path(folder) / "policy.onnx"
         before = policy.device
         write_onnx(
-            policy.to("cpu"), made, name=name, observation=observation, targets=targets,
+            policy.to("cpu"),
+            made,
+            name=name,
+            observation=observation,
+            targets=targets,
             facts=stated,
-        )  # fmt: skip
+        )
         policy.to(before)
         try:
             load_policy(made)

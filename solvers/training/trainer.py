@@ -144,9 +144,13 @@ class Keeper(BaseCallback):
         )
         targets = None if config.policy == "set" else config.fields.most_targets
         write_onnx(
-            self.model.policy, self.run.folder / f"{name}.onnx", name=config.name,
-            observation=config.observation, targets=targets, facts=facts,
-        )  # fmt: skip
+            self.model.policy,
+            self.run.folder / f"{name}.onnx",
+            name=config.name,
+            observation=config.observation,
+            targets=targets,
+            facts=facts,
+        )
 
     def _save(self) -> None:
         write_checkpoint(self.model, self.run.checkpoint, self.seconds, self.best)
@@ -205,11 +209,16 @@ def train(  # noqa: PLR0913
             report(done, run.last_evaluation())
             return
         env = MissionVecEnv(
-            config.missions, config.fields, observation=config.observation, slots=config.slots,
-            refresh_every=config.refresh_every, threads=jobs, reward_scale=config.reward_scale,
+            config.missions,
+            config.fields,
+            observation=config.observation,
+            slots=config.slots,
+            refresh_every=config.refresh_every,
+            threads=jobs,
+            reward_scale=config.reward_scale,
             # A resumed training goes on with other fields than it began with.
             seed=(seed + done) % 2**32,
-        )  # fmt: skip
+        )
         stack.callback(env.close)
         model = model_of(config, env, seed, device)
         if done:

@@ -59,9 +59,15 @@ def latest_of(bound: WalkBound, mission: Mission, multipliers: np.ndarray, value
     steps = int(value / step + 1e-9) + 1
     time = np.full((multipliers.size, bound.top + 1, steps + 1), NO_TIME_S)
     _fill(
-        bound.buckets, bound.values.best[0], bound.bits, bound.width, bound.unit, step,
-        mission.rules.duration, time,
-    )  # fmt: skip
+        bound.buckets,
+        bound.values.best[0],
+        bound.bits,
+        bound.width,
+        bound.unit,
+        step,
+        mission.rules.duration,
+        time,
+    )
     if time.shape[1] == 1:
         time = np.repeat(time, 2, axis=1)
     return Latest(time, bound.slot, step, np.array(multipliers), 0.0)

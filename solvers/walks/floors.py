@@ -226,9 +226,13 @@ def _of_model(mission: Mission) -> tuple[np.ndarray, np.ndarray]:
     widening = strength * (4.0 * np.cos(elements.inclinations(leaving, EPOCH_S)) ** 2 - 1.0)
     radii = elements.radii(leaving, EPOCH_S)
     flown = _flights(
-        float(radii.min()), float(widening.max()), arriving, strength,
-        rule.first_leg_fraction, rule.min_radius,
-    )  # fmt: skip
+        float(radii.min()),
+        float(widening.max()),
+        arriving,
+        strength,
+        rule.first_leg_fraction,
+        rule.min_radius,
+    )
     laps = 2.0 * math.pi / elements.latitude_rates(arriving, EPOCH_S)
     flown += rule.approach_revolutions * laps - SLACK_S - drifts * BAND_S
     if drifts:
@@ -245,9 +249,13 @@ def _normals(bodies: np.ndarray) -> np.ndarray:
     """Unit normals of the planes of bodies, shape (bodies, 3)."""
     inclination, node = elements.inclinations(bodies, EPOCH_S), elements.nodes(bodies, EPOCH_S)
     return np.stack(
-        [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
-         np.cos(inclination)], axis=1
-    )  # fmt: skip
+        [
+            np.sin(inclination) * np.sin(node),
+            -np.sin(inclination) * np.cos(node),
+            np.cos(inclination),
+        ],
+        axis=1,
+    )
 
 
 @kernel

@@ -200,9 +200,11 @@ class PooledBound(StreamBound):
         """Value of the best walk, the price of its first tank included."""
         bodies, stream = np.arange(self.worth.size), self._stream
         worths = Worths(
-            (gain << self._bits) + bodies, np.int64(toll << self._bits), self._is_station,
+            (gain << self._bits) + bodies,
+            np.int64(toll << self._bits),
+            self._is_station,
             np.int64(self._bits),
-        )  # fmt: skip
+        )
         best, second, pointer = self._best, self._second, stream.last.copy()
         # In the last step a walk can only stop, where it may, and has itself as next.
         best[stream.steps] = np.where(self._may_end, bodies, NEVER)

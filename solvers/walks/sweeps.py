@@ -206,9 +206,15 @@ def sweep_until(buckets, values, layers, terms, begun, begin, step, time):
         for kits in range(best.shape[0]):
             layer = Values(best[kits], second[kits], landed_best[kits], landed_second[kits])
             _sweep_buckets(
-                buckets, layer, terms, toll[min(kits, toll.shape[0] - 1)],
-                top_of(layers, terms.top, kits), i, high, low,
-            )  # fmt: skip
+                buckets,
+                layer,
+                terms,
+                toll[min(kits, toll.shape[0] - 1)],
+                top_of(layers, terms.top, kits),
+                i,
+                high,
+                low,
+            )
         if layers is not None:
             _land(values, layers, width, i, buckets.start[i] + low, buckets.start[i] + high)
         begun[i] = low

@@ -116,9 +116,11 @@ def _tangent(mission: Mission, carried_kg: float, most_kg: float, full: np.ndarr
     rise = expense.per_kg + 2.0 * expense.per_kg_squared * carried_kg
     of_kit = np.where(kits > 0, kit * np.exp(left), 0.0)
     price = rise * (dry * math.exp(flown) + np.cumsum(of_kit)) / exhaust
-    constant = expense.of(carried_kg) - rise * carried_kg + rise * (
-        dry * (math.exp(flown) * (1.0 - flown) - 1.0) + np.cumsum(of_kit * (1.0 - left))
-    )  # fmt: skip
+    constant = (
+        expense.of(carried_kg)
+        - rise * carried_kg
+        + rise * (dry * (math.exp(flown) * (1.0 - flown) - 1.0) + np.cumsum(of_kit * (1.0 - left)))
+    )
     room = np.minimum(tank.propellant_kg, most_kg - kits * kit)
     starts = exhaust * np.log1p(np.maximum(room, 0.0) / (dry + kits * kit))
     starts = np.minimum(full, starts * (1.0 + TANK_OFF) + SLACK_M_S)

@@ -47,8 +47,11 @@ def test_legs_are_aligned(plans) -> None:
     assert other.lost == ("south",)
     assert other.gained == ()
     assert [(pair.destination, pair.what) for pair in other.pairs] == [
-        ("south", "only"), ("station", "only"), ("north", "retimed"), ("beyond", "retimed"),
-    ]  # fmt: skip
+        ("south", "only"),
+        ("station", "only"),
+        ("north", "retimed"),
+        ("beyond", "retimed"),
+    ]
     for difference in comparison.differences:
         firsts = [pair.first for pair in difference.pairs if pair.first]
         others = [pair.other for pair in difference.pairs if pair.other]

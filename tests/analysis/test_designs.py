@@ -38,9 +38,12 @@ def made() -> DesignStudy:
     """One or two launches, with two numbers of kits."""
     field = rated(targets=4)
     return design_study(
-        field, [Axis("launches", (1.0, 2.0)), Axis("kits", (1.0, 2.0))],
-        worths=worths_of_sets(field), prices=PRICES, time_limit=LIMIT_S,
-    )  # fmt: skip
+        field,
+        [Axis("launches", (1.0, 2.0)), Axis("kits", (1.0, 2.0))],
+        worths=worths_of_sets(field),
+        prices=PRICES,
+        time_limit=LIMIT_S,
+    )
 
 
 def one(kind: str, value: float) -> Design:
@@ -103,8 +106,10 @@ def test_what_is_not_there_cannot_be_varied() -> None:
     """Kits without targets that take them, masses of tanks in ΔV, intervals of chosen launches."""
     tiny = adr_opt.generate("tiny", 0)
     for kind, said in (
-        ("kits", "takes a kit"), ("dry-mass", "without masses"), ("isp", "without masses"),
-    ):  # fmt: skip
+        ("kits", "takes a kit"),
+        ("dry-mass", "without masses"),
+        ("isp", "without masses"),
+    ):
         with pytest.raises(InputError, match=said):
             designed(tiny, one(kind, 3.0))
     field = rated(chasers=2)

@@ -23,8 +23,10 @@ def run(path: Path | None, **more: Any) -> tuple[DesignStudy, list[DesignPoint]]
     ran: list[DesignPoint] = []
     field = rated(targets=2)
     settings: dict[str, Any] = {
-        "worths": worths_of_sets(field), "prices": CampaignPrices(10.0, 2.0), "time_limit": 60.0,
-    }  # fmt: skip
+        "worths": worths_of_sets(field),
+        "prices": CampaignPrices(10.0, 2.0),
+        "time_limit": 60.0,
+    }
     made = design_study(
         field, AXES, path=path, told=lambda point, done, of: ran.append(point), **settings | more
     )
@@ -86,10 +88,14 @@ def test_more_values_run_what_is_new(tmp_path: Path, content: bytes) -> None:
     ran: list[DesignPoint] = []
     field = rated(targets=2)
     design_study(
-        field, [AXES[0], Axis("kits", (2.0, 3.0))], path=path, worths=worths_of_sets(field),
-        prices=CampaignPrices(10.0, 2.0), time_limit=60.0,
+        field,
+        [AXES[0], Axis("kits", (2.0, 3.0))],
+        path=path,
+        worths=worths_of_sets(field),
+        prices=CampaignPrices(10.0, 2.0),
+        time_limit=60.0,
         told=lambda point, done, of: ran.append(point),
-    )  # fmt: skip
+    )
     assert [point.design.value("kits") for point in ran] == [3.0]
 
 

@@ -30,10 +30,12 @@ def field(step_d: float, tank_m_s: float = 600.0) -> Instance:
         ),
         mission=drawn.mission.replace(duration_s=40.0 * DAY_S),
         transfer=drawn.transfer.replace(
-            drift_step_s=step_d * DAY_S, max_drift_s=40.0 * DAY_S, delta_v_resolution_m_s=0.1,
+            drift_step_s=step_d * DAY_S,
+            max_drift_s=40.0 * DAY_S,
+            delta_v_resolution_m_s=0.1,
             departure_spacing_s=2.0 * DAY_S,
         ),
-    )  # fmt: skip
+    )
 
 
 def planned(step_d: float) -> tuple[Problem, Plan]:

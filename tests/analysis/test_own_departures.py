@@ -28,8 +28,10 @@ def same(made, plan):
     """Whether two plans fly the same legs, and leave out the same targets for the same reasons."""
     assert made.routes == plan.routes
     assert (made.objective, made.cost, made.unvisited) == (
-        plan.objective, plan.cost, plan.unvisited,
-    )  # fmt: skip
+        plan.objective,
+        plan.cost,
+        plan.unvisited,
+    )
 
 
 FIELDS = {
@@ -40,10 +42,13 @@ FIELDS = {
     "launched": lambda: adr_opt.generate("removal", 0, targets=6, chasers=2),
     "campaign": lambda: adr_opt.generate("campaign", 0, targets=12),
     "towed": lambda: adr_opt.generate(
-        "tiny", 0, towed_kg=200.0, disposal_altitude_m=400e3,
+        "tiny",
+        0,
+        towed_kg=200.0,
+        disposal_altitude_m=400e3,
         tank={"dry_mass_kg": 800.0, "propellant_kg": 2000.0, "isp_s": 310.0},
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("field", FIELDS)
@@ -170,9 +175,17 @@ def test_what_is_wrong_is_one_sentence() -> None:
 
 
 @pytest.mark.parametrize(
-    "leg", [("debris-001", -1.0), ("debris-001", float("nan")), ("debris-001", "soon"), 1.5,
-            ("debris-001", 0.0, 1.0, 2.0), (), None],
-)  # fmt: skip
+    "leg",
+    [
+        ("debris-001", -1.0),
+        ("debris-001", float("nan")),
+        ("debris-001", "soon"),
+        1.5,
+        ("debris-001", 0.0, 1.0, 2.0),
+        (),
+        None,
+    ],
+)
 def test_what_is_no_leg_is_refused(leg) -> None:
     """A leg of another form is answered with the forms that there are."""
     said = refused(adr_opt.generate("tiny", 0), [leg])

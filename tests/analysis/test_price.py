@@ -303,9 +303,10 @@ def test_what_mends_counts_prizes_alone(cli: Cli) -> None:
     outcome = cli("price", "h.json", "south", "north", "beyond", "--json")
     (route,) = json.loads(outcome.out)["routes"]
     assert {tuple(each["order"]): each["prize"] for each in route["mendings"]}[OPTIMAL] == 6.0
-    assert "would do: refuel before north: prize 6," in cli(
-        "price", "h.json", "south", "north", "beyond"
-    ).out  # fmt: skip
+    assert (
+        "would do: refuel before north: prize 6,"
+        in cli("price", "h.json", "south", "north", "beyond").out
+    )
 
 
 def window_of(instance, name: str, closes_s: float):
@@ -326,19 +327,25 @@ def leaving_at(instance, end_s: float):
     [
         (hand_made(), ("south", "north"), "it needs 262.488 m/s, but only 168", ("day", "window")),
         (
-            window_of(hand_made(), "beyond", 3.1 * PERIOD_S), ("north", "beyond"),
-            "after its window closes", ("m/s", "mission", "gone"),
+            window_of(hand_made(), "beyond", 3.1 * PERIOD_S),
+            ("north", "beyond"),
+            "after its window closes",
+            ("m/s", "mission", "gone"),
         ),
         (
-            leaving_at(hand_made(), 5.0 * PERIOD_S), ("north", "beyond"),
-            "after its chaser is gone", ("m/s", "mission", "window"),
+            leaving_at(hand_made(), 5.0 * PERIOD_S),
+            ("north", "beyond"),
+            "after its chaser is gone",
+            ("m/s", "mission", "window"),
         ),
         (
-            hand_made(periods=6.3), ("north", "beyond"),
-            "min after the mission", ("m/s", "window", "gone"),
+            hand_made(periods=6.3),
+            ("north", "beyond"),
+            "min after the mission",
+            ("m/s", "window", "gone"),
         ),
     ],
-)  # fmt: skip
+)
 def test_the_one_true_reason_is_told_in_days(
     cli: Cli, instance, order: tuple[str, ...], named: str, others: tuple[str, ...]
 ) -> None:

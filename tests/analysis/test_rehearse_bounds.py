@@ -109,7 +109,7 @@ def _most_in_world(ground: Ground, world: DrawnWorld) -> float:
                     rows.departure, rows.arrival, rows.delta_v, strict=True
                 )
                 if departure >= free - 1e-3
-            ]  # fmt: skip
+            ]
             fronts = _front(each for each in ends if each[0] <= limits.duration and each[1] >= 0.0)
             if not fronts:
                 break

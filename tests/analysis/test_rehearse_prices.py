@@ -8,12 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drawn_worlds import LATE, all_flown
-from random_rules import (
-    given_field,
-    random_campaign,
-    random_mission,
-    towing_mission,
-)
+from random_rules import given_field, random_campaign, random_mission, towing_mission
 from roomy_fields import roomy_launched
 from seeds import over_kinds
 from verify_fields import campaign_with_cargo
@@ -94,9 +89,8 @@ def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_d
                 continue
             name = ground.names[j]
             worths = worths_of_tries(
-                ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name),
-                paid[j],
-            )  # fmt: skip
+                ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name), paid[j]
+            )
             after = [max(worth, 0.0) for worth in worths[1:]]
             gone = uncertainty.gone_of(name)
             if made.outcome == "gone":
@@ -130,9 +124,11 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_uncertain_times(draw, seeds) 
         )
         instance = instance.replace(targets=targets)
         uncertainty = Uncertainty(
-            service_s=LATE, capture={"success": 0.8}, gone=0.1,
+            service_s=LATE,
+            capture={"success": 0.8},
+            gone=0.1,
             targets={instance.targets[-1].name: {"service_s": {}}},
-        ).of(instance)  # fmt: skip
+        ).of(instance)
         ground = Ground(instance)
         share = float(np.random.default_rng(seed).uniform(0.0, 0.4))
         tries_s = prices_of_tries(ground, 1.0)

@@ -20,9 +20,12 @@ from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 
 DRAWS: tuple[Callable[[int], Instance], ...] = (
-    random_mission, drifting_mission, given_mission, towing_mission,
+    random_mission,
+    drifting_mission,
+    given_mission,
+    towing_mission,
     lambda seed: carrying(random_mission(seed), seed),
-)  # fmt: skip
+)
 STATES = 40
 
 

@@ -227,9 +227,10 @@ def test_with_kits_nothing_new_is_nothing_worse() -> None:
         stations = field.stations if rng.random() < 0.5 else ()
         kit_kg, propellant_kg = float(rng.choice([6.0, 20.0, 40.0])), rng.choice([72.0, 110.0, 150])
         chaser = field.chaser.replace(
-            kit_mass_kg=kit_kg, start=field.chaser.start if stations else "anywhere",
+            kit_mass_kg=kit_kg,
+            start=field.chaser.start if stations else "anywhere",
             tank=TankByMass(dry_mass_kg=400.0, propellant_kg=float(propellant_kg), isp_s=310.0),
-        )  # fmt: skip
+        )
         targets = tuple(
             target.replace(
                 removal="kit" if rng.random() < 0.7 else "visit", prize=float(rng.integers(1, 6))
@@ -339,9 +340,20 @@ def test_the_verb_writes_the_rest(cli: Cli) -> None:
     plan.save("p.json")
     Path("z.json").write_text(json.dumps([json.loads(ZONE.model_dump_json())]))
     outcome = cli(
-        "replan", "i.json", "p.json", "--at", "9.6h", "--zones", "z.json", "--lost",
-        plan.destinations[-1], "--out", "r.json", "--out-instance", "ri.json",
-    )  # fmt: skip
+        "replan",
+        "i.json",
+        "p.json",
+        "--at",
+        "9.6h",
+        "--zones",
+        "z.json",
+        "--lost",
+        plan.destinations[-1],
+        "--out",
+        "r.json",
+        "--out-instance",
+        "ri.json",
+    )
     assert outcome.status == 0, outcome
     assert "flown or fixed" in outcome.out
     assert f"lost: 1 target: {plan.destinations[-1]}" in outcome.out

@@ -135,8 +135,10 @@ def test_kits_of_a_missed_target_are_aboard() -> None:
     later_s = plan.legs[1].end_s + 1.0
     made = replan(instance, plan, later_s, missed=["south"], method="exact")
     assert passes(made)
-    used = [500.0 - each.instance.stations[0].max_propellant_kg
-            for each in (replan(instance, plan, later_s, method="exact"), made)]  # fmt: skip
+    used = [
+        500.0 - each.instance.stations[0].max_propellant_kg
+        for each in (replan(instance, plan, later_s, method="exact"), made)
+    ]
     assert used[1] > used[0] + 0.01
 
 
@@ -296,16 +298,20 @@ def test_whatever_went_otherwise_the_rest_is_a_plan() -> None:
         number = int(rng.integers(len(plan.legs)))
         leg = plan.legs[number]
         targets = {target.name: target for target in instance.targets}
-        at_s = min(float(rng.uniform(leg.leaves_s + 1.0, leg.end_s + 1.0)),
-                   instance.mission.duration_s)  # fmt: skip
+        at_s = min(
+            float(rng.uniform(leg.leaves_s + 1.0, leg.end_s + 1.0)), instance.mission.duration_s
+        )
         told: dict = {}
         kind = ("missed", "cost", "took", "failed")[seed % 4]
         is_target = leg.destination in targets
         if kind == "missed" and is_target:
             told = {"missed": [leg.destination], "retry": bool(rng.random() < 0.6)}
         elif kind == "took" and is_target:
-            told = {"services_s": {leg.destination: float(rng.uniform(0.3, 2.0)) *
-                                   (leg.end_s - leg.arrival_s)}}  # fmt: skip
+            told = {
+                "services_s": {
+                    leg.destination: float(rng.uniform(0.3, 2.0)) * (leg.end_s - leg.arrival_s)
+                }
+            }
         elif kind == "cost":
             told = {"costs_m_s": {number + 1: leg.delta_v_m_s * float(rng.uniform(0.5, 1.0))}}
         elif kind == "failed":
@@ -327,8 +333,9 @@ def test_whatever_went_otherwise_the_rest_is_a_plan() -> None:
         if kind == "failed":
             assert all(
                 (each.destination, each.departure_s) != (leg.destination, leg.departure_s)
-                for route in made.whole() for each in route.legs
-            ), seed  # fmt: skip
+                for route in made.whole()
+                for each in route.legs
+            ), seed
         seen[kind] += bool(told)
         seen["drift"] += leg.kind == "drift" and bool(told)
         seen["several"] += len(instance.chasers) > 1 and bool(told)
@@ -348,13 +355,13 @@ def towed() -> tuple[Instance, Plan]:
     start = InOrbit(orbit=field.stations[0].orbit)
     tank = TankByMass(dry_mass_kg=500.0, propellant_kg=600.0, isp_s=310.0)
     instance = field.replace(
-        stations=(), chasers=(field.chaser.replace(start=start, tank=tank),),
+        stations=(),
+        chasers=(field.chaser.replace(start=start, tank=tank),),
         targets=tuple(
-            target.replace(removal="tow", mass_kg=250.0, required=False)
-            for target in field.targets
+            target.replace(removal="tow", mass_kg=250.0, required=False) for target in field.targets
         ),
         mission=field.mission.replace(disposal_altitude_m=450e3),
-    )  # fmt: skip
+    )
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None
     assert len(plan.legs) == 3
@@ -370,8 +377,11 @@ def test_an_object_that_was_missed_is_not_towed() -> None:
     (state,) = made.states
     assert not state.is_put
     assert not state.is_released
-    assert made.instance.chaser.start == InOrbit(orbit=instance.targets[
-        [target.name for target in instance.targets].index(leg.destination)].orbit)  # fmt: skip
+    assert made.instance.chaser.start == InOrbit(
+        orbit=instance.targets[
+            [target.name for target in instance.targets].index(leg.destination)
+        ].orbit
+    )
     (normal,) = states_at(instance, plan, at_s)
     assert state.propellant_kg == pytest.approx(normal.propellant_kg)
     assert leg.destination in made.plan.destinations
@@ -484,10 +494,23 @@ def test_the_verb_takes_all_that_went_otherwise(cli: Cli) -> None:
     plan.save("p.json")
     at = f"{plan.legs[2].end_s + 1.0}s"
     outcome = cli(
-        "replan", "i.json", "p.json", "--at", at, "--missed", "north", "--retry",
-        "--service-took", "south=900s", "--cost", "3=140", "--out", "r.json",
-        "--out-instance", "ri.json",
-    )  # fmt: skip
+        "replan",
+        "i.json",
+        "p.json",
+        "--at",
+        at,
+        "--missed",
+        "north",
+        "--retry",
+        "--service-took",
+        "south=900s",
+        "--cost",
+        "3=140",
+        "--out",
+        "r.json",
+        "--out-instance",
+        "ri.json",
+    )
     assert outcome.status == 0, outcome
     assert "missed, and may be tried again: 1 target: north" in outcome.out
     assert cli("check", "ri.json", "r.json").status == 0

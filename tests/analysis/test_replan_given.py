@@ -84,12 +84,11 @@ def simple(seed: int) -> tuple[Instance, Plan]:
     rng = np.random.default_rng([21, seed])
     start = InOrbit(orbit=field.stations[0].orbit)
     bare = field.replace(
-        stations=(), chasers=(field.chaser.replace(start=start, tank=Tank(delta_v_m_s=500.0)),),
+        stations=(),
+        chasers=(field.chaser.replace(start=start, tank=Tank(delta_v_m_s=500.0)),),
         mission=MissionSettings(duration_s=90_000.0, service_s=900.0),
-        targets=tuple(
-            target.replace(prize=float(rng.integers(1, 5))) for target in field.targets
-        ),
-    )  # fmt: skip
+        targets=tuple(target.replace(prize=float(rng.integers(1, 5))) for target in field.targets),
+    )
     # Orbits may only be left out of an instance whose connections are given already.
     instance = with_given_costs(with_given_costs(bare, rng), rng, orbits=bool(seed % 2))
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
@@ -102,10 +101,12 @@ def test_the_rest_is_the_best_there_is(seed: int) -> None:
     """Nothing collects more on from the place where the chaser is, in the rows of the whole."""
     instance, plan = simple(seed)
     field = Field(
-        instance.given.of_pair, {target.name: target.prize for target in instance.targets},
-        dict.fromkeys(instance.names, instance.mission.service_s), instance.mission.duration_s,
+        instance.given.of_pair,
+        {target.name: target.prize for target in instance.targets},
+        dict.fromkeys(instance.names, instance.mission.service_s),
+        instance.mission.duration_s,
         lambda name, left_m_s: left_m_s,
-    )  # fmt: skip
+    )
     fell = 0
     times = (leg.end_s + wait_s for leg in plan.legs for wait_s in (-1.0, 3000.0))
     for at_s in (min(time, instance.mission.duration_s) for time in times):
@@ -143,9 +144,17 @@ def test_files_of_the_rest_leave_those_of_the_whole_alone(cli: Cli) -> None:
     hours = f"{plan.legs[0].end_s / HOUR_S}h"
     for number, lost in enumerate(([], ["--lost", plan.destinations[1]])):
         outcome = cli(
-            "replan", "roads.json", "plan.json", "--at", hours, *lost,
-            "--out", f"rest-{number}.json", "--out-instance", f"rest-instance-{number}.json",
-        )  # fmt: skip
+            "replan",
+            "roads.json",
+            "plan.json",
+            "--at",
+            hours,
+            *lost,
+            "--out",
+            f"rest-{number}.json",
+            "--out-instance",
+            f"rest-instance-{number}.json",
+        )
         assert outcome.status == 0, outcome
     assert cli("check", "roads.json", "plan.json").status == 0
     for number in range(2):

@@ -99,16 +99,19 @@ def simple(seed: int, dynamics: str = "two-body") -> tuple[Instance, Plan]:
     rng = np.random.default_rng([23, seed])
     start = InOrbit(orbit=field.stations[0].orbit)
     instance = field.replace(
-        dynamics=dynamics, stations=(), chasers=(field.chaser.replace(start=start, tank=TANK),),
+        dynamics=dynamics,
+        stations=(),
+        chasers=(field.chaser.replace(start=start, tank=TANK),),
         targets=tuple(
             target.replace(
-                removal="tow" if number % 3 else "visit", mass_kg=250.0,
+                removal="tow" if number % 3 else "visit",
+                mass_kg=250.0,
                 prize=float(rng.integers(1, 5)),
             )
             for number, target in enumerate(field.targets)
         ),
         mission=field.mission.replace(disposal_altitude_m=450e3),
-    )  # fmt: skip
+    )
     plan = adr_opt.solve(instance, "exact", time_limit=30.0).plan
     assert plan is not None
     assert len(plan.lead_ins) > 0
@@ -162,8 +165,9 @@ def test_the_rest_is_the_best_there_is(seed: int, dynamics: str) -> None:
             if state.legs[-1] != before:
                 continue
             made = replan(instance, plan, at_s, lost=lost, method="exact", time_limit=60.0)
-            left = followed(instance, instance.chaser, [(x.destination, x.delta_v_m_s) for x in
-                            state.legs])[-1].left_m_s  # fmt: skip
+            left = followed(
+                instance, instance.chaser, [(x.destination, x.delta_v_m_s) for x in state.legs]
+            )[-1].left_m_s
             tow_s = before.free_s - before.end_s
             todo = frozenset(field.prizes) - {x.destination for x in state.legs} - set(lost)
             best = most(field, state.body, at_s + tow_s, left, todo)
@@ -248,9 +252,10 @@ def pair(service_s: float, apart_s: float | None = None) -> tuple[Instance, Plan
     free = drawn.chaser.replace(name="free", start="anywhere", available_s=(1000.0, None))
     second = drawn.chaser.replace(name="second")
     instance = drawn.replace(
-        mission=mission, objective={"cost": "duration"},
+        mission=mission,
+        objective={"cost": "duration"},
         chasers=(free, free.replace(name="freer"), drawn.chaser, second),
-    )  # fmt: skip
+    )
     towed = [target.name for target in instance.targets if target.removal == "tow"]
     orders = {drawn.chaser.name: towed[:2], "second": towed[:1:-1]}
     plan = price(instance, orders).plan()

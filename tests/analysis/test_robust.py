@@ -42,9 +42,10 @@ def test_moments_of_factors_are_those_of_draws() -> None:
     rng = np.random.default_rng(1)
     for _ in range(20):
         model = LognormalFactor(
-            lognormal_sigma=float(rng.uniform(0.0, 1.0)), least=float(rng.uniform(0.3, 1.0)),
+            lognormal_sigma=float(rng.uniform(0.0, 1.0)),
+            least=float(rng.uniform(0.3, 1.0)),
             most=float(rng.uniform(1.0, 3.0)),
-        )  # fmt: skip
+        )
         places = (np.arange(4000) + 0.5) / 4000
         drawn = np.array([model.at(float(place)) for place in places])
         mean, sigma = model.moments
@@ -104,8 +105,9 @@ def test_stays_are_as_long_as_in_worlds() -> None:
     instance = adr_opt.generate("tiny", seed=0)
     uncertainty = Uncertainty(
         service_s={"factor": {"lognormal_sigma": 0.4}, "added": {"chance": 0.3, "mean_s": 3000.0}},
-        capture={"success": 0.7, "tries": 3}, gone=0.1,
-    )  # fmt: skip
+        capture={"success": 0.7, "tries": 3},
+        gone=0.1,
+    )
     name, planned_s = instance.targets[0].name, 5000.0
     stay = StayTime(uncertainty, name, planned_s)
     found = []
@@ -177,9 +179,11 @@ class _Way:
 
     def beats(self, other: _Way) -> bool:
         return (
-            self.free <= other.free and self.mean <= other.mean and self.square <= other.square
+            self.free <= other.free
+            and self.mean <= other.mean
+            and self.square <= other.square
             and self.chance >= other.chance
-        )  # fmt: skip
+        )
 
 
 def _stay(ground: Ground, uncertainty: Uncertainty, target: int) -> StayTime:
@@ -376,9 +380,10 @@ def test_other_confidences_are_refused(confidence: float) -> None:
 
 SLIPS = Uncertainty(
     legs={"delta_v_factor": {"lognormal_sigma": 0.05}},
-    service_s={"factor": {"lognormal_sigma": 0.2}}, capture={"success": 0.9, "tries": 2},
+    service_s={"factor": {"lognormal_sigma": 0.2}},
+    capture={"success": 0.9, "tries": 2},
     launches={"slip_s": {"chance": 0.3, "mean_s": DAY_S, "most_s": 5.0 * DAY_S}},
-)  # fmt: skip
+)
 
 
 def _late(instance: Instance, **changes: Any) -> Instance:
@@ -399,7 +404,8 @@ def _briefly(instance: Instance, until_s: float) -> Instance:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda instance: instance, _late,
+        lambda instance: instance,
+        _late,
         lambda instance: instance.replace(
             mission=instance.mission.replace(launch_separation_s=DAY_S)
         ),
@@ -407,7 +413,7 @@ def _briefly(instance: Instance, until_s: float) -> Instance:
         lambda instance: _briefly(instance, 3600.0),
     ],
     ids=["in order", "turned", "apart", "order", "briefly"],
-)  # fmt: skip
+)
 def test_launches_that_slip_are_planned_for(change) -> None:
     """A plan launches when slips are over with the confidence, and is kept that often."""
     instance = change(launched.campaign("two-body"))

@@ -91,9 +91,13 @@ def template() -> adr_opt.Instance:
 def settings(**more: Any) -> ScenarioSettings:
     """Settings whose plans do not depend on the clock."""
     usual: dict[str, Any] = {
-        "years": 5, "every": 2, "targets": 6, "method": "greedy", "time_limit_s": 1e3,
+        "years": 5,
+        "every": 2,
+        "targets": 6,
+        "method": "greedy",
+        "time_limit_s": 1e3,
         "shells": SOME,
-    }  # fmt: skip
+    }
     return ScenarioSettings(**{**usual, **more})
 
 
@@ -225,9 +229,13 @@ def test_rates_with_fragments_are_those_of_objects_like_them(people: ObjectPopul
         for at in range(len(people)):
             pair = np.array([people.bodies.shells[at], (radius - 2500.0, radius + 2500.0)])
             rate, _, speed = encounter_rate(
-                pair, np.array([people.bodies.tilts[at], tilt]),
-                np.array([0.5 * people.bodies.sizes[at], wide]), mean_speeds(), 0, 1,
-            )  # fmt: skip
+                pair,
+                np.array([people.bodies.tilts[at], tilt]),
+                np.array([0.5 * people.bodies.sizes[at], wide]),
+                mean_speeds(),
+                0,
+                1,
+            )
             heavy = 0.5 * mass * speed**2 >= 40e3 * people.bodies.masses[at]
             whole = mass + people.bodies.masses[at] if heavy else mass * speed / 1e3
             encounters += YEAR_S * rate * count
@@ -431,18 +439,24 @@ def test_processes_change_nothing(resumed: Any) -> None:
     made, _, _ = resumed
     start = made.start
     again = scenario(
-        start.population.bodies, start.template, start.settings, launches=start.launches,
-        epoch=start.epoch, jobs=2,
-    )  # fmt: skip
+        start.population.bodies,
+        start.template,
+        start.settings,
+        launches=start.launches,
+        epoch=start.epoch,
+        jobs=2,
+    )
     assert again.futures == made.futures
 
 
 def test_tables_have_what_happened(resumed: Any) -> None:
     """Means of removals by species and shell, and of objects by year, are those of the records."""
     made, _, _ = resumed
-    rows = list(csv.DictReader(removals_csv(made, {
-        "payload": "Su", "rocket body": "B", "debris": "N",
-    }).splitlines()))  # fmt: skip
+    rows = list(
+        csv.DictReader(
+            removals_csv(made, {"payload": "Su", "rocket body": "B", "debris": "N"}).splitlines()
+        )
+    )
     removed = [record.removed for each in made.futures for record in each["with"]]
     count = sum(map(len, removed)) - outside(made)
     assert count > 4
@@ -504,9 +518,13 @@ def test_planes_drift_by_their_nodal_rate(people: ObjectPopulation) -> None:
         0.0, abs=2.0
     )
     orbit = Orbit(
-        semi_major_axis_m=axis, eccentricity=0.0, inclination_deg=98.0, raan_deg=10.0,
-        argument_of_perigee_deg=0.0, true_anomaly_deg=5.0,
-    )  # fmt: skip
+        semi_major_axis_m=axis,
+        eccentricity=0.0,
+        inclination_deg=98.0,
+        raan_deg=10.0,
+        argument_of_perigee_deg=0.0,
+        true_anomaly_deg=5.0,
+    )
     turned = drifted(orbit, 10.0 * DAY_S)
     rate = -2.06474e14 * (axis / 1e3) ** -3.5 * np.cos(np.radians(98.0))
     assert turned.raan_deg == pytest.approx(10.0 + 10.0 * rate, rel=2e-3)
@@ -534,13 +552,18 @@ def test_fragments_come_down_by_their_area_over_mass() -> None:
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        ({"years": 201}, "--years 201"), ({"years": 0}, "--years 0"), ({"every": 0}, "--every 0"),
-        ({"worth_years": 300.0}, "--worth-years 300"), ({"explosions": -0.1}, "--explosions -0.1"),
-        ({"capture_failure": 1.5}, "--capture-failure 1.5"), ({"targets": 0}, "--targets 0"),
-        ({"seeds": 0}, "--seeds 0"), ({"time_limit_s": 0.0}, "--time-limit 0"),
+        ({"years": 201}, "--years 201"),
+        ({"years": 0}, "--years 0"),
+        ({"every": 0}, "--every 0"),
+        ({"worth_years": 300.0}, "--worth-years 300"),
+        ({"explosions": -0.1}, "--explosions -0.1"),
+        ({"capture_failure": 1.5}, "--capture-failure 1.5"),
+        ({"targets": 0}, "--targets 0"),
+        ({"seeds": 0}, "--seeds 0"),
+        ({"time_limit_s": 0.0}, "--time-limit 0"),
         ({"activity": "stormy"}, "stormy"),
     ],
-)  # fmt: skip
+)
 def test_settings_out_of_range_are_refused(more: dict[str, Any], sentence: str) -> None:
     """Each setting out of range is named with its value."""
     with pytest.raises(InputError, match=sentence):

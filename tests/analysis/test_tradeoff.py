@@ -126,9 +126,11 @@ def test_connections_of_shorter_missions_are_those_in_time(seed: int, resolution
     """Under J2, with long transfers, those of a long one that arrive in time are all of them."""
     field = adr_opt.generate("rocket-bodies", seed, targets=4)
     settings = field.transfer.replace(
-        delta_v_resolution_m_s=resolution, drift_step_s=2.0 * DAY_S, max_drift_s=60.0 * DAY_S,
+        delta_v_resolution_m_s=resolution,
+        drift_step_s=2.0 * DAY_S,
+        max_drift_s=60.0 * DAY_S,
         departure_spacing_s=DAY_S,
-    )  # fmt: skip
+    )
     long = field.replace(transfer=settings).with_limits(duration_s=80.0 * DAY_S)
     whole = ConnectionFinder(long)
     for days in (20.0, 33.7, 79.0):
@@ -258,9 +260,12 @@ def test_a_stop_leaves_what_there_is(tmp_path: Path) -> None:
 
     ran: list[Point] = []
     made = tradeoff(
-        hand_made(), [TANKS], path=tmp_path / "r.csv", stop=Few(10**9),
+        hand_made(),
+        [TANKS],
+        path=tmp_path / "r.csv",
+        stop=Few(10**9),
         told=lambda point, _: ran.append(point),
-    )  # fmt: skip
+    )
     assert len(made.points) == len(TANKS.values)
     assert len(ran) == 3
     assert len((tmp_path / "r.csv").read_text().splitlines()) == 4
@@ -358,8 +363,11 @@ def test_propellant_is_varied_where_masses_count(cli: Cli) -> None:
     again = cli(*call, "--out", "t.csv")
     assert again.status == 0
     assert [line.split("│")[1].strip() for line in again.out.splitlines() if "│" in line] == [
-        "150", "250", "350", "450",
-    ]  # fmt: skip
+        "150",
+        "250",
+        "350",
+        "450",
+    ]
 
 
 def test_propellant_is_not_varied_where_a_station_has_little() -> None:
@@ -388,9 +396,19 @@ def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
     pytest.importorskip("matplotlib")
     hand_made().save("h.json")
     outcome = cli(
-        "tradeoff", "h.json", "--vary", "delta-v=130,300", "--vary", "duration=0.5,0.96",
-        "--out", "t.csv", "--page", "t.html", "--plot", "t.svg",
-    )  # fmt: skip
+        "tradeoff",
+        "h.json",
+        "--vary",
+        "delta-v=130,300",
+        "--vary",
+        "duration=0.5,0.96",
+        "--out",
+        "t.csv",
+        "--page",
+        "t.html",
+        "--plot",
+        "t.svg",
+    )
     assert outcome.status == 0, outcome
     assert "4 of 4 points proven" in outcome.out
     page = Path("t.html").read_text(encoding="utf-8")
@@ -399,10 +417,17 @@ def test_the_verb_writes_what_it_tells(cli: Cli) -> None:
     assert "<svg" in Path("t.svg").read_text(encoding="utf-8")
     content = json.loads(
         cli(
-            "tradeoff", "h.json", "--vary", "delta-v=130,300", "--vary", "duration=0.5,0.96",
-            "--out", "t.csv", "--json",
+            "tradeoff",
+            "h.json",
+            "--vary",
+            "delta-v=130,300",
+            "--vary",
+            "duration=0.5,0.96",
+            "--out",
+            "t.csv",
+            "--json",
         ).out
-    )  # fmt: skip
+    )
     assert content["proven"] == 4
     assert [point["status"] for point in content["points"]] == ["optimal"] * 4
 

@@ -109,8 +109,9 @@ def test_the_command_writes_them_and_goes_on(cli: Cli, tmp_path: Path) -> None:
     with out.open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [(row["thrust_n"], row["isp_s"]) for row in rows] == [
-        ("0.05", "1500.0"), ("0.2", "1500.0"),
-    ]  # fmt: skip
+        ("0.05", "1500.0"),
+        ("0.2", "1500.0"),
+    ]
     again = json.loads(cli("tradeoff", path, *options).out)
     assert [p["prize"] for p in again["points"]] == [p["prize"] for p in first["points"]]
     assert [p["runtime_s"] for p in again["points"]] == pytest.approx(

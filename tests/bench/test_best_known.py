@@ -113,9 +113,15 @@ def flown(instance: Instance, routes: Routes) -> tuple[float, float]:
                 caps = SLACK_M_S + tank.exhaust_m_s * np.log(pair.mass_kg / empty_kg)
             flown = (pair.departure, pair.arrival, pair.delta_v, pair.delta_v)
             visit = Visit(
-                j, kits, limits.service[j], limits.opens[j], limits.closes[j], j < first, budget,
+                j,
+                kits,
+                limits.service[j],
+                limits.opens[j],
+                limits.closes[j],
+                j < first,
+                budget,
                 caps=caps,
-            )  # fmt: skip
+            )
             ready, left, spent, _, _ = follow(ready, left, spent, np.empty(0), flown, visit, loads)
             kits -= 0 if loads is None else int(loads.takes[j])
             assert ready.size
@@ -183,8 +189,11 @@ def test_the_summary_counts_the_rows_of_families(
     """It prints means of a family, and how many of its rows are proven."""
     assert script.main(["summary", "electric"]) == 0
     said = capsys.readouterr().out
-    rows = [row for name, row in script.read_table(ROOT / "instances").items()
-            if name.startswith("electric-")]  # fmt: skip
+    rows = [
+        row
+        for name, row in script.read_table(ROOT / "instances").items()
+        if name.startswith("electric-")
+    ]
     proven = sum(row.objective == row.upper_bound for row in rows)
     assert len(rows) == 20
     assert said.startswith("electric: 20 rows, objective ")
@@ -333,9 +342,7 @@ def in_library(folder: Path, *seeds: int) -> list[str]:
 
 
 def test_instances_of_the_library_are_solved_by_name(
-    script: ModuleType,
-    folder: Path,
-    capsys: pytest.CaptureFixture[str],
+    script: ModuleType, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A name or a family is enough; such rows hold the order, from which the plan comes again."""
     _, second, third = in_library(folder, 1, 2, 3)
@@ -362,8 +369,10 @@ def test_instances_of_the_library_are_solved_by_name(
     plan = adr_opt.load_plan(out)
     assert adr_opt.check(adr_opt.generate("tiny", 2), plan) == ()
     assert (plan.objective, plan.upper_bound, plan.method) == (
-        row.objective, row.upper_bound, row.planner_method,
-    )  # fmt: skip
+        row.objective,
+        row.upper_bound,
+        row.planner_method,
+    )
     # A plan file for an instance of the library is a claim too.
     assert script.main(["--folder", str(folder), "add", str(out)]) == 0
     assert "not better" in capsys.readouterr().out
@@ -546,9 +555,10 @@ def test_a_lower_bound_drops_the_certificate_of_a_higher_one(
     """What is kept proves the bound of its row: a better claim without proof leaves none."""
     there = ["--folder", str(folder)]
     loose = adr_opt.Certificate(
-        instance={"name": NAME, "sha256": mission.instance.sha256}, method="sum of prizes",
+        instance={"name": NAME, "sha256": mission.instance.sha256},
+        method="sum of prizes",
         upper_bound=mission.total_prize,
-    )  # fmt: skip
+    )
     loose.save(folder / "loose.json")
     assert script.main([*there, "add", str(folder / "loose.json")]) == 0
     assert consistent(script, folder)[NAME].certificate

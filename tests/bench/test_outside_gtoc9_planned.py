@@ -39,11 +39,14 @@ def made_up(path, count, spread_deg=6.0, epoch=22000.0, seed=4):
     for number in range(count):
         plane = math.radians(100.0 + random.uniform(-spread_deg, spread_deg))
         elements = [
-            epoch + random.uniform(0.0, 1.0), 7.1e6 + random.uniform(-5e4, 5e4),
+            epoch + random.uniform(0.0, 1.0),
+            7.1e6 + random.uniform(-5e4, 5e4),
             random.uniform(0.0, 0.01),
-            math.radians(98.0 + spread_deg * random.uniform(-0.1, 0.1)), plane,
-            random.uniform(0.0, math.tau), random.uniform(0.0, math.tau),
-        ]  # fmt: skip
+            math.radians(98.0 + spread_deg * random.uniform(-0.1, 0.1)),
+            plane,
+            random.uniform(0.0, math.tau),
+            random.uniform(0.0, math.tau),
+        ]
         lines.append(" ".join(repr(value) for value in (float(number), *elements)))
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path

@@ -33,21 +33,29 @@ def script():
     ("name", "folder", "files", "figures"),
     [
         pytest.param(
-            "gtoc9", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"),
-            marks=external("gtoc9"),
+            "gtoc9", "gtoc9", "*", ("731.28", "728.37", "717.", "618.95"), marks=external("gtoc9")
         ),
         pytest.param(
-            "odrc", "mcrdv", "*", ("44830.8 | 44830.8", "44278.7"),
+            "odrc",
+            "mcrdv",
+            "*",
+            ("44830.8 | 44830.8", "44278.7"),
             marks=[*external("mcrdv"), pytest.mark.slow],
         ),
         pytest.param(
-            "optw", "optw", "*tt?0.TXT 20.4.2.TXT 50.4.1.TXT optima.csv",
-            ("| 20.4.2 | 299 | 299 | 299 | 299 |", "| 50.4.1 | 498 | – | 498 | 498 |",
-             "Of the 2 that CPLEX proved, 2 have the same score", "2 of 2 proven"),
+            "optw",
+            "optw",
+            "*tt?0.TXT 20.4.2.TXT 50.4.1.TXT optima.csv",
+            (
+                "| 20.4.2 | 299 | 299 | 299 | 299 |",
+                "| 50.4.1 | 498 | – | 498 | 498 |",
+                "Of the 2 that CPLEX proved, 2 have the same score",
+                "2 of 2 proven",
+            ),
             marks=[*external("optw"), pytest.mark.slow],
         ),
     ],
-)  # fmt: skip
+)
 def test_what_is_known_is_printed(script, capsys, tmp_path, name, folder, files, figures):
     """From the folder of all data, which may be that of the benchmark, the figures are printed."""
     (tmp_path / folder).mkdir()
@@ -129,11 +137,22 @@ def test_rows_are_printed_and_kept_as_they_are_done(tmp_path):
     ours, theirs = os.openpty()
     out = tmp_path / "kept.md"
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(BENCH), "odrc", "--data", str(tmp_path),
-         "--out", str(out)],
-        text=True, stdout=subprocess.PIPE, stderr=theirs,
+        [
+            sys.executable,
+            "-c",
+            SLOW,
+            str(BENCH),
+            "odrc",
+            "--data",
+            str(tmp_path),
+            "--out",
+            str(out),
+        ],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
         env={**os.environ, "TERM": "xterm", "COLUMNS": "80"},
-    )  # fmt: skip
+    )
     os.close(theirs)
     assert process.stdout is not None
     printed = []

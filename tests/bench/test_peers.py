@@ -175,9 +175,7 @@ def test_static_costs_are_sampled(peers):
 
 def test_gaps_are_to_the_best_bound_of_the_mission(peers):
     """A gap counts from the least bound of an instance, and never from that of a rounded model."""
-    known, unknown = (
-        adr_opt.generate("campaign", 1, chasers=chasers) for chasers in (None, 4)
-    )  # fmt: skip
+    known, unknown = (adr_opt.generate("campaign", 1, chasers=chasers) for chasers in (None, 4))
     a, b, bounds = known.name, unknown.name, {known.name: 37.0, unknown.name: math.inf}
     fields = [Problem(known), Problem(unknown)]
     assert peers.best_bounds([], fields) == bounds

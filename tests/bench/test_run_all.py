@@ -48,14 +48,22 @@ def test_methods_for_one_chaser_leave_campaigns_out(load: Load, tmp_path: Path) 
     """A suite of several chasers lacks the rows of those methods and bounds that plan it, only."""
     bound = load("harness.trials").BoundCall("lagrangian", 5.0)
     asked = protocol(
-        load, "greedy", "beam", "auto", fields=1, iterations=1, zones=0, bound=bound,
+        load,
+        "greedy",
+        "beam",
+        "auto",
+        fields=1,
+        iterations=1,
+        zones=0,
+        bound=bound,
         suites=("tiny", "campaign"),
-    )  # fmt: skip
+    )
     store = load("harness.store").Store(tmp_path)
     lacking = {trial.suite: keys for trial, keys in store.missing(asked).items()}
     assert lacking == {
-        "tiny": {"greedy@10", "beam@10", "auto@10"}, "campaign": {"greedy@10", "auto@10"},
-    }  # fmt: skip
+        "tiny": {"greedy@10", "beam@10", "auto@10"},
+        "campaign": {"greedy@10", "auto@10"},
+    }
     run = store.begin_run("a", asked, 1)
     one, several = asked.trials()
     assert store.claim(one, asked, run).bound == bound
@@ -137,11 +145,19 @@ def test_the_bound_of_a_trial_is_the_least_that_anyone_proved(load: Load, tmp_pa
             row(load, trial, "greedy@10", 16),
             row(load, trial, "auto@10", 30, upper_bound=32.0),
             row(load, trial, "beam@10", 40, outcome="illegal", upper_bound=1.0),
-            ("bound", {**bound, "method": "lagrangian", "limit_s": 1.0, "upper_bound": 33.0,
-                       "environment": row(load, trial, "x")[1]["environment"]}),
+            (
+                "bound",
+                {
+                    **bound,
+                    "method": "lagrangian",
+                    "limit_s": 1.0,
+                    "upper_bound": 33.0,
+                    "environment": row(load, trial, "x")[1]["environment"],
+                },
+            ),
         ],
         run,
-    )  # fmt: skip
+    )
     found = {result["method"]: (result["bound"], result["gap"]) for result in store.results()}
     assert found == {
         "greedy@10": (32.0, 0.5),
@@ -203,11 +219,7 @@ def test_files_of_others_and_of_other_formats_are_refused(load: Load, tmp_path: 
     ],
 )
 def test_a_wrong_call_is_one_sentence(
-    load: Load,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    arguments: list[str],
-    said: str,
+    load: Load, tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], said: str
 ) -> None:
     """Exit status 2 and one line that says what is wrong; nothing is written."""
     folder = tmp_path / "out"

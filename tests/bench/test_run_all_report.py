@@ -100,28 +100,45 @@ def test_methods_lie_on_curves_of_time_and_quality(load: Load, tmp_path: Path) -
     """A planner is a curve; its points are its settings by time; the table makes the picture."""
     quality = load("harness.report.quality")
     store = load("harness.store").Store(tmp_path)
-    asked = protocol(load, "beam:width=10", "beam:width=100", "auto@1", "auto@5",
-                     "mcts:preset=tuned", zones=0,
-                     iterations=1)  # fmt: skip
+    asked = protocol(
+        load,
+        "beam:width=10",
+        "beam:width=100",
+        "auto@1",
+        "auto@5",
+        "mcts:preset=tuned",
+        zones=0,
+        iterations=1,
+    )
     run = store.begin_run("a", asked, 1)
     for trial in asked.trials():
         for key, visits, cpu in (
-            ("beam:width=100@10", 29, 0.5), ("beam:width=10@10", 27, 0.1), ("auto@1", 29, 0.9),
-            ("auto@5", 30, 4.0), ("mcts:preset=tuned@10", 29, 5.0),
-        ):  # fmt: skip
-            more = {"planning_cpu_s": cpu, "build_cpu_s": 0.25, "upper_bound": 30.0,
-                    "status": "optimal" if visits == 30 else "feasible"}  # fmt: skip
+            ("beam:width=100@10", 29, 0.5),
+            ("beam:width=10@10", 27, 0.1),
+            ("auto@1", 29, 0.9),
+            ("auto@5", 30, 4.0),
+            ("mcts:preset=tuned@10", 29, 5.0),
+        ):
+            more = {
+                "planning_cpu_s": cpu,
+                "build_cpu_s": 0.25,
+                "upper_bound": 30.0,
+                "status": "optimal" if visits == 30 else "feasible",
+            }
             store.keep([row(load, trial, key, visits, **more)], run)
     (section,) = load("harness.report.model").read(store).sections
     found = quality.spots(section)
     curves = quality.curves(found)
     assert {name: quality.words(curve) for name, curve in curves.items()} == {
-        "beam": ["10", "100"], "auto": ["1 s", "5 s"], "mcts preset=tuned": ["preset=tuned"],
-    }  # fmt: skip
+        "beam": ["10", "100"],
+        "auto": ["1 s", "5 s"],
+        "mcts preset=tuned": ["preset=tuned"],
+    }
     assert [spot.seconds for spot in curves["beam"]] == pytest.approx([0.35, 0.75])
     assert [(spot.visits, spot.proven, spot.bound) for spot in curves["auto"]] == [
-        (29.0, 0, 30.0), (30.0, 2, 30.0),
-    ]  # fmt: skip
+        (29.0, 0, 30.0),
+        (30.0, 2, 30.0),
+    ]
     quality.write_table(found, tmp_path / "t.csv")
     again = quality.read_table(tmp_path / "t.csv")
     for one, other in zip(again, found, strict=True):
@@ -141,9 +158,16 @@ def test_the_chart_of_the_page_is_that_of_its_table(load: Load) -> None:
     found = load("harness.report.quality").read_table(script.TABLE)
     assert "\n".join(script.lines(found)) in page
     assert {spot.planner for spot in found} >= {
-        "greedy", "greedy-guarded", "beam", "mcts", "local-search", "auto", "ortools", "exact",
+        "greedy",
+        "greedy-guarded",
+        "beam",
+        "mcts",
+        "local-search",
+        "auto",
+        "ortools",
+        "exact",
         "ppo",
-    }  # fmt: skip
+    }
     assert f"pictures/{script.PICTURE.name}" in page
     picture = script.PICTURE.read_text(encoding="utf-8")
     assert picture.startswith("<?xml")
@@ -253,8 +277,17 @@ def test_the_page_names_calibration_machine_and_published_numbers(
 @pytest.mark.slow
 def test_ten_thousand_rows_are_reported_in_five_seconds(load: Load, tmp_path: Path) -> None:
     """The report of 10,000 rows takes less than 5 s."""
-    asked = protocol(load, "greedy", "greedy-guarded", "mcts", "beam", "auto", fields=100,
-                     iterations=10, suites=("nominal", "reduced-time"))  # fmt: skip
+    asked = protocol(
+        load,
+        "greedy",
+        "greedy-guarded",
+        "mcts",
+        "beam",
+        "auto",
+        fields=100,
+        iterations=10,
+        suites=("nominal", "reduced-time"),
+    )
     store = filled(load, tmp_path, asked)
     assert len(store.results()) == 10_000
     began = time.perf_counter()

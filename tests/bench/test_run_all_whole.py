@@ -114,9 +114,13 @@ def start(environment: dict[str, str]) -> Iterator[Start]:
     def call(folder: Path, *arguments: object) -> subprocess.Popen:
         command = [sys.executable, str(SCRIPT), "--out", str(folder), "--suite", "tiny"]
         process = subprocess.Popen(
-            [*command, *map(str, arguments)], env=environment, text=True,
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=heed_interrupts,
-        )  # fmt: skip
+            [*command, *map(str, arguments)],
+            env=environment,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            preexec_fn=heed_interrupts,
+        )
         started.append(process)
         return process
 
@@ -235,9 +239,22 @@ def test_planners_that_raise_lie_or_kill_do_not_end_the_run(start: Start, tmp_pa
     out = tmp_path / "out"
     methods = "deadly,greedy,raises,forgets,breaks,lies,beam:width=50"
     status, said = finish(
-        start(out, "--cases", 3, "--iterations", 1, "--methods", methods, "--jobs", 2,
-              "--bound", "lagrangian", "--bound-time-limit", 5)
-    )  # fmt: skip
+        start(
+            out,
+            "--cases",
+            3,
+            "--iterations",
+            1,
+            "--methods",
+            methods,
+            "--jobs",
+            2,
+            "--bound",
+            "lagrangian",
+            "--bound-time-limit",
+            5,
+        )
+    )
     assert status == 1
     with sqlite3.connect(out / "results.sqlite") as base:
         rows = base.execute("SELECT method, field, outcome, message, bound FROM result").fetchall()
@@ -292,21 +309,44 @@ def cluster(folder: Path, environment: dict[str, str]) -> Iterator[tuple[str, li
     address_file = folder / "scheduler.json"
     processes = [
         subprocess.Popen(
-            [*dask, "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-             "--scheduler-file", str(address_file)],
-            cwd=folder, env=environment, stdout=log, stderr=log,
+            [
+                *dask,
+                "--host",
+                "127.0.0.1",
+                "--port",
+                "0",
+                "--no-dashboard",
+                "--scheduler-file",
+                str(address_file),
+            ],
+            cwd=folder,
+            env=environment,
+            stdout=log,
+            stderr=log,
         )
-    ]  # fmt: skip
+    ]
     try:
         wait_until(address_file.exists)
         for _ in range(2):
             processes.append(
                 subprocess.Popen(
-                    [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1",
-                     "--no-nanny", "--no-dashboard", "--scheduler-file", str(address_file)],
-                    cwd=folder, env=environment, stdout=log, stderr=log,
+                    [
+                        sys.executable,
+                        "-m",
+                        "distributed.cli.dask_worker",
+                        "--nthreads",
+                        "1",
+                        "--no-nanny",
+                        "--no-dashboard",
+                        "--scheduler-file",
+                        str(address_file),
+                    ],
+                    cwd=folder,
+                    env=environment,
+                    stdout=log,
+                    stderr=log,
                 )
-            )  # fmt: skip
+            )
         yield json.loads(address_file.read_text())["address"], processes[1:]
     finally:
         for process in reversed(processes):

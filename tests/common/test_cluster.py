@@ -36,8 +36,10 @@ def test_a_cluster_trades_as_one_process_does(address: str) -> None:
     there = tradeoff(instance, axes, method="exact", time_limit=30.0, cluster=address)
     for one, other in zip(here.points, there.points, strict=True):
         assert (one.limits, one.prize, one.upper_bound) == (
-            other.limits, other.prize, other.upper_bound
-        )  # fmt: skip
+            other.limits,
+            other.prize,
+            other.upper_bound,
+        )
     assert there.proven == len(there.points)
 
 
@@ -86,10 +88,14 @@ def test_a_cluster_studies_designs_as_one_process_does(address: str) -> None:
     field = rated()
     here, there = (
         design_study(
-            field, [Axis("launches", (1.0, 2.0))], worths=worths_of_sets(field),
-            prices=CampaignPrices(10.0), time_limit=60.0, cluster=where,
+            field,
+            [Axis("launches", (1.0, 2.0))],
+            worths=worths_of_sets(field),
+            prices=CampaignPrices(10.0),
+            time_limit=60.0,
+            cluster=where,
         )
         for where in (None, address)
-    )  # fmt: skip
+    )
     for one, other in zip(here.points, there.points, strict=True):
         assert (one.design, one.worth, one.bound) == (other.design, other.worth, other.bound)

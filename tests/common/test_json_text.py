@@ -49,7 +49,7 @@ DOORS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "edit": ("", lambda path: read_edit(path.read_text())),
     "project": ("", lambda path: adr_opt.common.files.read_model(path, ProjectRecord)),
     "result": ("", lambda path: adr_opt.common.files.read_model(path, ResultRecord)),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("door", DOORS)
@@ -82,12 +82,13 @@ def test_what_no_key_stands_twice_in_is_read() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (b"{", "not JSON: "), (b"\xff", "not JSON: no text in UTF-8"),
+        (b"{", "not JSON: "),
+        (b"\xff", "not JSON: no text in UTF-8"),
         (b"[" * 10**5, "not JSON: nested too deeply"),
         (b"[" + b"9" * 5000 + b"]", "not JSON: a number is too long"),
         (('{"' + "k" * 100 + '": 1, "' + "k" * 100 + '": 1}').encode(), 'field "' + "k" * 58 + "…"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_json_is_one_sentence(text: bytes, said: str) -> None:
     """A text that cannot be parsed is refused with its reason, and long keys are cut."""
     with pytest.raises(InputError) as told:

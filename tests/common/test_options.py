@@ -144,9 +144,16 @@ def test_values_have_the_types_of_the_defaults() -> None:
     some = Some(whole=np.int32(4), share=1, fast=np.True_, word="b")
     assert [type(value) for value in vars(some).values()] == [int, float, bool, str]
     for values in (
-        {"whole": 2.0}, {"whole": "2"}, {"share": "0.5"}, {"share": None}, {"share": 10**400},
-        {"fast": "yes"}, {"fast": 2}, {"fast": np.ones(2)}, {"word": 1},
-    ):  # fmt: skip
+        {"whole": 2.0},
+        {"whole": "2"},
+        {"share": "0.5"},
+        {"share": None},
+        {"share": 10**400},
+        {"fast": "yes"},
+        {"fast": 2},
+        {"fast": np.ones(2)},
+        {"word": 1},
+    ):
         with pytest.raises(InputError, match=r"option \w+ = .* of method 'some': give "):
             Some(**values)
     with pytest.raises(FrozenInstanceError):
@@ -158,9 +165,20 @@ def test_the_parameters_of_a_function_are_options_too() -> None:
     given: dict[str, Any] = {}
 
     def plain(  # noqa: PLR0913
-        mission, *, seed, stop, progress, start=None, depth=5, seen=[], limit=math.inf,  # noqa: B006
-        most=10**12, what=None, jobs=0, options="none",
-    ):  # fmt: skip
+        mission,
+        *,
+        seed,
+        stop,
+        progress,
+        start=None,
+        depth=5,
+        seen=[],  # noqa: B006
+        limit=math.inf,
+        most=10**12,
+        what=None,
+        jobs=0,
+        options="none",
+    ):
         """Remember what it is given."""
         given.update(depth=depth, seen=seen, limit=limit, most=most, jobs=jobs, options=options)
 

@@ -21,9 +21,12 @@ def called(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`python -m adr_opt` in a folder, which Python looks in first."""
     return subprocess.run(
         [sys.executable, "-m", "adr_opt", *arguments],
-        cwd=folder, capture_output=True, text=True, check=False,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(

@@ -107,10 +107,21 @@ NEED_MORE = re.compile(r" (serve|train|benchmark) | --policy | instances/| --ele
 """Commands that run for ever or for long, or need what no command before them writes."""
 
 OF_ONE_MISSION = (
-    "certificates", "exports", "files", "flights-with-errors", "importing", "matrices",
-    "plans-that-hold", "policy", "refining", "report", "scenarios", "true-orbits", "waiting",
+    "certificates",
+    "exports",
+    "files",
+    "flights-with-errors",
+    "importing",
+    "matrices",
+    "plans-that-hold",
+    "policy",
+    "refining",
+    "report",
+    "scenarios",
+    "true-orbits",
+    "waiting",
     "worth",
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize(

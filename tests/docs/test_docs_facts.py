@@ -109,9 +109,10 @@ def test_the_proven_gaps_are_those_of_the_table() -> None:
     fifty = {family.name for family in FAMILIES.values() if family.targets == (50, 50)}
     with (ROOT / "instances/best-known.csv").open(encoding="utf-8") as file:
         gaps = [
-            row["gap"] for row in csv.DictReader(file)
+            row["gap"]
+            for row in csv.DictReader(file)
             if row["instance"].rpartition("-")[0] in fifty
-        ]  # fmt: skip
+        ]
     closed = sum(bool(gap) and float(gap) == 0.0 for gap in gaps)
     stated = f"Of the {len(gaps)} instances with 50 targets, the gap is zero on {closed}."
     assert stated in " ".join(read("instances/README.md").split())

@@ -56,8 +56,9 @@ def test_the_page_on_campaigns_runs(cli: Cli, capsys: pytest.CaptureFixture[str]
     assert shown is not None
     content = json.loads(drawn.to_json()) | json.loads(f"{{{shown[1]}}}")
     assert [each.name for each in instance.Instance.from_json(json.dumps(content)).chasers] == [
-        "first", "late",
-    ]  # fmt: skip
+        "first",
+        "late",
+    ]
     (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     capsys.readouterr()
     exec(code, {})

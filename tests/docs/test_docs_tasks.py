@@ -24,10 +24,14 @@ SHORTER = {
         "--time-limit 60": "--time-limit 2",
     },
     "rocket-bodies": {
-        "--duration-days 365": "--duration-days 120", "--time-limit 60": "--time-limit 4",
+        "--duration-days 365": "--duration-days 120",
+        "--time-limit 60": "--time-limit 4",
     },
     "campaign": {
-        "1461": "60", "365": "15", "548": "30", "--kits 6": "--kits 2",
+        "1461": "60",
+        "365": "15",
+        "548": "30",
+        "--kits 6": "--kits 2",
         "--time-limit 60": "--time-limit 8",
     },
     "chemical-or-electric": {"--time-limit 60": "--time-limit 4", "0.05,0.1,0.4": "0.1,0.4"},
@@ -37,7 +41,7 @@ SHORTER = {
         "--time-limit 10": "--time-limit 1",
         "runs/mine/best.onnx": str(ROOT / "solvers/policies/weights/set-transfer.onnx"),
     },
-}  # fmt: skip
+}
 """What is put in the place of what in the commands of a page, so that they take seconds."""
 
 LONG = ("campaign", "chemical-or-electric", "cloud", "own-policy")
@@ -92,18 +96,12 @@ def test_every_task_is_tried() -> None:
         kinds = [kind for kind, _ in steps(page)]
         assert {"command", "text"} <= set(kinds)
         assert page.startswith("# ")
-        for part in (
-            "**You have**",
-            "**You want**",
-            "\n## Points to note",
-            "\n## Next questions",
-        ):
+        for part in ("**You have**", "**You want**", "\n## Points to note", "\n## Next questions"):
             assert part in page
 
 
 @pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in TASKS],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in TASKS]
 )
 def test_the_commands_of_a_task_run(cli: Cli, name: str) -> None:
     """One after the other, on a smaller mission, they do what they say and write their files."""

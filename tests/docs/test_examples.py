@@ -174,8 +174,15 @@ def test_the_mission_with_deadlines_from_plan_to_export(cli: Cli, tmp_path: Path
     page = (FOLDER.parent / "docs/rules.md").read_text(encoding="utf-8")
     lines = re.findall(r"^    python -m adr_opt (.+)$", page, re.MULTILINE)
     assert [line.split()[0] for line in lines] == [
-        "solve", "bound", "check", "fly", "report", "export", "export", "export"
-    ]  # fmt: skip
+        "solve",
+        "bound",
+        "check",
+        "fly",
+        "report",
+        "export",
+        "export",
+        "export",
+    ]
     said = {}
     for line in lines:
         outcome = cli(*shlex.split(line))

@@ -19,9 +19,19 @@ from adr_opt.common.stability import PROVISIONAL, STABLE, stability
 from adr_opt.plan.refined_plan import reference
 
 DEPRECATED = {
-    "construct", "copy", "dict", "from_orm", "json", "parse_file", "parse_obj", "parse_raw",
-    "schema", "schema_json", "update_forward_refs", "validate",
-}  # fmt: skip
+    "construct",
+    "copy",
+    "dict",
+    "from_orm",
+    "json",
+    "parse_file",
+    "parse_obj",
+    "parse_raw",
+    "schema",
+    "schema_json",
+    "update_forward_refs",
+    "validate",
+}
 
 
 def records(kind: type[Record] = Record) -> list[type[Record]]:
@@ -78,13 +88,19 @@ def test_what_is_saved_is_loaded_by_its_class(tmp_path: Path) -> None:
         instance=plan.instance, method="nothing", upper_bound=7.0, multipliers={}
     )
     refined = adr_opt.RefinedPlan(
-        instance=named, plan=reference(plan), gravity="j2", freedom="free",
-        status="complete", runtime_s=0.0,
-    )  # fmt: skip
+        instance=named,
+        plan=reference(plan),
+        gravity="j2",
+        freedom="free",
+        status="complete",
+        runtime_s=0.0,
+    )
     for made, function in (
-        (instance, adr_opt.load), (plan, adr_opt.load_plan), (refined, adr_opt.load_refined),
+        (instance, adr_opt.load),
+        (plan, adr_opt.load_plan),
+        (refined, adr_opt.load_refined),
         (certificate, adr_opt.load_certificate),
-    ):  # fmt: skip
+    ):
         path = tmp_path / "file.json"
         made.save(path)
         assert type(made).load(path) == function(path) == made

@@ -21,9 +21,7 @@ pytest.importorskip("plotly")
 FOLDER = Path(__file__).parents[2] / "examples/removal"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
 DAY_S = 86400.0
-SHORT = [
-    "--days", 60, "--launch-every", 15, "--deadline", 30, "--kits", 2, "--time-limit", 15,
-]  # fmt: skip
+SHORT = ["--days", 60, "--launch-every", 15, "--deadline", 30, "--kits", 2, "--time-limit", 15]
 """Options for a campaign whose legs are refined in seconds."""
 
 

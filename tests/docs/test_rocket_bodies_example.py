@@ -32,13 +32,16 @@ def upper_stages(count: int) -> list[ElementSet]:
     records = field(count + 6)
     return [
         replace(
-            record, name="SL-16 R/B", inclination_deg=71.0 + 0.005 * (number % 7),
-            raan_deg=round(23.7 * number, 4), mean_motion_rev_day=14.15 + 0.0004 * number,
+            record,
+            name="SL-16 R/B",
+            inclination_deg=71.0 + 0.005 * (number % 7),
+            raan_deg=round(23.7 * number, 4),
+            mean_motion_rev_day=14.15 + 0.0004 * number,
         )
         if number < count
         else record
         for number, record in enumerate(records)
-    ]  # fmt: skip
+    ]
 
 
 def short_of_time(*more: object) -> list[object]:

@@ -38,8 +38,11 @@ def touched(source: str) -> Iterator[str]:
 
 def sources() -> list[Path]:
     """All modules but those that may."""
-    paths = [path for room in ("adr_opt", "solvers", "bench", "docs", "examples")
-             for path in sorted((ROOT / room).rglob("*.py"))]  # fmt: skip
+    paths = [
+        path
+        for room in ("adr_opt", "solvers", "bench", "docs", "examples")
+        for path in sorted((ROOT / room).rglob("*.py"))
+    ]
     return [path for path in paths if path not in OWNERS]
 
 
@@ -165,5 +168,7 @@ def test_kernels_import_numbers_and_each_other_only() -> None:
             assert may_be_imported(module), (path.name, module)
     strangers = "import adr_opt.legs.service_limits\nfrom ...plan import x\nfrom ..rules import y"
     assert [may_be_imported(each) for each in imported(strangers, "adr_opt.kernels.legs")] == [
-        False, False, True,
-    ]  # fmt: skip
+        False,
+        False,
+        True,
+    ]

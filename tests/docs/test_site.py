@@ -41,12 +41,16 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     paths = [str(blocked), os.environ.get("PYTHONPATH", "")]
     ran = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)],
-        capture_output=True, text=True, cwd=ROOT, check=False,
+        capture_output=True,
+        text=True,
+        cwd=ROOT,
+        check=False,
         env={
-            **os.environ, "NO_MKDOCS_2_WARNING": "1",
+            **os.environ,
+            "NO_MKDOCS_2_WARNING": "1",
             "PYTHONPATH": os.pathsep.join(path for path in paths if path),
         },
-    )  # fmt: skip
+    )
     assert ran.returncode == 0, ran.stderr
     return folder
 

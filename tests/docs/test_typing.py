@@ -23,9 +23,13 @@ def checked(code: str, folder: Path, *options: str, place: Path) -> list[str]:
     mine.write_text(textwrap.dedent(code), encoding="utf-8")
     ran = subprocess.run(
         [sys.executable, "-m", "mypy", *options, str(mine)],
-        cwd=place, env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
-        capture_output=True, text=True, timeout=600, check=False,
-    )  # fmt: skip
+        cwd=place,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
     assert ran.returncode in (0, 1), ran.stderr
     return [line for line in ran.stdout.splitlines() if "mine.py" in line]
 
@@ -44,11 +48,15 @@ def test_an_editable_install_is_found(tmp_path: Path) -> None:
     # What pip calls; without it nothing has to be fetched.
     subprocess.run(
         [
-            sys.executable, "-c",
+            sys.executable,
+            "-c",
             f"from setuptools.build_meta import build_editable; build_editable({str(tmp_path)!r})",
         ],
-        cwd=project, check=True, capture_output=True, timeout=120,
-    )  # fmt: skip
+        cwd=project,
+        check=True,
+        capture_output=True,
+        timeout=120,
+    )
     (wheel,) = tmp_path.glob("*.whl")
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path / "venv"], check=True)
     (site,) = (tmp_path / "venv" / "lib").glob("python*/site-packages")
@@ -60,9 +68,13 @@ def test_an_editable_install_is_found(tmp_path: Path) -> None:
         instance: adr_opt.Instance = adr_opt.generate("tiny", 0)
         wrong: int = adr_opt.solve(instance)
         """,
-        tmp_path, "--python-executable", str(tmp_path / "venv" / "bin" / "python"),
-        "--follow-imports", "silent", place=tmp_path,
-    )  # fmt: skip
+        tmp_path,
+        "--python-executable",
+        str(tmp_path / "venv" / "bin" / "python"),
+        "--follow-imports",
+        "silent",
+        place=tmp_path,
+    )
     (line,) = said
     assert 'error: Incompatible types in assignment (expression has type "Result"' in line
 
@@ -88,8 +100,9 @@ def test_steps_of_the_environment_check(tmp_path: Path) -> None:
         env.step(env.action_space.sample())
         env.step("3")
         """,
-        tmp_path, place=ROOT,
-    )  # fmt: skip
+        tmp_path,
+        place=ROOT,
+    )
     (line,) = said
     assert "mine.py:13: error: " in line
     assert '"step"' in line

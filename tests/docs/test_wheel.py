@@ -69,8 +69,10 @@ def make_archive(file: Path, *methods: str) -> None:
     some = ["--methods", *methods] if methods else []
     subprocess.run(
         [sys.executable, str(ROOT / "bench/wheel.py"), "--archive", str(file), *some],
-        check=True, capture_output=True, env=os.environ | {"PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+        check=True,
+        capture_output=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
 
 
 @pytest.fixture(scope="module")
@@ -248,9 +250,11 @@ def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) 
     )
     one = [["nominal", {}], ["reduced-time", {"zones": 3}], ["rocket-bodies", {"targets": 6}]]
     several = [
-        ["campaign", {"targets": 10}], ["removal", {"targets": 4}],
-        ["electric", {"targets": 8, "chasers": 1}], ["electric", {"targets": 8, "chasers": 2}],
-    ]  # fmt: skip
+        ["campaign", {"targets": 10}],
+        ["removal", {"targets": 4}],
+        ["electric", {"targets": 8, "chasers": 1}],
+        ["electric", {"targets": 8, "chasers": 2}],
+    ]
     for method in dict.fromkeys((*names(PLANNERS), *names(BOUNDS))):
         groups = [group for group in (PLANNERS, BOUNDS) if method in names(group)]
         able = spec_of(method, groups[0])
@@ -258,9 +262,10 @@ def test_the_whole_archive_leaves_no_method_anything_to_compile(tmp_path: Path) 
         fields = [*one, *(several[:1] if able.several else []), *carries]
         ran = subprocess.run(
             [sys.executable, "-c", where + PLANS, " ".join([method, *groups]), json.dumps(fields)],
-            capture_output=True, text=True,
+            capture_output=True,
+            text=True,
             env=os.environ | {VARIABLE: str(tmp_path / "kept"), "PYTHONPATH": str(ROOT)},
-        )  # fmt: skip
+        )
         assert ran.returncode == 0, (method, ran.stderr[-2000:])
         assert json.loads(ran.stdout.splitlines()[-1]) == [[], []], method
 

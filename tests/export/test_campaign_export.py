@@ -137,9 +137,7 @@ def test_czml_holds_all_chasers(files: Cli) -> None:
     assert sum(name.startswith(f"{OWN}, leg ") for name in names) == sum(
         len(path.arcs) for path in flown.legs[3:]
     )
-    assert files(
-        "export", "my.json", "plan.json", "--out", "one.czml", "--chaser", OWN
-    ).status == 0  # fmt: skip
+    assert files("export", "my.json", "plan.json", "--out", "one.czml", "--chaser", OWN).status == 0
     one = json.loads(Path("one.czml").read_text(encoding="utf-8"))
     assert [packet["name"] for packet in one if packet["id"].startswith("chaser")] == [OWN]
 

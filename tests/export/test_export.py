@@ -301,12 +301,7 @@ def test_same_file_from_instance_and_mission(mission: Mission, tmp_path: Path, s
 @pytest.mark.parametrize(
     ("name", "departures", "options", "said"),
     [
-        (
-            "costs.csv",
-            [0.0],
-            {},
-            r"'\.csv' is unknown; use one of \.npz, \.nc, \.tsp",
-        ),
+        ("costs.csv", [0.0], {}, r"'\.csv' is unknown; use one of \.npz, \.nc, \.tsp"),
         ("costs", [0.0], {}, "suffix '' is unknown"),
         ("costs.npz", [], {}, "departures: there are none"),
         ("costs.npz", [-1.0], {}, "departures must be"),

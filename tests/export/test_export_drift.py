@@ -77,14 +77,16 @@ def test_oem_leads_through_weeks(tmp_path: Path) -> None:
         begin = states[window, 0][0]
         inner = (dense.times_s > states[window, 0][1]) & (dense.times_s < states[window, 0][2])
         way = KroghInterpolator(
-            np.repeat(states[window, 0] - begin, 2),
-            states[window, 1:].reshape(-1, 3),
+            np.repeat(states[window, 0] - begin, 2), states[window, 1:].reshape(-1, 3)
         )
         off = way(dense.times_s[inner] - begin) - dense.positions_m[inner]
         assert np.linalg.norm(off, axis=1).max() < 0.05
     drifting = next(arc for arc in flight if arc.phase == "drift")
-    dense = next(arc for _, arc in sample(drifting_instance(), drifting_plan(), 60.0).arcs()
-                 if arc.phase == "drift")  # fmt: skip
+    dense = next(
+        arc
+        for _, arc in sample(drifting_instance(), drifting_plan(), 60.0).arcs()
+        if arc.phase == "drift"
+    )
     wrong = CubicHermiteSpline(drifting.times_s, drifting.positions_m, drifting.velocities_m_s)
     assert np.linalg.norm(wrong(dense.times_s) - dense.positions_m, axis=1).max() > 10.0
 
@@ -186,9 +188,11 @@ def test_a_body_that_is_met_twice_is_shown_twice(
     away = there.leg.replace(origin="away", destination="far")
     later = type(back)(3, back.leg.replace(origin="far", destination="near"), back.arcs)
     odd = type(flown)(
-        flown.instance, flown.plan, flown.step_s,
+        flown.instance,
+        flown.plan,
+        flown.step_s,
         (there, type(there)(2, away, back.arcs[:2]), type(later)(3, later.leg, back.arcs[3:])),
-    )  # fmt: skip
+    )
     packets = {packet["id"]: packet for packet in json.loads(czml.to_czml(odd))}
     near = packets["body/near"]
     assert len(near["availability"]) == len(near["position"]) == 2

@@ -197,9 +197,10 @@ def test_the_shell_writes_refined_plans_in_every_format(cli: Cli, tmp_path: Path
         assert text.startswith(begin)
         assert instance.sha256 in text
     gap = one.replace(
-        legs=(one.legs[0], *one.legs[2:]), status="incomplete",
+        legs=(one.legs[0], *one.legs[2:]),
+        status="incomplete",
         missing=({"leg": 2, "reason": "interrupted"},),
-    )  # fmt: skip
+    )
     gap.save("gap.json")
     for plan, out, more, said in (
         ("refined.json", "b.opm", ("--body", one.bodies[0].name), "a body makes no burns"),

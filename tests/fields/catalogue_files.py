@@ -182,13 +182,7 @@ def power(value: float) -> str:
     return f"{'-' if value < 0.0 else ' '}{digits:05d}{exponent:+d}"
 
 
-SPELLINGS = {
-    "tle": as_tle,
-    "xml": as_xml,
-    "kvn": as_kvn,
-    "json": as_json,
-    "csv": as_csv,
-}
+SPELLINGS = {"tle": as_tle, "xml": as_xml, "kvn": as_kvn, "json": as_json, "csv": as_csv}
 
 
 def one(text: str) -> ElementSet:

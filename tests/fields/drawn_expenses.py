@@ -3,14 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from random_rules import (
-    carrying,
-    limited,
-    mixed_campaign,
-    priced,
-    random_campaign,
-    towing,
-)
+from random_rules import carrying, limited, mixed_campaign, priced, random_campaign, towing
 
 from adr_opt.problem.instance import Instance
 

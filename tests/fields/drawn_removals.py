@@ -55,8 +55,9 @@ def drawn_removal(seed: int) -> Instance:
         service_revolutions=1.0 if short else None,
         service_s=None if short else float(rng.choice([0.25, 1.0])) * DAY_S,
         disposal_altitude_m=float(rng.uniform(max(lowest_m - 400e3, 300e3), lowest_m - 5e3))
-        if "tow" in kinds else None,
-    )  # fmt: skip
+        if "tow" in kinds
+        else None,
+    )
     laid_out = transfers_for(duration_s) if dynamics == "j2" else TransferSettings()
     return field.replace(
         name=f"removal-{seed}",
@@ -111,6 +112,9 @@ def _chaser(first: Target, rng: np.random.Generator, has_kits: bool) -> Chaser:
     )
     start: Any = "anywhere" if rng.random() < 0.4 else InOrbit(orbit=orbit)
     return Chaser(
-        name="chaser", start=start, tank=tank,
-        kits=4 if has_kits else None, kit_mass_kg=40.0 if has_kits else 0.0,
-    )  # fmt: skip
+        name="chaser",
+        start=start,
+        tank=tank,
+        kits=4 if has_kits else None,
+        kit_mass_kg=40.0 if has_kits else 0.0,
+    )

@@ -89,9 +89,13 @@ class AtRandom:
                 first = 0
             for row in range(first, min(first + ROWS, rows.departure.size)):
                 hop = Hop(
-                    j, float(rows.departure[row]), float(rows.arrival[row]),
-                    float(rows.delta_v[row]), int(rows.family[row]), int(rows.revolutions[row]),
-                )  # fmt: skip
+                    j,
+                    float(rows.departure[row]),
+                    float(rows.arrival[row]),
+                    float(rows.delta_v[row]),
+                    int(rows.family[row]),
+                    int(rows.revolutions[row]),
+                )
                 if not refused(ground, craft, hop):
                     hops.append(hop)
         if not hops or rng.random() < 0.02:

@@ -24,9 +24,14 @@ MASSES = 4
 
 
 def electric(
-    seed: int, *, targets: int = 4, chasers: int = 1, kits: bool = False, tows: bool = False,
+    seed: int,
+    *,
+    targets: int = 4,
+    chasers: int = 1,
+    kits: bool = False,
+    tows: bool = False,
     resolution_m_s: float = 0.5,
-) -> Instance:  # fmt: skip
+) -> Instance:
     """A mission of some months in which not everything can be done."""
     rng = np.random.default_rng(seed)
     field = adr_opt.generate("sso", seed, targets=targets)
@@ -39,14 +44,15 @@ def electric(
                 "start": {"orbit": field.targets[number].orbit.replace(raan_deg=1.0).model_dump()},
                 "tank": {
                     "dry_mass_kg": float(rng.uniform(150.0, 300.0)),
-                    "propellant_kg": float(rng.uniform(5.0, 25.0)), "isp_s": 1500.0,
+                    "propellant_kg": float(rng.uniform(5.0, 25.0)),
+                    "isp_s": 1500.0,
                 },
                 "thrust_n": float(rng.uniform(0.03, 0.15)),
                 "duty_cycle": float(rng.choice([0.6, 0.9])),
                 "kit_mass_kg": 20.0 if kits else 0.0,
                 "kits": int(rng.integers(1, 4)) if kits else None,
             }
-        )  # fmt: skip
+        )
     bodies: list[dict[str, Any]] = []
     for target in field.targets:
         body = target.model_dump(mode="json")
@@ -63,9 +69,11 @@ def electric(
     if tows:
         content["mission"] |= {"disposal_altitude_m": 4.5e5}
     content["transfer"] |= {
-        "max_drift_s": duration, "drift_step_s": duration / STEPS, "departure_spacing_s": DAY_S,
+        "max_drift_s": duration,
+        "drift_step_s": duration / STEPS,
+        "departure_spacing_s": DAY_S,
         "delta_v_resolution_m_s": resolution_m_s,
-    }  # fmt: skip
+    }
     return adr_opt.problem.instance.instance_of(content)
 
 
@@ -168,9 +176,8 @@ class Enumerated:
                         if end > instance.mission.duration_s + 1e-6:
                             break
                         left = after(
-                            pairs[body, j], drive, classes, empty, mass, leaves * step,
-                            lands * step,
-                        )  # fmt: skip
+                            pairs[body, j], drive, classes, empty, mass, leaves * step, lands * step
+                        )
                         if left < empty:
                             continue
                         left -= chaser.kit_mass_kg if j in takers else 0.0

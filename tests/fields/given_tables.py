@@ -10,9 +10,27 @@ import numpy as np
 from toy_roads import DEPARTURES, NAMES, as_rows, matrices
 
 UNITS = (
-    "s", "minutes", "min", "h", "days", "days since 2026-05-04", "m s-1", "km s-1", "km/h", "1", "",
-    "fortnights", "kWh", "\x1b[2J", "m" * 500, "%", "s-1", "m/s/s", "ns", "µs",
-)  # fmt: skip
+    "s",
+    "minutes",
+    "min",
+    "h",
+    "days",
+    "days since 2026-05-04",
+    "m s-1",
+    "km s-1",
+    "km/h",
+    "1",
+    "",
+    "fortnights",
+    "kWh",
+    "\x1b[2J",
+    "m" * 500,
+    "%",
+    "s-1",
+    "m/s/s",
+    "ns",
+    "µs",
+)
 FLOATS = (np.nan, np.inf, -np.inf, 1e308, -1e308, -0.0, 1e-320, -1.0, 1e12, 1e13, 0.0)
 
 
@@ -51,8 +69,11 @@ def _parquet(rng: random.Random) -> bytes:
             columns[at] = rng.choice([name.upper(), f"{name}.x", "", "a\nb", name[:-2]]), array, {}
         elif how == 6:
             rows = [rng.randrange(len(array)) for _ in range(rng.choice([0, 1, len(array)]))]
-            columns = [(each, one.take(pa.array(rows, pa.int64())), said)
-                       for each, one, said in columns if len(one) == len(array)]  # fmt: skip
+            columns = [
+                (each, one.take(pa.array(rows, pa.int64())), said)
+                for each, one, said in columns
+                if len(one) == len(array)
+            ]
             if not rows:
                 break
         elif how == 7:
@@ -81,10 +102,21 @@ def _other_type(array: Any, rng: random.Random) -> Any:
 
     size = len(array)
     kinds: list[Any] = [
-        pa.list_(array.type), pa.large_string(), pa.int32(), pa.int64(), pa.float16(), pa.float32(),
-        pa.duration("ms"), pa.timestamp("s"), pa.binary(), pa.bool_(), pa.decimal128(30, 6),
-        pa.date32(), pa.time64("us"), pa.string_view(),
-    ]  # fmt: skip
+        pa.list_(array.type),
+        pa.large_string(),
+        pa.int32(),
+        pa.int64(),
+        pa.float16(),
+        pa.float32(),
+        pa.duration("ms"),
+        pa.timestamp("s"),
+        pa.binary(),
+        pa.bool_(),
+        pa.decimal128(30, 6),
+        pa.date32(),
+        pa.time64("us"),
+        pa.string_view(),
+    ]
     kind = rng.choice([*kinds, "struct", "packed", "map"])
     try:
         if kind == "struct":
@@ -172,11 +204,19 @@ def netcdf(rng: random.Random) -> bytes:
         elif how == 5:
             made[name] = dimensions[::-1], values.T, stated
         elif how == 6:
-            stated.update(rng.choice([
-                {"_FillValue": 0.0}, {"scale_factor": 60.0}, {"add_offset": np.nan},
-                {"missing_value": 1.5}, {"scale_factor": "x"}, {"dtype": "bool"},
-                {"_Unsigned": "true"},
-            ]))  # fmt: skip
+            stated.update(
+                rng.choice(
+                    [
+                        {"_FillValue": 0.0},
+                        {"scale_factor": 60.0},
+                        {"add_offset": np.nan},
+                        {"missing_value": 1.5},
+                        {"scale_factor": "x"},
+                        {"dtype": "bool"},
+                        {"_Unsigned": "true"},
+                    ]
+                )
+            )
         else:
             made[rng.choice(["service", "x", name.upper()])] = made.pop(name)
     try:

@@ -48,10 +48,17 @@ def oem(
     times = np.arange(span_s[0], span_s[1] + step_s, step_s)
     labels = [label(epoch + timedelta(seconds=float(time) + ahead_s)) for time in times]
     about = {
-        "OBJECT_NAME": name, "OBJECT_ID": designator, "CENTER_NAME": "EARTH",
-        "TIME_SYSTEM": "UTC", "START_TIME": labels[0], "STOP_TIME": labels[-1],
-        "INTERPOLATION": "LAGRANGE", "INTERPOLATION_DEGREE": "7", **TEME_OF_DATE, **fields,
-    }  # fmt: skip
+        "OBJECT_NAME": name,
+        "OBJECT_ID": designator,
+        "CENTER_NAME": "EARTH",
+        "TIME_SYSTEM": "UTC",
+        "START_TIME": labels[0],
+        "STOP_TIME": labels[-1],
+        "INTERPOLATION": "LAGRANGE",
+        "INTERPOLATION_DEGREE": "7",
+        **TEME_OF_DATE,
+        **fields,
+    }
     lines = ["CCSDS_OEM_VERS = 2.0", "CREATION_DATE = 2025-03-01T00:00:00", "ORIGINATOR = NOBODY"]
     lines += ["META_START", *(f"{key} = {value}" for key, value in about.items()), "META_STOP"]
     for at, row in zip(labels, states(times), strict=True):

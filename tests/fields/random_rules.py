@@ -52,11 +52,13 @@ def drifting_mission(seed: int) -> Instance:
         drawn = zip(rng.uniform(690e3, 990e3, 2), rng.uniform(0.0, duration, 2), strict=True)
         zones = [
             KeepOutZone(
-                min_altitude_m=low, max_altitude_m=low + 20e3, start_s=begin,
+                min_altitude_m=low,
+                max_altitude_m=low + 20e3,
+                start_s=begin,
                 end_s=begin + 0.1 * duration,
             )
             for low, begin in drawn
-        ]  # fmt: skip
+        ]
         instance = instance.replace(keep_out_zones=tuple(zones))
     return _with_rules(
         instance, duration, rng, tanks=(400.0, 700.0, 1200.0, 2000.0), longest_service_s=4 * DAY_S
@@ -86,9 +88,12 @@ def weeks_mission(seed: int) -> Instance:
         departure_spacing_s=DAY_S * float(rng.choice([0.5, 1.0])),
     )
     return _with_rules(
-        field.replace(transfer=settings, **rings), duration, rng,
-        tanks=(150.0, 300.0, 500.0, 900.0), longest_service_s=DAY_S,
-    )  # fmt: skip
+        field.replace(transfer=settings, **rings),
+        duration,
+        rng,
+        tanks=(150.0, 300.0, 500.0, 900.0),
+        longest_service_s=DAY_S,
+    )
 
 
 def given_mission(seed: int) -> Instance:
@@ -113,10 +118,11 @@ def with_given_costs(
             stations=tuple(each.replace(orbit=None) for each in instance.stations),
             targets=tuple(each.replace(orbit=None) for each in instance.targets),
             mission=MissionSettings(
-                duration_s=duration, service_s=float(rng.choice([0.0, 1e-3, 1800.0])),
+                duration_s=duration,
+                service_s=float(rng.choice([0.0, 1e-3, 1800.0])),
                 refuel_revolutions=0.0,
             ),
-        )  # fmt: skip
+        )
     regular, whole = rng.random() < 0.5, rng.random() < 0.3
     shortest = float(rng.choice([0.01, 60.0, 1800.0, 1800.0]))
     rows = []
@@ -134,8 +140,9 @@ def with_given_costs(
                 takes, costs = np.ceil(takes / 1800.0) * 1800.0, np.floor(costs / 50.0) * 50.0
             rows += [(i, j, at, at + t, c) for at, t, c in zip(leaves, takes, costs, strict=True)]
     columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
-    given = of_rows({name: [row[at] for row in rows] for at, name in enumerate(columns)},
-                    instance.names)  # fmt: skip
+    given = of_rows(
+        {name: [row[at] for row in rows] for at, name in enumerate(columns)}, instance.names
+    )
     return instance.with_given(given)
 
 
@@ -327,9 +334,12 @@ def mixed_campaign(seed: int, draw: Callable[[int], Instance] = random_mission) 
             made = _chaser(instance.chaser, stations, targets, duration, rng)
         chasers.append(made.replace(name=f"chaser-{number}"))
     made = _changed(
-        instance, name=f"mixed-{seed}", targets=tuple(targets), stations=tuple(stations),
+        instance,
+        name=f"mixed-{seed}",
+        targets=tuple(targets),
+        stations=tuple(stations),
         chasers=tuple(chasers),
-    )  # fmt: skip
+    )
     return _regiven(made, rng)
 
 
@@ -349,9 +359,12 @@ def _regiven(instance: Instance, rng: np.random.Generator) -> Instance:
 
 
 def _chaser(
-    usual: Chaser, stations: list[Station], targets: list[Target], duration_s: float,
+    usual: Chaser,
+    stations: list[Station],
+    targets: list[Target],
+    duration_s: float,
     rng: np.random.Generator,
-) -> Chaser:  # fmt: skip
+) -> Chaser:
     """One with a start, an end, a tank, a time and a number of targets of its own."""
     changes: dict[str, object] = {"end": "anywhere", "max_targets": None}
     if stations and rng.random() < 0.5:
@@ -390,9 +403,10 @@ def carrying(instance: Instance, seed: int) -> Instance:
             dry, isp = float(rng.uniform(100.0, 600.0)), float(rng.uniform(60.0, 320.0))
             ratio = np.expm1(chaser.tank.delta_v_m_s / (isp * 9.80665))
             changes["tank"] = {
-                "dry_mass_kg": dry, "isp_s": isp,
+                "dry_mass_kg": dry,
+                "isp_s": isp,
                 "propellant_kg": dry * float(ratio * rng.uniform(0.9, 1.5)),
-            }  # fmt: skip
+            }
             changes["kit_mass_kg"] = dry * float(rng.choice([0.0, 0.05, 0.2, 0.5, 4.0]))
         if rng.random() < 0.25:
             changes["start"] = "anywhere"
@@ -422,9 +436,11 @@ def priced(instance: Instance, seed: int) -> Instance:
     if all(chaser.expense is None for chaser in chasers):
         chasers[0] = chasers[0].replace(expense={})
     return _changed(
-        instance, name=f"{instance.name}-priced", chasers=tuple(chasers),
+        instance,
+        name=f"{instance.name}-priced",
+        chasers=tuple(chasers),
         objective=Objective(cost="expense"),
-    )  # fmt: skip
+    )
 
 
 def limited(instance: Instance, seed: int) -> Instance:
@@ -472,9 +488,12 @@ def towing(instance: Instance, seed: int) -> Instance:
     altitude = lowest - float(rng.choice([1e3, 10e3, 40e3, 150e3]) * rng.uniform(0.5, 1.5))
     altitude = max(altitude, instance.transfer.min_altitude_m)
     return instance.replace(
-        name=f"{instance.name}-with-tows", targets=targets, chasers=tuple(chasers),
-        mission=instance.mission.replace(disposal_altitude_m=altitude), keep_out_zones=(),
-    )  # fmt: skip
+        name=f"{instance.name}-with-tows",
+        targets=targets,
+        chasers=tuple(chasers),
+        mission=instance.mission.replace(disposal_altitude_m=altitude),
+        keep_out_zones=(),
+    )
 
 
 def falling(instance: Instance, seed: int) -> Instance:
@@ -535,11 +554,16 @@ def hurried_mission(seed: int) -> Instance:
 
 
 DRAWS: dict[str, Callable[[int], Instance]] = {
-    "random": random_mission, "drifting": drifting_mission, "given": given_mission,
-    "towing": towing_mission, "falling": falling_mission, "campaign": random_campaign,
-    "mixed": mixed_campaign, "hurried": hurried_mission,
+    "random": random_mission,
+    "drifting": drifting_mission,
+    "given": given_mission,
+    "towing": towing_mission,
+    "falling": falling_mission,
+    "campaign": random_campaign,
+    "mixed": mixed_campaign,
+    "hurried": hurried_mission,
     "carrying": lambda seed: carrying(random_campaign(seed), seed),
     "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
     "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
-}  # fmt: skip
+}
 """All kinds of drawn fields that enumeration can tell the best plan of."""

@@ -39,8 +39,13 @@ def pairs_text(worths: SetWorths) -> str:
     pairs = [[float(shared) for shared in row[at + 1 :]] for at, row in enumerate(worths.pairs)]
     return json.dumps(
         {
-            "format": "adr-opt-worth/1", "unit": "fragment-years", "years": worths.years,
-            "activity": "mean", "total": worths.total, "prize_unit": worths.prize_unit,
-            "objects": objects, "pairs": pairs,
+            "format": "adr-opt-worth/1",
+            "unit": "fragment-years",
+            "years": worths.years,
+            "activity": "mean",
+            "total": worths.total,
+            "prize_unit": worths.prize_unit,
+            "objects": objects,
+            "pairs": pairs,
         }
-    )  # fmt: skip
+    )

@@ -196,12 +196,39 @@ def lost_tow(content: Content, rng: random.Random) -> None:
 
 
 EDITS: tuple[Callable[[Content, random.Random], None], ...] = (
-    reversed_velocity, moved_state, moved_state, moved_body, swapped_bodies, lost_leg,
-    lost_last_leg, swapped_legs, more_legs, other_number, changed_burn, changed_burn, lost_burn,
-    later_burn, other_phase, other_time, other_time, later_state, lost_state, other_event,
-    other_name, other_digest, other_instance, other_planner, other_field, other_price,
-    said_missing, other_kind, other_chaser, other_mass, other_tow, lost_tow,
-)  # fmt: skip
+    reversed_velocity,
+    moved_state,
+    moved_state,
+    moved_body,
+    swapped_bodies,
+    lost_leg,
+    lost_last_leg,
+    swapped_legs,
+    more_legs,
+    other_number,
+    changed_burn,
+    changed_burn,
+    lost_burn,
+    later_burn,
+    other_phase,
+    other_time,
+    other_time,
+    later_state,
+    lost_state,
+    other_event,
+    other_name,
+    other_digest,
+    other_instance,
+    other_planner,
+    other_field,
+    other_price,
+    said_missing,
+    other_kind,
+    other_chaser,
+    other_mass,
+    other_tow,
+    lost_tow,
+)
 
 
 def edited(content: Content, number: int) -> tuple[str, Content]:

@@ -63,9 +63,7 @@ def resonant(seed: int) -> Instance:
         targets=targets,
         chasers=(Chaser(name="chaser", start=AtStation(station="station"), tank=tank),),
         mission=MissionSettings(
-            duration_s=duration_s,
-            service_revolutions=service,
-            refuel_revolutions=refuelling,
+            duration_s=duration_s, service_revolutions=service, refuel_revolutions=refuelling
         ),
         transfer=TransferSettings(
             standoff_m=standoff_m,

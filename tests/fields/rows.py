@@ -32,10 +32,15 @@ def row(
     """A body: metres and radians, with the rates that it has at an oblateness J2 R² [m²]."""
     return np.array(
         body_row(
-            radius, inclination, raan, latitude,
-            eccentricity=eccentricity, perigee=perigee, oblateness_m2=oblateness,
+            radius,
+            inclination,
+            raan,
+            latitude,
+            eccentricity=eccentricity,
+            perigee=perigee,
+            oblateness_m2=oblateness,
         )
-    )  # fmt: skip
+    )
 
 
 def changed(

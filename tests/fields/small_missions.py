@@ -37,7 +37,7 @@ def random_mission(seed, *, zones=True):
             targets=tuple(
                 target.replace(prize=float(prize))
                 for target, prize in zip(instance.targets, prizes, strict=True)
-            ),
+            )
         ).with_limits(**limits),
         threads=1,
     )

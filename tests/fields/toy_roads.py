@@ -28,15 +28,15 @@ def roads(**changes: Any) -> Instance:
         "targets": [Target(name=name) for name in NAMES[1:]],
         "chasers": [
             Chaser(
-                name="van", start=AtStation(station="depot"), end=AtStation(station="depot"),
+                name="van",
+                start=AtStation(station="depot"),
+                end=AtStation(station="depot"),
                 tank=Tank(delta_v_m_s=30.0),
             )
         ],
-        "mission": MissionSettings(
-            duration_s=6 * HOUR_S, service_s=600.0, refuel_revolutions=0.0
-        ),
+        "mission": MissionSettings(duration_s=6 * HOUR_S, service_s=600.0, refuel_revolutions=0.0),
         "transfer": TransferSettings(given=GivenFile(file="roads.parquet")),
-    }  # fmt: skip
+    }
     return Instance(**(stated | changes))
 
 
@@ -56,9 +56,11 @@ def as_rows() -> dict[str, list[Any]]:
     duration, cost = matrices()
     rows = [
         (NAMES[i], NAMES[j], at, at + duration[d, i, j], cost[d, i, j])
-        for d, at in enumerate(DEPARTURES) for i in range(4) for j in range(4)
+        for d, at in enumerate(DEPARTURES)
+        for i in range(4)
+        for j in range(4)
         if i != j and np.isfinite(duration[d, i, j])
-    ]  # fmt: skip
+    ]
     return {name: [row[at] for row in rows] for at, name in enumerate(COLUMNS)}
 
 

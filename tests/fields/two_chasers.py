@@ -25,15 +25,16 @@ def campaign(dynamics: str = "two-body", eccentricity: float = 0.0) -> Instance:
             for target in field.targets
         ),
         chasers=(
+            Chaser(name=HOME, start=AtStation(station=station.name), tank=Tank(delta_v_m_s=500.0)),
             Chaser(
-                name=HOME, start=AtStation(station=station.name), tank=Tank(delta_v_m_s=500.0)
-            ),
-            Chaser(
-                name=OWN, start=InOrbit(orbit=own), available_s=(7200.0, None), max_targets=3,
+                name=OWN,
+                start=InOrbit(orbit=own),
+                available_s=(7200.0, None),
+                max_targets=3,
                 tank=Tank(delta_v_m_s=400.0),
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 @cache

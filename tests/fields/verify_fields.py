@@ -55,12 +55,12 @@ def refuelling(seed: int) -> Instance:
     rng, dry_kg, exhaust = np.random.default_rng([15, seed]), 200.0, 3000.0
     ratio = float(np.expm1(rng.uniform(250.0, 600.0) / exhaust))
     chaser = made.chaser.replace(
-        start=AtStation(station=made.stations[0].name), available_s=(0.0, None), max_targets=None,
-        tank=TankByMass(
-            dry_mass_kg=dry_kg, propellant_kg=dry_kg * ratio, isp_s=exhaust / 9.80665
-        ),
+        start=AtStation(station=made.stations[0].name),
+        available_s=(0.0, None),
+        max_targets=None,
+        tank=TankByMass(dry_mass_kg=dry_kg, propellant_kg=dry_kg * ratio, isp_s=exhaust / 9.80665),
         kit_mass_kg=dry_kg * float(rng.choice([0.2, 0.5, 1.0])),
-    )  # fmt: skip
+    )
     mission = made.mission.replace(duration_s=2.5 * DAY_S)
     return made.replace(chasers=(chaser,), mission=mission, keep_out_zones=())
 

@@ -15,13 +15,7 @@ from drifting_plans import drifting_instance, drifting_plan
 from plans import moved_to, solved, unjudged
 
 import adr_opt
-from adr_opt.fly.dispersion import (
-    Dispersion,
-    FlightErrors,
-    Quantile,
-    sample_flights,
-    usable_tank,
-)
+from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights, usable_tank
 from adr_opt.fly.dispersion.exact import fly_exactly
 from adr_opt.fly.dispersion.feedback import LegPart, fly, parts_of
 from adr_opt.fly.flight.tanks import legs_by_tank, tanks_of
@@ -78,9 +72,10 @@ def test_burns_err_along_and_across_as_said() -> None:
     side = np.cross(along, [1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)
     wanted = {
-        "along": (along, 1.3), "side": (side, 130.0 * math.radians(2.0)),
+        "along": (along, 1.3),
+        "side": (side, 130.0 * math.radians(2.0)),
         "up": (np.cross(along, side), 130.0 * math.radians(2.0)),
-    }  # fmt: skip
+    }
     for direction, sigma in wanted.values():
         part = direction @ error
         assert part.std() == pytest.approx(sigma, rel=0.02)
@@ -155,9 +150,11 @@ def test_the_first_burn_knows_nothing() -> None:
 def test_larger_errors_need_more() -> None:
     """Twice the errors at the same draws miss by twice as much uncorrected, and cost more."""
     twice = {
-        "burn_magnitude": 0.01, "burn_pointing_deg": 1.0, "navigation_position_m": 20.0,
+        "burn_magnitude": 0.01,
+        "burn_pointing_deg": 1.0,
+        "navigation_position_m": 20.0,
         "navigation_velocity_m_s": 0.02,
-    }  # fmt: skip
+    }
     part = unguided(first_part())
     drawn = np.random.default_rng(2).standard_normal((part.times.size + 2, 3, 100))
     missed = [
@@ -269,10 +266,23 @@ def test_fly_tells_of_errors(cli: Cli) -> None:
     assert "200 flights with errors of 0.005 of a burn, 0.5°, 10 m and 0.01 m/s" in told.out
     assert "flown without linearisation, 10 flights differ" in told.out
     as_json = cli(
-        "fly", "my.json", "refined.json", "--samples", "200", "--burn-pointing-error", "1",
-        "--burn-magnitude-error", "0.02", "--navigation-position-error", "100",
-        "--navigation-velocity-error", "0.1", "--corrections", "1", "--json",
-    )  # fmt: skip
+        "fly",
+        "my.json",
+        "refined.json",
+        "--samples",
+        "200",
+        "--burn-pointing-error",
+        "1",
+        "--burn-magnitude-error",
+        "0.02",
+        "--navigation-position-error",
+        "100",
+        "--navigation-velocity-error",
+        "0.1",
+        "--corrections",
+        "1",
+        "--json",
+    )
     found = json.loads(as_json.out)["errors"]
     errors = FlightErrors(0.02, 1.0, 100.0, 0.1)
     wanted = sample_flights(instance, refined, 200, errors, corrections=1).to_dict()
@@ -347,15 +357,28 @@ def test_fly_writes_an_uncertainty_that_rehearse_reads(cli: Cli) -> None:
     solved(instance).save("plan.json")
     refined.save("refined.json")
     written = cli(
-        "fly", "my.json", "refined.json", "--samples", "50", "--burn-magnitude-error", "0.1",
-        "--out-uncertainty", "learnt.json",
-    )  # fmt: skip
+        "fly",
+        "my.json",
+        "refined.json",
+        "--samples",
+        "50",
+        "--burn-magnitude-error",
+        "0.1",
+        "--out-uncertainty",
+        "learnt.json",
+    )
     assert "wrote learnt.json" in written.err
     learnt = Uncertainty.load("learnt.json")
     flights = sample_flights(instance, refined, 50, FlightErrors(burn_magnitude=0.1))
     assert learnt == Uncertainty(tanks=usable_tank(instance, refined, flights))
     rehearsed = cli(
-        "rehearse", "my.json", "plan.json", "--uncertainty", "learnt.json", "--samples", "20",
+        "rehearse",
+        "my.json",
+        "plan.json",
+        "--uncertainty",
+        "learnt.json",
+        "--samples",
+        "20",
         "--json",
-    )  # fmt: skip
+    )
     assert rehearsed.status == 0, rehearsed.err

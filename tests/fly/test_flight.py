@@ -211,11 +211,7 @@ def test_burns_that_cannot_be_flown_are_refused(tiny: Instance, plan: Plan) -> N
 
 @pytest.mark.parametrize(
     "change",
-    [
-        {"delta_v_m_s": (1e5, 0.0, 0.0)},
-        {"delta_v_m_s": (1e9, -1e9, 1e9)},
-        {"time_s": -1e12},
-    ],
+    [{"delta_v_m_s": (1e5, 0.0, 0.0)}, {"delta_v_m_s": (1e9, -1e9, 1e9)}, {"time_s": -1e12}],
 )
 def test_burns_that_lead_nowhere_are_refused(
     tiny: Instance, plan: Plan, change: dict[str, object]

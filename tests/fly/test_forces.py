@@ -226,10 +226,7 @@ def test_sun_and_moon_pull_where_another_library_has_them() -> None:
     """
     state = circle(1e8, 40.0)
     hours = np.linspace(0.0, 24.0, 25)
-    bodies = [
-        (1.32712440018e20, places_of("sun", hours)),
-        (4.9028001e12, places_of("moon", hours)),
-    ]
+    bodies = [(1.32712440018e20, places_of("sun", hours)), (4.9028001e12, places_of("moon", hours))]
 
     def rates(time_s: float, state: Array, pulled: bool) -> Array:
         place = state[:3]
@@ -353,9 +350,15 @@ def test_the_command_line_tells_all_of_it(tmp_path: Path, cli: Cli) -> None:
     outcome = cli("fly", *files, "--area-mass", "0.02", "--activity", "high", "--json")
     told = json.loads(outcome.out)
     assert told["forces"] == {
-        "area_mass_m2_kg": 0.02, "target_area_mass_m2_kg": 0.02, "drag": 2.2, "reflection": 1.3,
-        "activity": "high", "f107": 250.0, "ap": 45.0, "gravity_degree": 20,
-    }  # fmt: skip
+        "area_mass_m2_kg": 0.02,
+        "target_area_mass_m2_kg": 0.02,
+        "drag": 2.2,
+        "reflection": 1.3,
+        "activity": "high",
+        "f107": 250.0,
+        "ap": 45.0,
+        "gravity_degree": 20,
+    }
     assert len(told["legs"]) == len(plan.legs)
     assert told["legs"][0]["planned_body"]["distance_m"] > 0.0
     noted = tmp_path / "noted.json"
@@ -386,11 +389,7 @@ def test_thrust_points_where_its_law_says() -> None:
         outward, ahead = state[:3] / 7e6, state[3:] / np.linalg.norm(state[3:])
         cosine, sine = math.cos(math.radians(angle)), math.sin(math.radians(angle))
         law = np.array(
-            [
-                a * sine - b * cosine,
-                c + 2.0 * (a * cosine + b * sine),
-                d * cosine + e * sine,
-            ]
+            [a * sine - b * cosine, c + 2.0 * (a * cosine + b * sine), d * cosine + e * sine]
         )
         parts = [found @ outward, found @ ahead, found @ np.cross(outward, ahead)]
         assert parts == pytest.approx(law / np.linalg.norm(law), abs=1e-12)

@@ -56,8 +56,9 @@ def test_nobody_else_finds_less(seed: int) -> None:
         lambda u: np.sqrt(np.sum(u.reshape(5, 3) ** 2, axis=1) + 1e-12).sum(),
         np.linalg.lstsq(rows / scale[:, None], change / scale, rcond=None)[0],
         constraints={"type": "eq", "fun": lambda u: (rows @ u - change) / scale},
-        method="SLSQP", options={"maxiter": 500},
-    )  # fmt: skip
+        method="SLSQP",
+        options={"maxiter": 500},
+    )
     assert least_impulses(matrices, change, 1e-5).total <= found.fun * (1.0 + 1e-4)
 
 

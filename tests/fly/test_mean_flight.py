@@ -27,17 +27,25 @@ from adr_opt.problem.orbit import Orbit
 DAY_S = 86400.0
 
 ELEMENTS = [
-    (7.1e6, 0.0, 71.0), (7.2e6, 0.01, 86.4), (7.4e6, 0.08, 98.0), (9.0e6, 0.2, 20.0),
-    (7.0e6, 0.02, 150.0), (7.1e6, 0.003, 0.0),
-]  # fmt: skip
+    (7.1e6, 0.0, 71.0),
+    (7.2e6, 0.01, 86.4),
+    (7.4e6, 0.08, 98.0),
+    (9.0e6, 0.2, 20.0),
+    (7.0e6, 0.02, 150.0),
+    (7.1e6, 0.003, 0.0),
+]
 
 
 def orbit(a: float, e: float, i: float) -> Orbit:
     """An orbit of these elements and angles of no meaning."""
     return Orbit(
-        semi_major_axis_m=a, eccentricity=e, inclination_deg=i, raan_deg=30.0,
-        argument_of_perigee_deg=200.0, true_anomaly_deg=70.0,
-    )  # fmt: skip
+        semi_major_axis_m=a,
+        eccentricity=e,
+        inclination_deg=i,
+        raan_deg=30.0,
+        argument_of_perigee_deg=200.0,
+        true_anomaly_deg=70.0,
+    )
 
 
 def eccentric(instance: Instance, most: float, seed: int = 3) -> Instance:

@@ -38,10 +38,9 @@ def eccentric(seed: int) -> Instance:
 @cache
 def cases(shape: str) -> tuple[Case, ...]:
     """Transfers of a plan: their course, the closed burns of the plan, and those as planned."""
-    instance = {
-        "ellipses": lambda: eccentric(0),
-        "circles": lambda: adr_opt.generate("tiny", 0),
-    }[shape]()
+    instance = {"ellipses": lambda: eccentric(0), "circles": lambda: adr_opt.generate("tiny", 0)}[
+        shape
+    ]()
     plan = adr_opt.solve(instance, "greedy-guarded").plan
     assert isinstance(plan, Plan)
     bodies = TrueBodies(instance, instance.dynamics, instance.names)

@@ -128,9 +128,13 @@ def test_revolutions_are_counted() -> None:
     end = next(burn.time_s for burn in leg.burns if burn.phase == "approach")
     angle, _ = planned_angles(instance, leg)
     course = LegEnds(
-        bodies.state(leg.origin, times[0]), bodies.following(leg.destination, end, 1000.0),
-        times[0], end, angle, "j2",
-    )  # fmt: skip
+        bodies.state(leg.origin, times[0]),
+        bodies.following(leg.destination, end, 1000.0),
+        times[0],
+        end,
+        angle,
+        "j2",
+    )
     impulses[0] *= 1.2
     strayed = fly(course, times, impulses)
     # The nearest lap is another one.

@@ -135,9 +135,18 @@ def test_a_mission_that_cannot_hold_ends_with_a_reason(cli: Cli) -> None:
     tight = alone.with_limits(delta_v_m_s=leg.delta_v_m_s + 0.01 * over)
     Path("my.json").write_text(tight.to_json(), encoding="utf-8")
     told = cli(
-        "solve", "my.json", "--method", "exact", "--refine", "--burns", "planned",
-        "--refined-out", "r.json", "--out", "p.json",
-    )  # fmt: skip
+        "solve",
+        "my.json",
+        "--method",
+        "exact",
+        "--refine",
+        "--burns",
+        "planned",
+        "--refined-out",
+        "r.json",
+        "--out",
+        "p.json",
+    )
     assert told.status == 1
     assert "found no plan" in told.err
     assert "services all required targets" in told.err
@@ -258,10 +267,8 @@ def test_whatever_is_learnt_a_plan_costs_what_its_legs_did(spend_savings: bool) 
             planned, share = float(rng.uniform(5.0, 300.0)), float(rng.uniform(0.6, 1.6))
             cost = share * planned + (float(rng.uniform(0.0, 150.0)) if kind == "drift" else 0.0)
             made = leg.model_copy(
-                update={
-                    "kind": kind, "planned_delta_v_m_s": planned, "flown_delta_v_m_s": cost
-                }
-            )  # fmt: skip
+                update={"kind": kind, "planned_delta_v_m_s": planned, "flown_delta_v_m_s": cost}
+            )
             legs.append(made)
         heard += legs
         lessons.learn(plan, flown.model_copy(update={"legs": tuple(legs)}))
@@ -290,12 +297,14 @@ def test_what_drifting_legs_cost_more_is_an_addition() -> None:
         legs = tuple(
             one.model_copy(
                 update={
-                    "kind": "drift", "destination": f"d{at}", "planned_delta_v_m_s": planned,
+                    "kind": "drift",
+                    "destination": f"d{at}",
+                    "planned_delta_v_m_s": planned,
                     "flown_delta_v_m_s": flown,
                 }
             )
             for at, (planned, flown) in enumerate(costs)
-        )  # fmt: skip
+        )
         lessons.learn(plan, shape.model_copy(update={"legs": legs}))
         return lessons.corrections
 
@@ -327,8 +336,9 @@ def test_savings_are_spent_where_one_wants_to() -> None:
     assert fly_refined(tight, spent.refined).holds
     assert spent.rounds[1].corrections.factors["short"] < 0.95
     assert (spent.plan.objective, -spent.refined.flown_delta_v_m_s) >= (
-        plain.plan.objective, -plain.refined.flown_delta_v_m_s
-    )  # fmt: skip
+        plain.plan.objective,
+        -plain.refined.flown_delta_v_m_s,
+    )
     overdrawn = {violation.rule for violation in adr_opt.check(tight, spent.plan)}
     assert overdrawn <= {"delta-v"}
     assert bool(overdrawn) == any("by the model a tank needs" in note for note in spent.plan.notes)

@@ -252,8 +252,16 @@ def test_the_command_line_refines_onto_ephemerides(cli: Cli, files: Mission) -> 
     flown = cli("fly", "my.json", "again.json")
     assert flown.status == 0, flown.out
     assert "onto ephemerides" in flown.out
-    looped = cli("solve", "my.json", "--refine", "--ephemerides", "--method", QUICK,
-                 "--refined-out", "looped.json")  # fmt: skip
+    looped = cli(
+        "solve",
+        "my.json",
+        "--refine",
+        "--ephemerides",
+        "--method",
+        QUICK,
+        "--refined-out",
+        "looped.json",
+    )
     assert looped.status == 0, looped.err
     assert "of holding beside ephemerides" in looped.out
     assert cli("fly", "my.json", "looped.json").status == 0
@@ -265,10 +273,16 @@ def test_errors_follow_from_successive_element_sets(cli: Cli, files: Mission) ->
     at = older[0].epoch - timedelta(days=3)
     mean = np.degrees(mean_elements(older, at)[0][:, 3:]) % 360.0
     before = [
-        replace(record, epoch=at, raan_deg=raan, argument_of_perigee_deg=perigee,
-                mean_anomaly_deg=anomaly, bstar=1.5 * record.bstar)
+        replace(
+            record,
+            epoch=at,
+            raan_deg=raan,
+            argument_of_perigee_deg=perigee,
+            mean_anomaly_deg=anomaly,
+            bstar=1.5 * record.bstar,
+        )
         for record, (raan, perigee, anomaly) in zip(older[:-1], mean.tolist(), strict=False)
-    ]  # fmt: skip
+    ]
     Path("now.json").write_text(as_json(older), encoding="utf-8")
     Path("before.json").write_text(as_json(before), encoding="utf-8")
     asked = ["fly", "my.json", "refined.json", "--samples", "30", "--element-sets", "now.json"]
@@ -327,9 +341,7 @@ def test_the_judge_finds_what_is_not_as_reported(cli: Cli, files: Mission) -> No
         assert said in flown.out.replace("state too", "too")
 
 
-def test_the_judge_reads_ephemerides_itself_or_says_that_it_cannot(
-    files: Mission,
-) -> None:
+def test_the_judge_reads_ephemerides_itself_or_says_that_it_cannot(files: Mission) -> None:
     """Nothing is found in what was refined, holding is asked for, and lost files are unjudged."""
     instance, plan, refined = adr_opt.load("my.json"), files.plan, files.refined
     assert check_refined(instance, plan, refined) == ()
@@ -352,8 +364,9 @@ def test_what_cannot_be_refined_onto_ephemerides_is_one_sentence(cli: Cli, files
     refused(cli("fly", "my.json", "refined.json"), "not the ephemerides that the instance names")
     path.unlink()
     refused(cli(*asked, "--ephemerides"), "no such file")
-    refused(cli("solve", "my.json", "--refine", "--ephemerides", "--out", "out.json"),
-            "no such file")  # fmt: skip
+    refused(
+        cli("solve", "my.json", "--refine", "--ephemerides", "--out", "out.json"), "no such file"
+    )
     refused(cli("solve", "my.json", "--ephemerides", "--out", "out.json"), "add --refine")
     assert not Path("out.json").exists()
     plain = adr_opt.generate("tiny", 0)
@@ -367,9 +380,23 @@ MASSES = ["--dry-mass", "300", "--propellant", "100", "--isp", "1500"]
 def test_low_thrust_is_one_sentence(cli: Cli) -> None:
     """Such missions are refused with ephemerides before anything is planned."""
     Path("all.json").write_text(as_json(records(3)), encoding="utf-8")
-    made = cli("import", "all.json", "--epoch", EPOCH.isoformat(), "--duration-days", "2",
-               "--ephemerides", *MASSES, "--thrust", "0.5", "--max-drift-days", "2",
-               "--out", "my.json", "--quiet")  # fmt: skip
+    made = cli(
+        "import",
+        "all.json",
+        "--epoch",
+        EPOCH.isoformat(),
+        "--duration-days",
+        "2",
+        "--ephemerides",
+        *MASSES,
+        "--thrust",
+        "0.5",
+        "--max-drift-days",
+        "2",
+        "--out",
+        "my.json",
+        "--quiet",
+    )
     assert made.status == 0, made.err
     refused(cli("solve", "my.json", "--refine", "--ephemerides"), "does not follow low thrust")
 
@@ -417,9 +444,10 @@ def test_tows_begin_where_sgp4_says(tmp_path: Path) -> None:
         assert leg.holding_delta_v_m_s < holding_m_s(known, "j4", planned) - 1e-3
     last = led[-1].leg
     cut = refined.replace(
-        legs=tuple(leg for leg in refined.legs if leg.leg != last), status="incomplete",
+        legs=tuple(leg for leg in refined.legs if leg.leg != last),
+        status="incomplete",
         missing=(Missing(leg=last, reason="cut"),),
-    )  # fmt: skip
+    )
     kept = beginning(Problem(instance), plan, cut)
     assert kept is not None
     shorter, flown = kept
@@ -438,8 +466,14 @@ def test_messages_go_round_through_a_refined_plan(tmp_path: Path, mission: Missi
     paths = []
     for number, record in enumerate(records()):
         known = ephemerides_of(mission.instance).of(record.label)
-        text = oem(record.label, record.object_id, EPOCH, known.state,
-                   span_s=(0.0, 2.0 * DAY_S), REF_FRAME_EPOCH="2025-03-02T12:00:00")  # fmt: skip
+        text = oem(
+            record.label,
+            record.object_id,
+            EPOCH,
+            known.state,
+            span_s=(0.0, 2.0 * DAY_S),
+            REF_FRAME_EPOCH="2025-03-02T12:00:00",
+        )
         paths.append(sources / f"{number}.oem")
         paths[-1].write_text(text, encoding="utf-8")
     (tmp_path / "all.json").write_text(as_json(records()), encoding="utf-8")
@@ -457,14 +491,22 @@ def test_messages_go_round_through_a_refined_plan(tmp_path: Path, mission: Missi
     write_refined(instance, refined, tmp_path / "chaser.oem")
     (segment,) = read_oem((tmp_path / "out.oem").read_bytes(), "out.oem")
     assert segment.names[0] == body
-    back = of_contents("oem", {"out.oem": (tmp_path / "out.oem").read_bytes()}, {body: None},
-                       epoch=instance.epoch, frame=TEME)  # fmt: skip
+    back = of_contents(
+        "oem",
+        {"out.oem": (tmp_path / "out.oem").read_bytes()},
+        {body: None},
+        epoch=instance.epoch,
+        frame=TEME,
+    )
     times = np.linspace(leg.ready_s, refined.legs[-1].end_s, 2000)
     given = ephemerides_of(mission.instance).of(body).state(times)
     apart = np.linalg.norm((back.of(body).state(times) - given)[:, :3], axis=1)
     assert apart.max() < 1.0
-    served = [one for one in read_oem((tmp_path / "chaser.oem").read_bytes(), "chaser.oem")
-              if one.says("INTERPOLATION", "") == "LAGRANGE"]  # fmt: skip
+    served = [
+        one
+        for one in read_oem((tmp_path / "chaser.oem").read_bytes(), "chaser.oem")
+        if one.says("INTERPOLATION", "") == "LAGRANGE"
+    ]
     assert len(served) >= len(refined.legs)
 
 
@@ -543,9 +585,11 @@ def iridium(folder: Path) -> Instance:
     """The 60 objects of Iridium 33 with the nearest planes, for a week."""
     (path,) = DATA.glob("tle/*iridium-33*")
     made = catalogue.to_instance(
-        catalogue.read(path, skip_bad=True), max_targets=60, skip_bad=True,
+        catalogue.read(path, skip_bad=True),
+        max_targets=60,
+        skip_bad=True,
         mission=catalogue.MissionOutline(duration_s=7.0 * DAY_S),
-    )  # fmt: skip
+    )
     with_ephemerides(made, folder / "my.json").write(folder / "my.json")
     return adr_opt.load(folder / "my.json")
 

@@ -254,9 +254,10 @@ def test_hurried_spirals_get_more_time() -> None:
     assert [one.name for one in strayed(instance, stray)] == [leg.destination]
     assert not tuple(strayed(instance, refined()))
     lost = refined().replace(
-        legs=[one for one in refined().legs if one is not leg], status="incomplete",
+        legs=[one for one in refined().legs if one is not leg],
+        status="incomplete",
         missing=[{"leg": leg.leg, "reason": "no spiral", "tow": leg.destination}],
-    )  # fmt: skip
+    )
     had_s = planned.tow.end_s - planned.end_s
     for known in (stray, lost):
         lessons = Lessons(instance)

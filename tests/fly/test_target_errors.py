@@ -70,14 +70,16 @@ def clohessy_wiltshire(n: float, t: float) -> np.ndarray:
     W. Clohessy and R. Wiltshire, Journal of the Aerospace Sciences 27(9), 1960.
     """
     s, c = math.sin(n * t), math.cos(n * t)
-    return np.array([
-        [s / n, 2.0 * (1.0 - c) / n, 0.0],
-        [2.0 * (c - 1.0) / n, (4.0 * s - 3.0 * n * t) / n, 0.0],
-        [0.0, 0.0, s / n],
-        [c, 2.0 * s, 0.0],
-        [-2.0 * s, 4.0 * c - 3.0, 0.0],
-        [0.0, 0.0, c],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [s / n, 2.0 * (1.0 - c) / n, 0.0],
+            [2.0 * (c - 1.0) / n, (4.0 * s - 3.0 * n * t) / n, 0.0],
+            [0.0, 0.0, s / n],
+            [c, 2.0 * s, 0.0],
+            [-2.0 * s, 4.0 * c - 3.0, 0.0],
+            [0.0, 0.0, c],
+        ]
+    )
 
 
 @pytest.mark.parametrize("along_m", [-2000.0, 500.0, 4000.0])
@@ -122,9 +124,15 @@ def test_a_first_burn_knows_its_origin_and_not_the_errors_of_navigation() -> Non
     leg = refined.legs[0]
     first = next(at for at, burn in enumerate(leg.burns) if burn.phase == "approach")
     made = part(
-        state_of(leg.states[0]), leg.states[0].time_s, leg.burns[:first], leg.standoff_s, "j2", 0,
-        UncertainEnds(origin=True), blind=True,
-    )  # fmt: skip
+        state_of(leg.states[0]),
+        leg.states[0].time_s,
+        leg.burns[:first],
+        leg.standoff_s,
+        "j2",
+        0,
+        UncertainEnds(origin=True),
+        blind=True,
+    )
     begun = np.array([30.0, -20.0, 10.0, 0.02, 0.01, -0.03])
     nowhere, drawn = np.zeros(6), np.zeros((made.times.size, 3))
     ahead = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 3000.0 / 7e6])

@@ -153,9 +153,10 @@ def test_a_plan_with_tows_is_planned_until_it_holds():
     assert fly_refined(instance, found.refined).holds
     _, plan, one = refined("j2", 2, "free")
     broken = one.replace(
-        status="incomplete", legs=one.legs[:-1],
+        status="incomplete",
+        legs=one.legs[:-1],
         missing=({"leg": len(plan.legs), "reason": "lost"},),
-    )  # fmt: skip
+    )
     shorter, kept = beginning(Problem(instance), plan, broken)
     assert len(shorter.legs) == len(kept.legs) == len(plan.legs) - 1
     assert adr_opt.check(instance, shorter) == ()

@@ -47,11 +47,24 @@ def test_phases_are_those_of_the_burns() -> None:
     for path, arc in arcs_of_flight():
         phases[path.number].append(arc.phase)
     assert phases[1] == [
-        "wait", "hohmann-1", "phasing", "co-elliptic", "terminal", "approach", "service",
-    ]  # fmt: skip
+        "wait",
+        "hohmann-1",
+        "phasing",
+        "co-elliptic",
+        "terminal",
+        "approach",
+        "service",
+    ]
     assert phases[2] == [
-        "wait", "hohmann-1", "drift", "co-elliptic", "terminal", "approach", "wait", "service",
-    ]  # fmt: skip
+        "wait",
+        "hohmann-1",
+        "drift",
+        "co-elliptic",
+        "terminal",
+        "approach",
+        "wait",
+        "service",
+    ]
     leg = drifting_plan().legs[1]
     *_, docked, service = (arc for path, arc in arcs_of_flight() if path.number == 2)
     assert docked.start_s == leg.burns[-1].time_s < leg.arrival_s == docked.end_s

@@ -36,10 +36,13 @@ def random_state(rng: np.random.Generator, most_eccentric: float = 0.3) -> Array
 def planes(inclination: float, node: float) -> Array:
     """The frame of a plane: towards its node, a quarter of a revolution later, and its normal."""
     towards = np.array([math.cos(node), math.sin(node), 0.0])
-    ahead = np.array([
-        -math.sin(node) * math.cos(inclination), math.cos(node) * math.cos(inclination),
-        math.sin(inclination),
-    ])  # fmt: skip
+    ahead = np.array(
+        [
+            -math.sin(node) * math.cos(inclination),
+            math.cos(node) * math.cos(inclination),
+            math.sin(inclination),
+        ]
+    )
     return np.array([towards, ahead, np.cross(towards, ahead)])
 
 
@@ -114,10 +117,12 @@ def test_energy_and_polar_momentum_do_not_drift(gravity: str) -> None:
         state = random_state(np.random.default_rng(seed), 0.05)
         there = moved(state, 60.0 * DAY_S, gravity)
         before, after = (np.cross(each[:3], each[3:]) for each in (state, there))
-        changes.append([
-            energy(there, gravity) / energy(state, gravity) - 1.0,
-            (after[2] - before[2]) / np.linalg.norm(before),
-        ])  # fmt: skip
+        changes.append(
+            [
+                energy(there, gravity) / energy(state, gravity) - 1.0,
+                (after[2] - before[2]) / np.linalg.norm(before),
+            ]
+        )
     assert np.abs(changes).max() < 1e-13
     assert np.abs(np.mean(changes, axis=0)).max() < 3e-14
 
@@ -224,9 +229,9 @@ def test_mean_and_osculating_are_each_others_inverse(
 ) -> None:
     """Mean to osculating and back is the same orbit, also where e, sin i or both are zero."""
     frame = planes(inclination, 0.4)
-    mean = np.array([
-        7.2e6 / (1.0 - eccentricity), 0.6 * eccentricity, 0.8 * eccentricity, 0.0, 0.0, 2.0,
-    ])  # fmt: skip
+    mean = np.array(
+        [7.2e6 / (1.0 - eccentricity), 0.6 * eccentricity, 0.8 * eccentricity, 0.0, 0.0, 2.0]
+    )
     back = mean_elements(osculating(mean, frame, FIELDS[gravity]), frame, FIELDS[gravity])
     assert back[0] == pytest.approx(mean[0], abs=1e-5)
     assert np.allclose(back[1:], mean[1:], atol=1e-12)

@@ -227,10 +227,7 @@ def test_figures_in_the_plans_own_favour_gain_nothing(mission, plan):
         for number, leg in enumerate(plan.legs)
     )
     spent = sum(leg.delta_v_m_s for leg in plan.legs[2:])
-    for changes in (
-        {"duration_s": plan.legs[-1].end_s - 1e-5},
-        {"delta_v_m_s": spent - 1e-5},
-    ):
+    for changes in ({"duration_s": plan.legs[-1].end_s - 1e-5}, {"delta_v_m_s": spent - 1e-5}):
         instance = mission.instance.with_limits(**changes)
         budget = instance.chaser.tank.delta_v_m_s
         lefts = [budget - plan.legs[0].delta_v_m_s, budget, budget - plan.legs[2].delta_v_m_s]

@@ -21,12 +21,18 @@ ROOT = Path(__file__).parents[2]
 READERS = {
     "adr_opt/ui/cli/parameters.py",
     # The judges themselves, and verbs whose plans the functions behind them admit.
-    "adr_opt/ui/cli/check.py", "adr_opt/ui/cli/verify.py", "adr_opt/ui/cli/compare.py",
-    "adr_opt/ui/cli/report.py", "adr_opt/ui/cli/solve.py", "adr_opt/ui/cli/bound.py",
+    "adr_opt/ui/cli/check.py",
+    "adr_opt/ui/cli/verify.py",
+    "adr_opt/ui/cli/compare.py",
+    "adr_opt/ui/cli/report.py",
+    "adr_opt/ui/cli/solve.py",
+    "adr_opt/ui/cli/bound.py",
     # The server's own folder, admitted where it is read, and plans that it has just made.
-    "adr_opt/ui/serve/project/plan_files.py", "adr_opt/ui/serve/project/points.py",
-    "adr_opt/ui/serve/planner_worker.py", "adr_opt/ui/serve/planner_process.py",
-}  # fmt: skip
+    "adr_opt/ui/serve/project/plan_files.py",
+    "adr_opt/ui/serve/project/points.py",
+    "adr_opt/ui/serve/planner_worker.py",
+    "adr_opt/ui/serve/planner_process.py",
+}
 """Modules that may read a file of a plan: they hand it to the gate."""
 
 CLASSES = {"Plan", "RefinedPlan", "Certificate"}

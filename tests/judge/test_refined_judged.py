@@ -35,14 +35,15 @@ KINDS: dict[str, Kind] = {
     "free": (lambda seed: adr_opt.generate("tiny", seed).replace(dynamics="j2"), "free"),
     "tows": (lambda seed: field(("two-body", "j2")[seed % 2], 1 + seed // 2 % 2), "planned"),
     "clouds": (
-        lambda seed: adr_opt.generate("cloud", seed, targets=8).replace(dynamics="j2"), "free",
+        lambda seed: adr_opt.generate("cloud", seed, targets=8).replace(dynamics="j2"),
+        "free",
     ),
     "chasers": (lambda seed: adr_opt.generate("campaign", seed, targets=9, chasers=2), "planned"),
     "zones": (lambda seed: adr_opt.generate("tiny", seed, zones=3), "planned"),
     "drifts": (lambda seed: adr_opt.generate("rocket-bodies", seed, targets=4), "free"),
     "low-thrust": (lambda seed: electric(seed), None),
     "spirals": (lambda seed: electric(seed, tows=True), None),
-}  # fmt: skip
+}
 
 
 @cache
@@ -58,11 +59,17 @@ def case(kind: str, seed: int) -> Case:
 
 @over_kinds(
     "kind, seeds",
-    own=("own-burns", range(24), 2), j2=("j2", range(24), 2), free=("free", range(24), 1),
-    tows=("tows", range(8), 2), clouds=("clouds", range(24), 0), chasers=("chasers", range(24), 1),
-    zones=("zones", range(24), 1), drifts=("drifts", range(4), 0),
-    low=("low-thrust", range(4), 0), spirals=("spirals", range(4), 0),
-)  # fmt: skip
+    own=("own-burns", range(24), 2),
+    j2=("j2", range(24), 2),
+    free=("free", range(24), 1),
+    tows=("tows", range(8), 2),
+    clouds=("clouds", range(24), 0),
+    chasers=("chasers", range(24), 1),
+    zones=("zones", range(24), 1),
+    drifts=("drifts", range(4), 0),
+    low=("low-thrust", range(4), 0),
+    spirals=("spirals", range(4), 0),
+)
 def test_nothing_is_found_in_what_was_refined(kind: str, seeds: range) -> None:
     """Of a plan as it was refined only what flights say as well is found: tanks that break."""
     for seed in seeds:
@@ -120,9 +127,14 @@ def _apart(one: np.ndarray, other: np.ndarray) -> float:
 
 
 WITHIN = (
-    "moved_state", "moved_body", "changed_burn", "later_burn", "later_state", "other_time",
+    "moved_state",
+    "moved_body",
+    "changed_burn",
+    "later_burn",
+    "later_state",
+    "other_time",
     "other_tow",
-)  # fmt: skip
+)
 """Edits that may be smaller than tolerances."""
 
 

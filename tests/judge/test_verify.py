@@ -45,11 +45,15 @@ INSTANCES = Path(__file__).parents[2] / "instances"
 
 every_rule = over_kinds(
     "draw, share, seeds",
-    two_body=(random_mission, 0.5, range(60), 10), j2=(drifting_mission, 0.4, range(40), 6),
-    given=(given_mission, 0.15, range(40), 10), prizes=(variant, 0.5, range(30), 6),
-    **{draw.__name__: (draw, 0.3, range(16), 6)
-       for draw in (laden, towing_mission, towing_and_laden, refuelling, falling_mission)},
-)  # fmt: skip
+    two_body=(random_mission, 0.5, range(60), 10),
+    j2=(drifting_mission, 0.4, range(40), 6),
+    given=(given_mission, 0.15, range(40), 10),
+    prizes=(variant, 0.5, range(30), 6),
+    **{
+        draw.__name__: (draw, 0.3, range(16), 6)
+        for draw in (laden, towing_mission, towing_and_laden, refuelling, falling_mission)
+    },
+)
 """Fields with every rule on and off, and the share of proofs that rest on walks, at least."""
 
 
@@ -86,11 +90,14 @@ def test_windows_of_launches_are_those_of_the_instance():
 
 @over_kinds(
     "draw, least, seeds",
-    alike=(random_campaign, 1.0, range(12), 4), apart=(apart, 0.5, range(12), 4),
-    weighed=(weighed, 0.5, range(12), 4), mixed=(mixed_campaign, 0.5, range(12), 4),
+    alike=(random_campaign, 1.0, range(12), 4),
+    apart=(apart, 0.5, range(12), 4),
+    weighed=(weighed, 0.5, range(12), 4),
+    mixed=(mixed_campaign, 0.5, range(12), 4),
     j2=(lambda seed: random_campaign(seed, drifting_mission), 0.9, range(12), 3),
-    cargo=(campaign_with_cargo, 0.8, range(12), 4), falls=(falling_campaign, 0.5, range(12), 4),
-)  # fmt: skip
+    cargo=(campaign_with_cargo, 0.8, range(12), 4),
+    falls=(falling_campaign, 0.5, range(12), 4),
+)
 def test_bounds_of_campaigns_are_verified(draw, least, seeds):
     """The bound before the last packing is verified and holds; where it is the last, all is."""
     asked = whole = 0

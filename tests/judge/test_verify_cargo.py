@@ -9,18 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from brute_force import brute_force_campaign
-from random_rules import (
-    limited,
-    towing_mission,
-)
-from verify_fields import (
-    laden,
-    legs_for,
-    proven,
-    refuelling,
-    towing_and_laden,
-    worths_of,
-)
+from random_rules import limited, towing_mission
+from verify_fields import laden, legs_for, proven, refuelling, towing_and_laden, worths_of
 
 import adr_opt
 from adr_opt.common.constants import SLACK_M_S
@@ -53,11 +43,12 @@ def scarce(seed: int) -> Instance:
         ),
         chasers=tuple(made.chaser.replace(name=f"chaser-{number}") for number in (1, 2)),
         targets=tuple(
-            each.replace(prize=float(rng.choice([1.0, 1.5, 2.0])), window_s=(0.0, None),
-                         required=False)
+            each.replace(
+                prize=float(rng.choice([1.0, 1.5, 2.0])), window_s=(0.0, None), required=False
+            )
             for each in made.targets
         ),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
@@ -94,17 +85,17 @@ def test_multipliers_of_stations_count_as_often_as_there_are_refuellings():
     multipliers[0] = 0.5
     walks = Walks((0,), 1.0, np.zeros((multipliers.size, multipliers.size), dtype=np.bool_))
     result = replace(
-        adr_opt.solve(instance, "greedy"), upper_bound=1.0,
+        adr_opt.solve(instance, "greedy"),
+        upper_bound=1.0,
         evidence=Evidence(multipliers, (walks,), 20.0),
-    )  # fmt: skip
+    )
     certificate = certificate_of(instance, result)
     assert certificate.upper_bound == bound_of(instance, certificate) == 2.0
     unrounded = certificate.replace(prize_step=None)
     assert bound_of(instance, unrounded) == pytest.approx(2.5, rel=1e-15)
     with pytest.raises(InputError, match=r"'station' is neither a target .* with max_refuellings"):
         check_names(
-            drawn,
-            certificate.replace(instance=certificate.instance.replace(sha256=drawn.sha256)),
+            drawn, certificate.replace(instance=certificate.instance.replace(sha256=drawn.sha256))
         )
 
 

@@ -63,9 +63,11 @@ def proven(instance: Instance) -> tuple[Any, Certificate]:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(60), 9), j2=(drifting_mission, range(40), 4),
-    tows=(towing_mission, range(30), 4), laden=(laden, range(30), 4),
-)  # fmt: skip
+    two_body=(random_mission, range(60), 9),
+    j2=(drifting_mission, range(40), 4),
+    tows=(towing_mission, range(30), 4),
+    laden=(laden, range(30), 4),
+)
 def test_a_verified_cost_is_that_of_enumeration(draw, seeds):
     """Least costs are verified, up to a millionth, and never above those of enumeration."""
     asked = closed = 0
@@ -99,9 +101,10 @@ def campaign(seed: int, draw: Callable[[int], Instance]) -> Instance:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(60), 20), j2=(drifting_mission, range(40), 6),
+    two_body=(random_mission, range(60), 20),
+    j2=(drifting_mission, range(40), 6),
     given=(given_field, range(60), 12),
-)  # fmt: skip
+)
 def test_verified_costs_of_several_chasers_are_those_of_enumeration(draw, seeds):
     """What is stated of campaigns is verified, is never above enumeration, and mostly stated."""
     asked = closed = 0
@@ -180,9 +183,8 @@ def test_whatever_is_changed_what_is_accepted_is_true(seed):
 
 
 @over_kinds(
-    "draw, seeds",
-    two_body=(random_mission, range(40), 12), j2=(drifting_mission, range(30), 4),
-)  # fmt: skip
+    "draw, seeds", two_body=(random_mission, range(40), 12), j2=(drifting_mission, range(30), 4)
+)
 def test_whatever_is_changed_of_campaigns_what_is_accepted_is_true(draw, seeds):
     """No forged cost of several chasers is accepted that a plan of so much prize undercuts."""
     refused = 0
@@ -229,9 +231,12 @@ def test_strange_names_in_campaigns_are_refused(field):
     """The cost part of a campaign names its bodies and chasers, each chaser once."""
     instance = campaign(1, random_mission)
     draft = json.loads(proven(instance)[1].to_json())
-    draft["cost"] = {"prize": 1.0, "bound": 0.0, "per_prize": 1.0, "walks": [
-        {"chasers": [chaser.name for chaser in instance.chasers], "most": 0.0}
-    ]} | {field: STRANGE[field]}  # fmt: skip
+    draft["cost"] = {
+        "prize": 1.0,
+        "bound": 0.0,
+        "per_prize": 1.0,
+        "walks": [{"chasers": [chaser.name for chaser in instance.chasers], "most": 0.0}],
+    } | {field: STRANGE[field]}
     with pytest.raises(InputError, match=rf"cost\.{field}"):
         verify(instance, None, parse_model(json.dumps(draft), Certificate, "draft"))
 
@@ -250,7 +255,17 @@ def test_the_command_states_the_verified_cost(cli: Cli, tmp_path):
     instance = tmp_path / "tiny.json"
     adr_opt.generate("tiny", 0).save(instance)
     plan, certificate = tmp_path / "plan.json", tmp_path / "proof.json"
-    cli("solve", instance, "--method", "exact", "--option", "cost=true", "--out", plan,
-        "--certificate", certificate)  # fmt: skip
+    cli(
+        "solve",
+        instance,
+        "--method",
+        "exact",
+        "--option",
+        "cost=true",
+        "--out",
+        plan,
+        "--certificate",
+        certificate,
+    )
     said = cli("verify", instance, plan, certificate)
     assert "no plan that collects as much costs less than" in said.out

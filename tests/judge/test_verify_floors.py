@@ -63,8 +63,9 @@ def test_what_floors_prove_is_verified(draw):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(SEEDS), 12), j2=(drifting_mission, range(SEEDS), 15),
-)  # fmt: skip
+    two_body=(random_mission, range(SEEDS), 12),
+    j2=(drifting_mission, range(SEEDS), 15),
+)
 def test_at_any_prices_no_plan_collects_more(draw, seeds):
     """Whatever time and ΔV are said to be worth, brute force finds no plan beyond the bound."""
     tight = 0

@@ -207,10 +207,25 @@ def truncated(draft: Draft, plan: Draft, case: Case, rng: np.random.Generator) -
 
 
 FORGERIES: list[Callable[[Draft, Draft, Case, np.random.Generator], None]] = [
-    lower_bound, lower_most, no_plan, remember_all, change_multipliers, lower_a_multiplier,
-    no_walks, other_step, other_required, strange_name, other_instance, other_plan, changed_leg,
-    better_plan, unknown_key, truncated, paid_for_nothing, false_cut,
-]  # fmt: skip
+    lower_bound,
+    lower_most,
+    no_plan,
+    remember_all,
+    change_multipliers,
+    lower_a_multiplier,
+    no_walks,
+    other_step,
+    other_required,
+    strange_name,
+    other_instance,
+    other_plan,
+    changed_leg,
+    better_plan,
+    unknown_key,
+    truncated,
+    paid_for_nothing,
+    false_cut,
+]
 
 
 def is_refused(case: Case, draft: Draft, plan: Draft) -> bool:

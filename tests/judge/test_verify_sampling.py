@@ -89,8 +89,11 @@ def test_of_sequences_that_meet_on_one_crossing_the_cheapest_is_enough():
     of_event = np.abs(found.departure - 25_350.0) < 100.0
     beside = found.arrival[of_event & (np.abs(found.arrival - 70_065.0) < 100.0)]
     assert beside == pytest.approx([70_075.5], abs=0.1)
-    ways = [w for w in ways_after(instance, Physics.of(instance, None), None, i, j, 25_300.0)
-            if abs(w.arrival - 70_065.0) < 100.0]  # fmt: skip
+    ways = [
+        w
+        for w in ways_after(instance, Physics.of(instance, None), None, i, j, 25_300.0)
+        if abs(w.arrival - 70_065.0) < 100.0
+    ]
     assert [way.arrival for way in ways] == pytest.approx(beside, abs=1e-3)
     assert sample_connections(instance, ConnectionFinder(instance), 100, 63).faults == ()
 
@@ -140,9 +143,10 @@ def test_connections_that_arrive_too_soon_are_found_out(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(24), 7), j2=(drifting_mission, range(24), 1),
+    two_body=(random_mission, range(24), 7),
+    j2=(drifting_mission, range(24), 1),
     given=(given_mission, range(24), 7),
-)  # fmt: skip
+)
 def test_connections_are_those_of_check(draw, seeds):
     """All that are drawn can be flown, none is missing; spoilt ones are found out."""
     found_missing = found_cheaper = looked_at = 0

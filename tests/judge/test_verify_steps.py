@@ -60,11 +60,18 @@ def changes_tanks(instance: Instance) -> bool:
     **{
         draw.__name__: (draw, range(40), 2)
         for draw in (
-            random_mission, drifting_mission, given_mission, variant, laden, towing_mission,
-            towing_and_laden, refuelling, falling_mission,
+            random_mission,
+            drifting_mission,
+            given_mission,
+            variant,
+            laden,
+            towing_mission,
+            towing_and_laden,
+            refuelling,
+            falling_mission,
         )
     },
-)  # fmt: skip
+)
 def test_at_any_multipliers_and_prices_the_best_plan_is_worth_no_more(draw, seeds):
     """However coarse steps and slots are, with every rule on and off, and by tanks or by prices."""
     asked = by_price = 0
@@ -116,7 +123,7 @@ def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
         draw.__name__: (draw, range(16), 16 if draw is given_mission else 6)
         for draw in (random_mission, drifting_mission, given_mission, variant)
     },
-)  # fmt: skip
+)
 @pytest.mark.parametrize("iterations", [5, pytest.param(40, marks=pytest.mark.slow)])
 def test_what_streams_of_legs_prove_is_verified(draw, seeds, iterations):
     """The bound without a network is verified as it is stated, and no plan is beyond it."""

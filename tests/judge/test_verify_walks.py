@@ -28,11 +28,17 @@ every_mission = over_kinds(
     **{
         draw.__name__: (draw, range(40), 7)
         for draw in (
-            random_mission, drifting_mission, given_mission, laden, towing_mission,
-            towing_and_laden, refuelling, falling_mission,
+            random_mission,
+            drifting_mission,
+            given_mission,
+            laden,
+            towing_mission,
+            towing_and_laden,
+            refuelling,
+            falling_mission,
         )
     },
-)  # fmt: skip
+)
 
 
 @every_mission

@@ -76,8 +76,12 @@ def python(code: str, cache_dir: Path | None = None) -> str:
     variables = {} if cache_dir is None else {"ADR_OPT_CACHE_DIR": str(cache_dir)}
     ran = subprocess.run(
         [sys.executable, "-B", "-c", code],
-        capture_output=True, check=False, text=True, cwd=ROOT, env=os.environ | variables,
-    )  # fmt: skip
+        capture_output=True,
+        check=False,
+        text=True,
+        cwd=ROOT,
+        env=os.environ | variables,
+    )
     assert ran.returncode == 0, ran.stderr
     return ran.stdout.strip()
 
@@ -127,10 +131,7 @@ def test_kernel_is_compiled_once_and_again_when_what_it_calls_has_changed(tmp_pa
     ],
 )
 def test_only_changes_that_a_kernel_can_reach_compile_it_anew(
-    change: dict[str, Any],
-    matters: bool,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    change: dict[str, Any], matters: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Code and constants that a kernel uses count; comments and what it does not use do not."""
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -228,10 +229,7 @@ def test_kernel_of_the_archive_is_not_compiled(
 @needs_level
 @pytest.mark.parametrize("damage", ["garbage", "other kernels", "gone", "old processor"])
 def test_kernel_is_compiled_where_the_archive_is_of_no_use(
-    damage: str,
-    folder: Path,
-    archive_of: Callable[[], None],
-    monkeypatch: pytest.MonkeyPatch,
+    damage: str, folder: Path, archive_of: Callable[[], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A damaged or missing archive, or one for other processors, costs compiling, nothing else."""
     assert doubling()(2.0) == 4.0
@@ -385,8 +383,11 @@ def test_warm_up_compiles_all_that_a_method_calls(group: str, method: str) -> No
     """A method that is warm compiles nothing on a nominal field."""
     ran = subprocess.run(
         [sys.executable, "-c", PRACTISED, group, method, str(NOMINAL), "3"],
-        capture_output=True, check=True, text=True, cwd=ROOT,
-    )  # fmt: skip
+        capture_output=True,
+        check=True,
+        text=True,
+        cwd=ROOT,
+    )
     assert json.loads(ran.stdout.splitlines()[-1]) == [None, []]
 
 
@@ -397,12 +398,24 @@ def test_cold_plan_is_the_warm_plan(tmp_path: Path) -> None:
     for _ in range(2):
         ran = subprocess.run(
             [
-                sys.executable, "-m", "adr_opt", "solve", str(NOMINAL), "--method", "beam",
-                "--time-limit", "5", "--out", str(tmp_path / "plan.json"),
+                sys.executable,
+                "-m",
+                "adr_opt",
+                "solve",
+                str(NOMINAL),
+                "--method",
+                "beam",
+                "--time-limit",
+                "5",
+                "--out",
+                str(tmp_path / "plan.json"),
             ],
-            capture_output=True, check=True, text=True, cwd=ROOT,
+            capture_output=True,
+            check=True,
+            text=True,
+            cwd=ROOT,
             env=os.environ | {kernel_cache.VARIABLE: str(tmp_path / "kept")},
-        )  # fmt: skip
+        )
         plan = adr_opt.load_plan(tmp_path / "plan.json")
         plans.append([(leg.destination, leg.departure_s) for leg in plan.legs])
         said.append("compiling, once" in ran.stderr)

@@ -29,11 +29,14 @@ DEAREST_M_S = 3000.0
 def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
     """A body between the altitude limits, every other one eccentric."""
     return row(
-        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3), inclination, raan, rng.uniform(0.0, 7.0),
+        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3),
+        inclination,
+        raan,
+        rng.uniform(0.0, 7.0),
         oblateness=OBLATENESS_M2,
         eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.02)])),
         perigee=rng.uniform(-10.0, 10.0),
-    )  # fmt: skip
+    )
 
 
 def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
@@ -83,13 +86,16 @@ def test_the_judge_agrees_about_tips():
         inclination, raan = 1.24, rng.uniform(0.0, 6.0)
         first, second = (
             row(
-                EARTH_RADIUS_M + rng.uniform(780e3, 800e3), inclination + rng.normal(0.0, 0.003),
-                raan + rng.normal(0.0, 0.03), rng.uniform(0.0, 7.0), oblateness=OBLATENESS_M2,
+                EARTH_RADIUS_M + rng.uniform(780e3, 800e3),
+                inclination + rng.normal(0.0, 0.003),
+                raan + rng.normal(0.0, 0.03),
+                rng.uniform(0.0, 7.0),
+                oblateness=OBLATENESS_M2,
                 eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.001)])),
                 perigee=rng.uniform(0.0, 6.0),
             )
             for _ in range(2)
-        )  # fmt: skip
+        )
         arrival = 10 ** rng.uniform(0.0, 1.0) * DAY_S
         pair = drift_pair.prepare(first, second, RULE, 0.0)
         found = float(drift.delta_v(pair, 0.0, arrival))
@@ -208,9 +214,14 @@ def test_what_is_listed_is_what_nothing_else_dominates():
         shorts = short_ones(rng, duration, 0.5 * most, most)
         kept = np.empty(len(shorts), np.bool_)
         begins, ends, costs = drift_grid.of_pair(
-            pair, NO_ZONES, Times(0.0, step, longest, most), duration, resolution,
-            Shorts(*shorts.T.copy(), np.zeros(len(shorts), np.int8)), kept,
-        )  # fmt: skip
+            pair,
+            NO_ZONES,
+            Times(0.0, step, longest, most),
+            duration,
+            resolution,
+            Shorts(*shorts.T.copy(), np.zeros(len(shorts), np.int8)),
+            kept,
+        )
         assert np.all(np.diff(begins * 100000 + ends) > 0)
         long = np.column_stack([begins * step, ends * step, costs])
         listed = np.concatenate([long, shorts[kept]])

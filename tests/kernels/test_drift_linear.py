@@ -28,11 +28,14 @@ def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
 
 def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
     return row(
-        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3), inclination, raan, rng.uniform(0.0, 7.0),
+        EARTH_RADIUS_M + rng.uniform(320e3, 1950e3),
+        inclination,
+        raan,
+        rng.uniform(0.0, 7.0),
         oblateness=OBLATENESS_M2,
         eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.02)])),
         perigee=rng.uniform(-10.0, 10.0),
-    )  # fmt: skip
+    )
 
 
 def prepared(first: FloatArray, second: FloatArray) -> drift.LinearPair:
@@ -54,10 +57,7 @@ def by_matrices(
     speed = math.sqrt(MU_M3_S2 / radius)
     nodes, perigees = (
         [b[at] + b[rate] * arrival for b in (first, second)]
-        for at, rate in (
-            (columns.RAAN, columns.RAAN_RATE),
-            (columns.PERIGEE, columns.PERIGEE_RATE),
-        )
+        for at, rate in ((columns.RAAN, columns.RAAN_RATE), (columns.PERIGEE, columns.PERIGEE_RATE))
     )
     lag = math.remainder(nodes[1] - nodes[0], 2.0 * math.pi)
     v = speed * np.array([lag * math.sin(inclination), (rj - ri) / (2.0 * radius), tilt])
@@ -175,10 +175,15 @@ def test_around_polar_orbits_nothing_jumps():
         costs = []
         for cosine in (drift.POLAR * (1.0 - 1e-9), drift.POLAR * (1.0 + 1e-9)):
             first, second = (
-                row(radius, 0.5 * math.pi + side * math.asin(cosine), node, 0.0,
-                    oblateness=OBLATENESS_M2)
+                row(
+                    radius,
+                    0.5 * math.pi + side * math.asin(cosine),
+                    node,
+                    0.0,
+                    oblateness=OBLATENESS_M2,
+                )
                 for radius, node in ((7.1e6, 0.0), (7.15e6, 0.02))
-            )  # fmt: skip
+            )
             costs.append(drift.delta_v(prepared(first, second), 0.0, 60.0 * DAY_S))
         assert costs[0] == pytest.approx(costs[1], rel=1e-4)
 
@@ -190,10 +195,7 @@ def test_a_retrograde_drift_is_the_mirror_image_of_a_prograde_one():
         first, second = drawn(rng)
         mirrored = []
         for orbit in (first, second):
-            shape = {
-                "eccentricity": orbit[columns.ECCENTRICITY],
-                "perigee": orbit[columns.PERIGEE],
-            }
+            shape = {"eccentricity": orbit[columns.ECCENTRICITY], "perigee": orbit[columns.PERIGEE]}
             mirrored.append(
                 row(orbit[0], math.pi - orbit[1], -orbit[2], 0.0, oblateness=OBLATENESS_M2, **shape)
             )
@@ -212,9 +214,12 @@ def test_a_retrograde_drift_is_the_mirror_image_of_a_prograde_one():
 def test_a_change_of_node_costs_what_the_page_on_drift_says(altitude_m, inclination_deg, expected):
     """After 7, 30 and 90 days a change of the node alone costs the shares of docs/drift.md."""
     orbit = row(
-        EARTH_RADIUS_M + altitude_m, math.radians(inclination_deg), 0.0, 0.0,
+        EARTH_RADIUS_M + altitude_m,
+        math.radians(inclination_deg),
+        0.0,
+        0.0,
         oblateness=OBLATENESS_M2,
-    )  # fmt: skip
+    )
     other = row(orbit[0], orbit[1], math.radians(0.5), 0.0, oblateness=OBLATENESS_M2)
     pair = prepared(orbit, other)
     direct = pair.speed * pair.sine * math.radians(0.5)

@@ -97,10 +97,12 @@ def test_the_share_grows_steadily_from_nothing() -> None:
         pair = pair_of(drawn(rng, 0.02, 0.2), drawn(rng, 0.02, 0.2))
         r = 0.5 * (pair.radius_i + pair.radius_j)
         scales = np.linspace(0.0, 1.0, 201)
-        shares = np.array([
-            co_elliptic.eccentric_share(pair, law, 2, r, pair.turn, scale * pair.matching)
-            for scale in scales
-        ])  # fmt: skip
+        shares = np.array(
+            [
+                co_elliptic.eccentric_share(pair, law, 2, r, pair.turn, scale * pair.matching)
+                for scale in scales
+            ]
+        )
         assert shares[0] == 0.0
         assert np.all(np.diff(shares) >= -1e-12)
         assert np.all(np.diff(shares) <= pair.matching / 200 + 1e-9)
@@ -201,9 +203,11 @@ def test_the_optimum_can_be_flown(measured: ModuleType) -> None:
 def test_a_real_cloud_is_planned_near_the_optimum(measured: ModuleType, dynamics: str) -> None:
     """Legs of a real cloud: the charge adds less than 1 %, and the optimum asks for no more."""
     field = measured.to_instance(
-        measured.read(CLOUD), max_targets=24, skip_bad=True,
+        measured.read(CLOUD),
+        max_targets=24,
+        skip_bad=True,
         mission=MissionOutline(dynamics=dynamics),
-    ).instance  # fmt: skip
+    ).instance
     plan = adr_opt.solve(field, "greedy-guarded").plan
     assert plan is not None
     assert adr_opt.check(field, plan) == ()

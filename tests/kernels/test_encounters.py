@@ -145,9 +145,13 @@ def test_a_circular_pair_is_a_particle_in_a_box() -> None:
     shells = np.array([[middle - 1e4, middle + 2e4], [middle - 2e4, middle + 1e4]])
     tilts, widths = np.radians([70.0, 98.0]), np.array([1.0, 2.0])
     expected = (
-        math.pi * 9.0 * math.sqrt(MU_M3_S2 / middle) / (math.pi**3 * middle**2)
-        * tilt_factor(*tilts) * shell_factor(*shells[0], *shells[1])[0]
-    )  # fmt: skip
+        math.pi
+        * 9.0
+        * math.sqrt(MU_M3_S2 / middle)
+        / (math.pi**3 * middle**2)
+        * tilt_factor(*tilts)
+        * shell_factor(*shells[0], *shells[1])[0]
+    )
     assert rate_of(shells, tilts, widths, 0, 1) == pytest.approx(expected, rel=2e-3)
 
 

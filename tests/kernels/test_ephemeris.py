@@ -32,13 +32,16 @@ def drawn(rng: np.random.Generator, bodies: int) -> np.ndarray:
     return np.array(
         [
             body_row(
-                rng.uniform(6.8e6, 7.8e6), rng.uniform(0.1, 3.0), *rng.uniform(0.0, 6.2, 2),
-                eccentricity=rng.uniform(0.0, 0.02), perigee=rng.uniform(0.0, 6.2),
+                rng.uniform(6.8e6, 7.8e6),
+                rng.uniform(0.1, 3.0),
+                *rng.uniform(0.0, 6.2, 2),
+                eccentricity=rng.uniform(0.0, 0.02),
+                perigee=rng.uniform(0.0, 6.2),
                 oblateness_m2=OBLATENESS_M2,
             )
             for _ in range(bodies)
         ]
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("array", BOTH, ids=lambda array: array.__name__)
@@ -70,10 +73,13 @@ def test_rates_are_the_slopes_of_the_elements() -> None:
             assert rate == rate_at(body, time)
 
 
-@pytest.mark.parametrize("prepare", [
-    lambda i, j, time: co_elliptic.prepare(i, j, 0.0, oblate_rule(), time),
-    lambda i, j, time: drift_pair.prepare(i, j, oblate_rule(), time),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "prepare",
+    [
+        lambda i, j, time: co_elliptic.prepare(i, j, 0.0, oblate_rule(), time),
+        lambda i, j, time: drift_pair.prepare(i, j, oblate_rule(), time),
+    ],
+)
 def test_pairs_of_even_motion_do_not_depend_on_the_time_of_their_elements(prepare) -> None:
     """Where rates are constant, what a pair holds is the same about whichever time it is made."""
     rng = np.random.default_rng(3)
@@ -104,8 +110,11 @@ def test_rows_on_another_orbit_keep_everything_else() -> None:
     assert ephemeris.coasting_node_rate_at(lower, 0.0) == 2e-7
     assert ephemeris.coasting_node_rate_at(row, 0.0) == ephemeris.node_rate_at(row, 0.0)
     assert np.flatnonzero(lower != before).tolist() == [
-        columns.RADIUS, columns.RAAN, columns.ECCENTRICITY, columns.COASTING_RAAN_RATE,
-    ]  # fmt: skip
+        columns.RADIUS,
+        columns.RAAN,
+        columns.ECCENTRICITY,
+        columns.COASTING_RAAN_RATE,
+    ]
 
 
 def test_states_lie_on_the_circle_of_the_elements() -> None:

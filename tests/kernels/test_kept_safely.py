@@ -46,9 +46,11 @@ def kept(folder: Path) -> Path:
 @pytest.mark.parametrize("place", [named, usual, fallback])
 @pytest.mark.parametrize("mode", [0o700, 0o755, 0o775, 0o777, 0o1777])
 def test_a_folder_that_others_can_write_to_is_refused(
-    place: Callable[[Path, pytest.MonkeyPatch], None], mode: int, tmp_path: Path,
+    place: Callable[[Path, pytest.MonkeyPatch], None],
+    mode: int,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     """Wherever it comes from, it is used where its owner alone can write, and else says why."""
     (folder := tmp_path / "kernels").mkdir()
     folder.chmod(mode)

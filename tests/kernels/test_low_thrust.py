@@ -10,21 +10,11 @@ import pytest
 from rows import FloatArray, oblate_rule, row
 from seeds import over_kinds
 
-from adr_opt.common.constants import (
-    DAY_S,
-    EARTH_RADIUS_M,
-    OBLATENESS_M2,
-    STANDARD_GRAVITY_M_S2,
-)
+from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2, STANDARD_GRAVITY_M_S2
 from adr_opt.judge.check.drift_ends import ends_of
 from adr_opt.judge.check.low_thrust_form import places_of, shadows_of
 from adr_opt.judge.check.low_thrust_optimum import low_thrust_cost
-from adr_opt.judge.check.low_thrust_windows import (
-    shadow_of,
-    steered_in,
-    windows_of,
-    with_shape,
-)
+from adr_opt.judge.check.low_thrust_windows import shadow_of, steered_in, windows_of, with_shape
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_split, low_thrust_windows
 from adr_opt.kernels.legs.drift_free import LEVEL, with_bowl
@@ -46,11 +36,14 @@ DEAREST_M_S = 800.0
 def body(rng: np.random.Generator, inclination: float, raan: float) -> FloatArray:
     """A body 500 to 1200 km high, every other one eccentric."""
     return row(
-        EARTH_RADIUS_M + rng.uniform(500e3, 1200e3), inclination, raan, rng.uniform(0.0, 7.0),
+        EARTH_RADIUS_M + rng.uniform(500e3, 1200e3),
+        inclination,
+        raan,
+        rng.uniform(0.0, 7.0),
         oblateness=OBLATENESS_M2,
         eccentricity=float(rng.choice([0.0, rng.uniform(0.0, 0.01)])),
         perigee=rng.uniform(-10.0, 10.0),
-    )  # fmt: skip
+    )
 
 
 def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, float]:
@@ -61,8 +54,9 @@ def drawn(rng: np.random.Generator) -> tuple[FloatArray, FloatArray, float, floa
     return (
         body(rng, inclination, raan),
         body(rng, inclination + 0.01 * rng.normal(), raan + 0.05 * rng.normal()),
-        rng.uniform(0.0, 700.0) * DAY_S, span,
-    )  # fmt: skip
+        rng.uniform(0.0, 700.0) * DAY_S,
+        span,
+    )
 
 
 @over_kinds("seeds", drawn=(range(400), 33))
@@ -78,9 +72,13 @@ def test_the_judge_finds_the_same_optimum(seeds: range):
         cost = low_thrust.delta_v(pair, thrust, departure, departure + span)
         left = np.append(one, one[columns.RAAN_RATE])
         expected = low_thrust_cost(
-            (left, other), RULE, since, (thrust.acceleration, thrust.exhaust), departure,
+            (left, other),
+            RULE,
+            since,
+            (thrust.acceleration, thrust.exhaust),
+            departure,
             departure + span,
-        )  # fmt: skip
+        )
         if min(cost, expected) > DEAREST_M_S:
             continue
         # The judge tries more laps, of which another one may be cheaper.
@@ -146,9 +144,12 @@ def test_richer_is_not_always_better():
     """
     one = row(EARTH_RADIUS_M + 662.726e3, math.radians(68.0732), 0.0, 0.0, oblateness=OBLATENESS_M2)
     other = row(
-        EARTH_RADIUS_M + 638.341e3, math.radians(68.0224), math.radians(4.7333), 0.0,
+        EARTH_RADIUS_M + 638.341e3,
+        math.radians(68.0224),
+        math.radians(4.7333),
+        0.0,
         oblateness=OBLATENESS_M2,
-    )  # fmt: skip
+    )
     rule = RULE._replace(approach_revolutions=0.0)
     pair = low_thrust_windows.prepare(one, other, rule, math.nan, 0.0)
     costs = [

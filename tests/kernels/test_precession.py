@@ -139,9 +139,14 @@ def test_listed_transfers_fly_to_the_stand_off(truth):
         assert np.all(found.arrival <= WEEK_S)
         for c in rng.choice(found.departure.size, min(5, found.departure.size), replace=False):
             times, vectors, phases = burn_kernels.burns_between(
-                pair.i, pair.j, 0.0, law,
-                found.departure[c], found.arrival[c], int(found.revolutions[c]),
-            )  # fmt: skip
+                pair.i,
+                pair.j,
+                0.0,
+                law,
+                found.departure[c],
+                found.arrival[c],
+                int(found.revolutions[c]),
+            )
             case = (pair, found.departure[c], found.arrival[c], found.revolutions[c])
             early = times[0] - found.departure[c]
             assert -precession.ROUNDING_S <= early <= precession.STEP_S + 2e-3, case
@@ -299,9 +304,12 @@ def test_departures_between_planes_that_nearly_coincide_are_found_again() -> Non
             approach = rule.approach_revolutions * 2.0 * math.pi / pair.rate_j
             for c in range(found.departure.size):
                 departure = precession.leaving(
-                    pair, rule, found.revolutions[c], found.departure[c],
+                    pair,
+                    rule,
+                    found.revolutions[c],
+                    found.departure[c],
                     found.arrival[c] - approach,
-                )  # fmt: skip
+                )
                 late = departure - found.departure[c]
                 assert -precession.ROUNDING_S <= late <= precession.STEP_S + precession.ROUNDING_S
             listed += found.departure.size

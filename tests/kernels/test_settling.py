@@ -9,13 +9,7 @@ from drift_cases import Pair, drawn, pair_of, pairs
 from rows import oblate_rule
 
 from adr_opt.common.constants import DAY_S
-from adr_opt.kernels.legs import (
-    co_elliptic,
-    departure_events,
-    fixed_points,
-    phasing,
-    precession,
-)
+from adr_opt.kernels.legs import co_elliptic, departure_events, fixed_points, phasing, precession
 
 
 def one_by_one(pair, law, half_turns, number, met):

@@ -346,9 +346,7 @@ def test_masks_through_processes() -> None:
 
 def test_spaces_are_as_wide_as_stated() -> None:
     """The spaces have the documented shapes and limits, for any number of targets."""
-    for name, more in (
-        ("transfer-prizes", 30), ("lookahead-prizes", 52), ("transfer-worlds", 39)
-    ):  # fmt: skip
+    for name, more in (("transfer-prizes", 30), ("lookahead-prizes", 52), ("transfer-worlds", 39)):
         assert space(name, 7)["moves"].shape == (8, more)
     for targets in (1, 50, 200):
         assert space("published", targets).shape == (7 * targets + 8,)
@@ -390,10 +388,13 @@ def test_the_page_lists_every_number_option_and_observation() -> None:
         space("lookahead", 1)["moves"].shape[1],
     )
     for stated in (
-        f"shape (N + 1, {transfer})", f"shape ({len(MISSION_FIELDS)},)",
-        f"with {ahead} columns, the last {ahead - transfer} from", f"within ±{LIMIT:g}",
-        f"seeds from {FIRST_SEED:,} on", f"last {UNGUARDED_S:,.0f} s",
-    ):  # fmt: skip
+        f"shape (N + 1, {transfer})",
+        f"shape ({len(MISSION_FIELDS)},)",
+        f"with {ahead} columns, the last {ahead - transfer} from",
+        f"within ±{LIMIT:g}",
+        f"seeds from {FIRST_SEED:,} on",
+        f"last {UNGUARDED_S:,.0f} s",
+    ):
         assert stated in " ".join(page.split()), stated
 
 
@@ -420,9 +421,19 @@ def test_the_script_that_trains_runs(tmp_path: Path) -> None:
     """examples/training/maskable_ppo.py trains on a small family, and writes a plan that passes."""
     root, out = Path(__file__).parents[2], tmp_path / "plan.json"
     command = [
-        sys.executable, str(root / "examples/training/maskable_ppo.py"), "--family", "tiny",
-        "--pool", "2", "--steps", "100", "--fields", "2", "--out", str(out),
-    ]  # fmt: skip
+        sys.executable,
+        str(root / "examples/training/maskable_ppo.py"),
+        "--family",
+        "tiny",
+        "--pool",
+        "2",
+        "--steps",
+        "100",
+        "--fields",
+        "2",
+        "--out",
+        str(out),
+    ]
     said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
     assert "steps trained in" in said
     assert said.count("mean of 2 fields") == 3
@@ -434,9 +445,19 @@ def test_the_script_trains_in_uncertain_worlds() -> None:
     """With ``--worlds`` the script trains in them, and three policies play the same worlds."""
     root = Path(__file__).parents[2]
     command = [
-        sys.executable, str(root / "examples/training/maskable_ppo.py"), "--family", "tiny",
-        "--pool", "2", "--steps", "100", "--fields", "2", "--worlds", "3",
-    ]  # fmt: skip
+        sys.executable,
+        str(root / "examples/training/maskable_ppo.py"),
+        "--family",
+        "tiny",
+        "--pool",
+        "2",
+        "--steps",
+        "100",
+        "--fields",
+        "2",
+        "--worlds",
+        "3",
+    ]
     said = subprocess.run(command, cwd=root, capture_output=True, text=True, check=True).stdout
     assert said.count("mean of 6 worlds") == 3
 

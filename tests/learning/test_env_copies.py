@@ -36,11 +36,13 @@ MADE: dict[str, Callable[[], dict[str, Any]]] = {
     "fields by name": lambda: {"fields": {"family": "tiny", "targets": [3, 5]}, "pool": 2},
     "one model": lambda: {"instance": tiny(), "uncertainty": TROUBLED},
     "models": lambda: {
-        "fields": SMALL, "pool": 2, "observation": "transfer-worlds",
+        "fields": SMALL,
+        "pool": 2,
+        "observation": "transfer-worlds",
         "uncertainty": [TROUBLED, {"gone": 0.5}],
     },
     "chains": lambda: {"fields": SMALL, "pool": 2, "observation": "lookahead"},
-}  # fmt: skip
+}
 """Ways of making an environment."""
 
 COPIED: dict[str, Callable[[Any], Any]] = {

@@ -149,8 +149,12 @@ class Slow:
     def chain(self, move: int, worth: float, foresight: float) -> tuple[int, float, float]:
         """Greedy to the end: targets, end and ΔV left."""
         body, now, left, since, visited = (
-            self.body, self.now, self.left, self.since, set(self.visited),
-        )  # fmt: skip
+            self.body,
+            self.now,
+            self.left,
+            self.since,
+            set(self.visited),
+        )
         choice, count = move, 0
         while choice is not None:
             delta_v, end = self.move(body, now, choice)

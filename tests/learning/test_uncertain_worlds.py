@@ -134,9 +134,15 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
 def test_many_worlds_keep_in_lock_step_with_single_ones(observation: str) -> None:
     """Hundreds at once see and earn what a single environment does in the same worlds."""
     env = MissionVecEnv(
-        8, ALIKE, observation=observation, slots=4, seed=3, threads=2, refresh_every=60,
+        8,
+        ALIKE,
+        observation=observation,
+        slots=4,
+        seed=3,
+        threads=2,
+        refresh_every=60,
         uncertainty=MODELS,
-    )  # fmt: skip
+    )
     rng, ended, lost = np.random.default_rng(0), 0, Counter[str]()
 
     def alone(index: int) -> tuple[MissionEnv, Any]:
@@ -230,13 +236,11 @@ def test_what_is_seen_of_worlds_is_what_they_do_on_average() -> None:
     instance = instance.replace(targets=tuple(targets))
     model = Uncertainty(
         legs={"delta_v_factor": {"lognormal_sigma": 0.4}},
-        service_s={
-            "factor": {"lognormal_sigma": 0.3}, "added": {"chance": 0.3, "mean_s": 9000.0}
-        },
+        service_s={"factor": {"lognormal_sigma": 0.3}, "added": {"chance": 0.3, "mean_s": 9000.0}},
         capture={"success": 0.7, "tries": 3},
         gone=0.2,
         targets={targets[0].name: {"success": 0.4, "service_s": {}}},
-    )  # fmt: skip
+    )
     env = MissionEnv(instance, observation="transfer-worlds", uncertainty=model)
     seen, info = env.reset(seed=0)
     worlds = [DrawnWorld(instance, model, seed) for seed in range(4000)]
@@ -302,18 +306,18 @@ WRONG = {
     "uncertainty of type int: give an Uncertainty": lambda: MissionEnv(uncertainty=[3]),
     "uncertainty = []: must be an Uncertainty": lambda: MissionVecEnv(uncertainty=[]),
     "uncertainty of type NoneType: give an": lambda: MissionEnv(uncertainty=(None,)),
-    "world = -1: must be a whole number": lambda: MissionEnv(
-        tiny(), uncertainty=TROUBLED
-    ).reset(options={"world": -1}),
-    "world = 0.5: must be a whole number": lambda: MissionEnv(
-        tiny(), uncertainty=TROUBLED
-    ).reset(options={"world": 0.5}),
+    "world = -1: must be a whole number": lambda: MissionEnv(tiny(), uncertainty=TROUBLED).reset(
+        options={"world": -1}
+    ),
+    "world = 0.5: must be a whole number": lambda: MissionEnv(tiny(), uncertainty=TROUBLED).reset(
+        options={"world": 0.5}
+    ),
     "option 'world' is unknown": lambda: MissionEnv(fields=SMALL).reset(options={"world": 1}),
     "'nobody' is not a target": lambda: MissionEnv(tiny(), uncertainty=UNKNOWN).reset(),
     "no move is legal at the start": lambda: MissionEnv(
         tiny(), uncertainty=Uncertainty(tanks={"least": 1e-6, "most": 1e-6})
     ).reset(),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("sentence", WRONG)

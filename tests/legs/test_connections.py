@@ -207,7 +207,7 @@ FIELDS = {
     "drifting": lambda: adr_opt.generate("sso", 0, targets=3).with_limits(duration_s=20 * DAY_S),
     "launched": lambda: adr_opt.generate("removal", 0, targets=3, chasers=2),
     "nothing": lambda: adr_opt.generate("tiny", 0, targets=0),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("field", FIELDS)

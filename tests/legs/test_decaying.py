@@ -26,9 +26,13 @@ from adr_opt.mission.mission import Mission
 
 
 def decaying(
-    seed: int, targets: int = 8, *, most_m_per_day: float = 600.0, days: float = 4.0,
+    seed: int,
+    targets: int = 8,
+    *,
+    most_m_per_day: float = 600.0,
+    days: float = 4.0,
     drift_days: float = 0.0,
-) -> adr_opt.Instance:  # fmt: skip
+) -> adr_opt.Instance:
     """A field whose targets decay, some of them upwards, and one that does not."""
     rng = np.random.default_rng(seed)
     field = adr_opt.generate("nominal", seed, targets=targets)
@@ -212,10 +216,7 @@ def test_the_rest_of_a_mission_starts_from_decaying_targets(seed: int) -> None:
     for time in np.linspace(0.0, 4.0 * DAY_S, 9):
         rows = [
             instance.orbits()[instance.names.index(name)]
-            for instance, name in (
-                (field, state.body),
-                (made.instance, made.instance.chaser.name),
-            )
+            for instance, name in ((field, state.body), (made.instance, made.instance.chaser.name))
         ]
         positions = [ephemeris.state_at(row, time)[0] for row in rows]
         assert positions[1] == pytest.approx(positions[0], abs=1e-6)

@@ -84,10 +84,12 @@ def test_what_does_not_fit_is_refused(
     monkeypatch.setattr(timetable_size, "available_bytes", lambda: 1e5)
     refused(
         cli(call[0], mission_file, *call[1:], "--quiet"),  # says when it compiles
-        "the mission of 200 days has about", "connections of 7 bodies", "GiB are free",
+        "the mission of 200 days has about",
+        "connections of 7 bodies",
+        "GiB are free",
         "raise drift_step_s, departure_spacing_s or delta_v_resolution_m_s, lower max_drift_s, "
         "or take fewer targets",
-    )  # fmt: skip
+    )
     assert not Path("m.npz").exists()
 
 

@@ -63,12 +63,14 @@ def drifts(
         pair = pair_of(
             *(
                 drawn(
-                    rng, inclination + rng.normal(0.0, 0.2), raan + rng.normal(0.0, spread),
+                    rng,
+                    inclination + rng.normal(0.0, 0.2),
+                    raan + rng.normal(0.0, spread),
                     case % 4 == 0,
                 )
                 for _ in range(2)
             )
-        )  # fmt: skip
+        )
         # Planes drift apart until the departure; most drifts that are flown are cheap ones.
         ahead = (pair.i[columns.RAAN_RATE] - pair.j[columns.RAAN_RATE]) * (departure + span)
         raan = pair.orbit_j.raan_deg + math.degrees(ahead)

@@ -14,9 +14,13 @@ def some(number: int) -> ConnectionArrays:
     """Ten connections that all bear a number."""
     numbers = np.full(10, float(number))
     return ConnectionArrays(
-        numbers, numbers, numbers, numbers.astype(np.int8), numbers.astype(np.int32),
+        numbers,
+        numbers,
+        numbers,
         numbers.astype(np.int8),
-    )  # fmt: skip
+        numbers.astype(np.int32),
+        numbers.astype(np.int8),
+    )
 
 
 def test_the_last_ones_asked_for_are_kept() -> None:

@@ -35,10 +35,13 @@ PLANES = {
 def orbit(altitude_km: float, inclination_deg: float, raan_deg: float) -> Orbit:
     """A circle, somewhere on which the body is at t = 0."""
     return Orbit(
-        semi_major_axis_m=6378137.0 + 1e3 * altitude_km, eccentricity=0.0,
-        inclination_deg=inclination_deg, raan_deg=raan_deg, argument_of_perigee_deg=0.0,
+        semi_major_axis_m=6378137.0 + 1e3 * altitude_km,
+        eccentricity=0.0,
+        inclination_deg=inclination_deg,
+        raan_deg=raan_deg,
+        argument_of_perigee_deg=0.0,
         true_anomaly_deg=(7.0 * altitude_km) % 360.0,
-    )  # fmt: skip
+    )
 
 
 def mission(
@@ -50,7 +53,9 @@ def mission(
     """A station and targets in some planes, for so many days under J2."""
     home, *orbits = map(orbit, altitudes_km, inclinations, nodes)
     return Instance(
-        name="odd planes", epoch=EPOCH, dynamics="j2",
+        name="odd planes",
+        epoch=EPOCH,
+        dynamics="j2",
         stations=(Station(name="station", orbit=home),),
         targets=tuple(
             Target(name=f"target {number}", orbit=there) for number, there in enumerate(orbits)
@@ -60,7 +65,7 @@ def mission(
         ),
         mission=MissionSettings(duration_s=days * DAY_S),
         transfer=transfers_for(days * DAY_S),
-    )  # fmt: skip
+    )
 
 
 def connections(instance: Instance) -> list[np.ndarray]:

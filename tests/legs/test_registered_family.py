@@ -184,9 +184,17 @@ def test_a_proof_over_a_registered_family_is_verified(
     instance, _ = planned
     instance.save(tmp_path / "field.json")
     out = cli(
-        "solve", str(tmp_path / "field.json"), "--method", "exact", "--time-limit", "60",
-        "--out", str(tmp_path / "plan.json"), "--certificate", str(tmp_path / "certificate.json"),
-    )  # fmt: skip
+        "solve",
+        str(tmp_path / "field.json"),
+        "--method",
+        "exact",
+        "--time-limit",
+        "60",
+        "--out",
+        str(tmp_path / "plan.json"),
+        "--certificate",
+        str(tmp_path / "certificate.json"),
+    )
     assert out.status == 0
     judged = cli("verify", str(tmp_path / "field.json"), str(tmp_path / "certificate.json"))
     assert judged.status == 0, judged.out + judged.err
@@ -223,9 +231,12 @@ def with_packages(tmp_path: Path, *words: str) -> subprocess.CompletedProcess[st
     """A call of the command line where the packages in a folder are installed."""
     found = os.pathsep.join([str(tmp_path), str(EXAMPLE), *sys.path])
     return subprocess.run(
-        [sys.executable, "-m", "adr_opt", *words], env={**os.environ, "PYTHONPATH": found},
-        capture_output=True, check=False, text=True,
-    )  # fmt: skip
+        [sys.executable, "-m", "adr_opt", *words],
+        env={**os.environ, "PYTHONPATH": found},
+        capture_output=True,
+        check=False,
+        text=True,
+    )
 
 
 def test_the_family_of_an_installed_package_is_known_at_once(tmp_path: Path) -> None:

@@ -74,9 +74,10 @@ def test_where_planes_drift_what_is_asked_for_is_what_a_list_holds(seed):
     field = adr_opt.generate(family, seed, targets=8, zones=int(rng.integers(0, 3)))
     resolution, worth = 0.5, float(rng.choice([20.0, 110.0, 500.0]))
     settings = field.transfer.replace(
-        delta_v_resolution_m_s=resolution, max_drift_s=0.0,
+        delta_v_resolution_m_s=resolution,
+        max_drift_s=0.0,
         departure_spacing_s=float(rng.choice([0.0, 7200.0, 20000.0])),
-    )  # fmt: skip
+    )
     field = field.replace(dynamics="j2", transfer=settings).with_limits(duration_s=8.0 * 86400.0)
     held = Timetable(field, time_value_m_s_per_h=worth)
     asked = Timetable(field, time_value_m_s_per_h=worth, asked=neighbours(field, 9))
@@ -141,8 +142,9 @@ def test_plans_without_a_table(monkeypatch, method, dynamics):
     assert adr_opt.check(instance, result.plan) == ()
     best = adr_opt.solve(instance, "greedy-guarded").objective
     assert 0.4 * best <= result.objective <= result.upper_bound
-    assert any("connections computed on demand to the nearest 11 of 30"
-               in note for note in result.notes)  # fmt: skip
+    assert any(
+        "connections computed on demand to the nearest 11 of 30" in note for note in result.notes
+    )
     left_out = {each.target for each in result.plan.unvisited if each.reason == "not-considered"}
     assert left_out
 

@@ -34,9 +34,10 @@ from solvers.proof.cost import CostProof
 from solvers.walks.walks import WalkBound
 
 KINDS_OF_FIELDS = {
-    "two_body": (random_mission, range(150), 20), "j2": (drifting_mission, range(90), 10),
+    "two_body": (random_mission, range(150), 20),
+    "j2": (drifting_mission, range(90), 10),
     "given": (given_mission, range(80), 12),
-}  # fmt: skip
+}
 every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
 every_kind_and_tows = over_kinds(
     "draw, seeds",
@@ -45,16 +46,20 @@ every_kind_and_tows = over_kinds(
     falls=(falling_mission, range(160), 12),
 )
 SEARCHED = {
-    "two_body": (random_mission, range(40), 16), "j2": (drifting_mission, range(40), 8),
+    "two_body": (random_mission, range(40), 16),
+    "j2": (drifting_mission, range(40), 8),
     "given": (given_mission, range(40), 8),
-}  # fmt: skip
+}
 searched = over_kinds("draw, seeds", **SEARCHED)
 searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 8))
 
 KINDS = {
-    random_mission: {"short"}, drifting_mission: {"short", "drift"}, given_mission: {"given"},
-    towing_mission: {"short", "drift"}, falling_mission: {"short", "drift", "given", "launch"},
-}  # fmt: skip
+    random_mission: {"short"},
+    drifting_mission: {"short", "drift"},
+    given_mission: {"given"},
+    towing_mission: {"short", "drift"},
+    falling_mission: {"short", "drift", "given", "launch"},
+}
 """Of the legs of their plans."""
 
 
@@ -129,26 +134,45 @@ def test_searches_end_at_the_optimum_with_any_multipliers(draw, seeds):
 
 SHARES = {
     random_mission: {
-        "greedy-guarded": 0.3, "beam": 0.7, "mcts": 0.5, "local-search": 0.6, "auto": 0.99,
+        "greedy-guarded": 0.3,
+        "beam": 0.7,
+        "mcts": 0.5,
+        "local-search": 0.6,
+        "auto": 0.99,
     },
     drifting_mission: {
-        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+        "greedy-guarded": 0.2,
+        "beam": 0.5,
+        "mcts": 0.3,
+        "local-search": 0.5,
+        "auto": 0.99,
     },
     falling_field: {
-        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+        "greedy-guarded": 0.2,
+        "beam": 0.5,
+        "mcts": 0.3,
+        "local-search": 0.5,
+        "auto": 0.99,
     },
     given_mission: {
-        "greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "local-search": 0.5, "auto": 0.99,
+        "greedy-guarded": 0.2,
+        "beam": 0.5,
+        "mcts": 0.3,
+        "local-search": 0.5,
+        "auto": 0.99,
     },
-}  # fmt: skip
+}
 """Of the optima of all seeds together, what each planner finds at least."""
 
 
 @over_kinds(
     "method, draw, share, seeds",
-    **{f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 8)
-       for draw, shares in SHARES.items() for method, share in shares.items()},
-)  # fmt: skip
+    **{
+        f"{method}-{draw.__name__}": (method, draw, share, range(2000, 2040), 8)
+        for draw, shares in SHARES.items()
+        for method, share in shares.items()
+    },
+)
 def test_planners_keep_to_all_rules(method, draw, share, seeds):
     """Whatever a planner returns passes `check` and is worth no more than the optimum."""
     found = best = 0.0
@@ -198,9 +222,15 @@ def test_no_plan_costs_less_than_the_bound(draw, seeds, jobs):
         found = []
         # It hears of no better plan, so that walks are asked for that there are.
         proof = CostProof(
-            mission, mission.worth(prizes), found.append, lambda dear=4.0 * cost + 1.0: dear,
-            lambda: False, jobs=jobs, delta_v_slot_m_s=100.0, most_labels=10**6,
-        )  # fmt: skip
+            mission,
+            mission.worth(prizes),
+            found.append,
+            lambda dear=4.0 * cost + 1.0: dear,
+            lambda: False,
+            jobs=jobs,
+            delta_v_slot_m_s=100.0,
+            most_labels=10**6,
+        )
         with closing(proof):
             for _ in range(8):
                 if not proof.done:

@@ -26,12 +26,14 @@ def out_of_order(apart_s: float | None = None) -> Instance:
         service_revolutions=None, service_s=10.0, launch_separation_s=apart_s
     )
     return drawn.replace(
-        targets=(first.replace(window_s=(0.0, 50.0)), second), stations=(), mission=mission,
+        targets=(first.replace(window_s=(0.0, 50.0)), second),
+        stations=(),
+        mission=mission,
         chasers=(
             chaser.replace(name="late", available_s=(100.0, None)),
             chaser.replace(name="early"),
         ),
-    )  # fmt: skip
+    )
 
 
 def turned(instance: Instance) -> Instance:
@@ -75,9 +77,10 @@ def launched(seed: int, draw) -> Instance:
             until_s = chaser.available_s[1]
             since_s = float(rng.uniform(0.0, 0.5)) * made.mission.duration_s
             chaser = chaser.replace(
-                start="anywhere", tank=filled(chaser.tank),
+                start="anywhere",
+                tank=filled(chaser.tank),
                 available_s=(since_s if until_s is None else min(since_s, until_s), until_s),
-            )  # fmt: skip
+            )
         chasers.append(chaser)
     if len(chasers) > 2 and rng.random() < 0.5:  # two of one kind
         chasers[1] = chasers[0].replace(name=chasers[1].name)

@@ -112,9 +112,8 @@ def least_m_s(instance: Instance, order: tuple[int, ...], cost: Cost) -> float:
                         tank.dry_mass_kg + sum(takes[at + 1 :]) * chaser.kit_mass_kg
                     ):
                         go_on(
-                            at + 1, math.ceil(end / step - 1e-9), left,
-                            spent + known[what] + towing,
-                        )  # fmt: skip
+                            at + 1, math.ceil(end / step - 1e-9), left, spent + known[what] + towing
+                        )
 
     start = tank.dry_mass_kg + tank.propellant_kg + sum(takes) * chaser.kit_mass_kg
     go_on(0, 0, start, 0.0)
@@ -178,9 +177,7 @@ def changed(plan: Plan, number: int, **fields: Any) -> Plan:
     return plan.replace(routes=(plan.routes[0].replace(legs=tuple(legs)),))
 
 
-def test_plans_lighter_than_stated_break_no_rule_and_heavier_ones_do(
-    flown: tuple[Instance, Plan],
-):
+def test_plans_lighter_than_stated_break_no_rule_and_heavier_ones_do(flown: tuple[Instance, Plan]):
     """A leg is legal for the masses of its class, with its arcs, and vents what it has."""
     instance, plan = flown
     first = plan.legs[0]

@@ -34,11 +34,14 @@ def some(rng: np.random.Generator, loads: Loads | None, number: int) -> list[Res
     """Resources of few different amounts, so that many are equal or comparable."""
     return [
         Resources(
-            float(rng.integers(3)), 60.0 * float(rng.integers(1, 5)), 1, int(rng.integers(1, 3)),
+            float(rng.integers(3)),
+            60.0 * float(rng.integers(1, 5)),
+            1,
+            int(rng.integers(1, 3)),
             0 if loads is None else int(rng.integers(3)),
         )
         for _ in range(number)
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("loads", CARRIED)
@@ -61,9 +64,12 @@ def test_to_dominate_is_an_order(loads: Loads | None) -> None:
 @pytest.mark.parametrize("loads", CARRIED)
 @pytest.mark.parametrize(
     ("better", "worse"),
-    [({"time": 1.0}, {"time": 2.0}), ({"left": 100.0}, {"left": 99.0}),
-     ({"serviced": 1}, {"serviced": 2})],
-)  # fmt: skip
+    [
+        ({"time": 1.0}, {"time": 2.0}),
+        ({"left": 100.0}, {"left": 99.0}),
+        ({"serviced": 1}, {"serviced": 2}),
+    ],
+)
 def test_each_resource_counts(loads: Loads | None, better: dict, worse: dict) -> None:
     """Of two routes that differ in one resource only the one with more of it dominates."""
     usual = Resources(1.0, 100.0, 1, 1, 0)

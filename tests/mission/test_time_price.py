@@ -52,9 +52,11 @@ def priced(instance: Instance, seed: int) -> Instance:
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(14), 7), j2=(drifting_mission, range(14), 4),
-    given=(given_mission, range(14), 4), towing=(towing_mission, range(14), 7),
-)  # fmt: skip
+    two_body=(random_mission, range(14), 7),
+    j2=(drifting_mission, range(14), 4),
+    given=(given_mission, range(14), 4),
+    towing=(towing_mission, range(14), 7),
+)
 def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
     """At any price of time `exact` proves the least cost that enumeration knows."""
     proven = 0
@@ -75,9 +77,10 @@ def test_the_least_cost_of_a_chaser_is_that_of_enumeration(draw, seeds):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(20), 6), j2=(drifting_mission, range(20), 5),
+    two_body=(random_mission, range(20), 6),
+    j2=(drifting_mission, range(20), 5),
     given=(given_field, range(20), 6),
-)  # fmt: skip
+)
 def test_the_least_cost_of_several_chasers_is_that_of_enumeration(draw, seeds):
     """No bound on the cost lies above the least, and what is proven to be the least is."""
     closed = []
@@ -108,9 +111,15 @@ def test_no_plan_costs_less_than_the_bound(draw):
             continue
         found = []
         proof = CostProof(
-            mission, mission.worth(prizes), found.append, lambda dear=2.0 * cost + 1.0: dear,
-            lambda: False, jobs=1, delta_v_slot_m_s=100.0, most_labels=10**6,
-        )  # fmt: skip
+            mission,
+            mission.worth(prizes),
+            found.append,
+            lambda dear=2.0 * cost + 1.0: dear,
+            lambda: False,
+            jobs=1,
+            delta_v_slot_m_s=100.0,
+            most_labels=10**6,
+        )
         with closing(proof):
             for _ in range(8):
                 if not proof.done:
@@ -147,9 +156,15 @@ def test_who_is_done_sooner_after_the_last_departure_is_not_overlooked(dearer_fi
     prizes, cost, _ = brute_force(mission)
     assert cost == pytest.approx(1.0 + 20.0 + 0.1 * 500.0, abs=1e-6)
     proof = CostProof(
-        mission, mission.worth(prizes), lambda plan: None, lambda: 1000.0, lambda: False, jobs=1,
-        delta_v_slot_m_s=10.0, most_labels=10**6,
-    )  # fmt: skip
+        mission,
+        mission.worth(prizes),
+        lambda plan: None,
+        lambda: 1000.0,
+        lambda: False,
+        jobs=1,
+        delta_v_slot_m_s=10.0,
+        most_labels=10**6,
+    )
     with closing(proof):
         for _ in range(12):
             if not proof.done:
@@ -220,7 +235,7 @@ def test_days_count_from_when_each_chaser_may_fly():
     alone = plan.replace(
         routes=tuple(
             route.replace(legs=()) if route.chaser == late.name else route for route in plan.routes
-        ),
+        )
     )
     kept = [leg for route in alone.routes for leg in route.legs]
     alone = alone.replace(cost=sum(leg.spent_m_s for leg in kept) + 20.0 * ends[first.name] / 86400)
@@ -247,9 +262,12 @@ def test_only_delta_v_has_a_price_of_time(cost):
     for price in (0.0, 1.0):
         with pytest.raises((InputError, ValueError), match="days are paid for where cost"):
             Objective(cost=cost, time_m_s_per_day=price)
-    assert adr_opt.generate("tiny", seed=0).replace(
-        objective=Objective(cost="duration")
-    ).time_m_s_per_s == 0.0  # fmt: skip
+    assert (
+        adr_opt.generate("tiny", seed=0)
+        .replace(objective=Objective(cost="duration"))
+        .time_m_s_per_s
+        == 0.0
+    )
 
 
 def test_a_frontier_has_the_least_delta_v_of_each_last_day():
@@ -306,9 +324,16 @@ def test_the_verb_writes_the_frontier(cli: Cli, tmp_path) -> None:
     """CSV, page and JSON have the same last days; what has no frontier is refused in a sentence."""
     hand_made().save("instance.json")
     outcome = cli(
-        "tradeoff", "instance.json", "--frontier", "front.csv", "--page", "front.html",
-        "--time-limit", 10, "--json",
-    )  # fmt: skip
+        "tradeoff",
+        "instance.json",
+        "--frontier",
+        "front.csv",
+        "--page",
+        "front.html",
+        "--time-limit",
+        10,
+        "--json",
+    )
     assert outcome.status == 0, outcome.err
     stated = json.loads(outcome.out)["frontier"]
     with open("front.csv", encoding="utf-8", newline="") as file:

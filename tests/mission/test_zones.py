@@ -110,9 +110,14 @@ def test_zones_bite(seeds: range) -> None:
 def burns_of(instance: Instance, i: int, j: int, sequence: Flown) -> Burns:
     elements, extra = instance.orbits(), instance.eccentricity_delta_v()
     times, vectors, phases = burn_kernels.burns_between(
-        elements[i], elements[j], extra[i, j], instance.transfer_rule(),
-        sequence.departure, sequence.arrival, sequence.revolutions,
-    )  # fmt: skip
+        elements[i],
+        elements[j],
+        extra[i, j],
+        instance.transfer_rule(),
+        sequence.departure,
+        sequence.arrival,
+        sequence.revolutions,
+    )
     return [
         (float(time), (float(vector[0]), float(vector[1]), float(vector[2])), PHASES[phase])
         for time, vector, phase in zip(times, vectors, phases, strict=True)

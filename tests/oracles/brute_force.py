@@ -24,9 +24,31 @@ from adr_opt.problem.orbit import Orbit
 
 @kernel
 def _enumerate(  # noqa: PLR0913
-    first_leg, departure, arrival, delta_v, service, opens, closes, first_target, stations, start,
-    begin, full, at_start, most, takes, kits, kit, dry, exhaust, weighs, limited, tows, last, steps,
-):  # fmt: skip
+    first_leg,
+    departure,
+    arrival,
+    delta_v,
+    service,
+    opens,
+    closes,
+    first_target,
+    stations,
+    start,
+    begin,
+    full,
+    at_start,
+    most,
+    takes,
+    kits,
+    kit,
+    dry,
+    exhaust,
+    weighs,
+    limited,
+    tows,
+    last,
+    steps,
+):
     """All labels (set, body, time, left, cost, parent); lists of a set and a body are chained.
 
     What is left is a ΔV, or the mass of a chaser that has ``exhaust`` m/s; ``full`` is that of a
@@ -301,13 +323,27 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
             np.concatenate([pair.departure for pair in pairs]),
             np.concatenate([pair.arrival for pair in pairs]),
             np.concatenate([pair.delta_v for pair in pairs]),
-            service, opens, closes + SLACK_S, first, stations,
-            instance.names.index(chaser.start_name), launch_s(mission), np.array(full),
+            service,
+            opens,
+            closes + SLACK_S,
+            first,
+            stations,
+            instance.names.index(chaser.start_name),
+            launch_s(mission),
+            np.array(full),
             np.array(_at_start(chaser, full)),
-            bodies if chaser.max_targets is None else chaser.max_targets, takes, kits, kit, dry,
-            exhaust, weighs, np.array([each.is_limited for each in instance.stations], np.bool_),
-            tows, min(last) + SLACK_S, steps,
-        )  # fmt: skip
+            bodies if chaser.max_targets is None else chaser.max_targets,
+            takes,
+            kits,
+            kit,
+            dry,
+            exhaust,
+            weighs,
+            np.array([each.is_limited for each in instance.stations], np.bool_),
+            tows,
+            min(last) + SLACK_S,
+            steps,
+        )
         if instance.objective.cost == "expense":
             price = chaser.expense or Expense()
             aboard = kits - sum((where[:, 0] >> n & 1) * takes[first + n] for n in range(targets))

@@ -132,9 +132,14 @@ def plan_of(instance: Instance, way: Sequence[tuple[int, int, Flown]], favour: f
     legs = []
     for i, j, flown in way:
         times, vectors, phases = burns.burns_between(
-            elements[i], elements[j], extra[i, j], rule, flown.departure, flown.arrival,
+            elements[i],
+            elements[j],
+            extra[i, j],
+            rule,
+            flown.departure,
+            flown.arrival,
             flown.revolutions,
-        )  # fmt: skip
+        )
         end = flown.arrival + _service_s(instance, j)
         left = left - flown.delta_v if j else instance.chaser.tank.delta_v_m_s
         leg = Leg(

@@ -19,9 +19,13 @@ NEAREST, FAR_M_S, CLIP = 5, 5000.0, 5.0
 
 
 def seen(
-    standing: Standing, choices: Choices, onward: OnwardLegs, places: OrbitPlaces,
-    worths: FloatArray, required: BoolArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    standing: Standing,
+    choices: Choices,
+    onward: OnwardLegs,
+    places: OrbitPlaces,
+    worths: FloatArray,
+    required: BoolArray,
+) -> tuple[FloatArray, FloatArray]:
     """Numbers of the legs and of the mission, see :func:`adr_opt.learning.next_leg.features`."""
     at, full = choices.bodies, max(standing.full, 1e-6)
     left_s = max(standing.end - standing.time, 1.0)
@@ -46,25 +50,38 @@ def seen(
     ranks = choices.ranks
     legs = np.zeros((at.size, LEG_FEATURES))
     columns = {
-        0: station, 1: delta_v / 1000.0, 2: delta_v / max(standing.left, 1.0),
-        3: took / (10.0 * HOUR_S), 4: took / left_s, 5: cost / 10.0,
-        6: (cost - _least(cost, targets)) / 10.0, 7: worths[at],
-        8: ratio + _least(-ratio, targets), 9: choices.left / full,
-        10: (standing.end - choices.free) / left_s, 11: home / 1000.0,
-        12: (choices.left - home) / full, 18: required[at],
+        0: station,
+        1: delta_v / 1000.0,
+        2: delta_v / max(standing.left, 1.0),
+        3: took / (10.0 * HOUR_S),
+        4: took / left_s,
+        5: cost / 10.0,
+        6: (cost - _least(cost, targets)) / 10.0,
+        7: worths[at],
+        8: ratio + _least(-ratio, targets),
+        9: choices.left / full,
+        10: (standing.end - choices.free) / left_s,
+        11: home / 1000.0,
+        12: (choices.left - home) / full,
+        18: required[at],
         19: np.minimum((choices.closes - choices.free) / left_s, 1.0),
-        20: choices.waits / (10.0 * HOUR_S), 21: ranks == 0,
+        20: choices.waits / (10.0 * HOUR_S),
+        21: ranks == 0,
         22: np.where(ranks >= 0, 0.7 ** np.maximum(ranks, 0), 0.0),
         23: choices.planned_elsewhere,
         24: np.clip((choices.others_apart - direct) / 1000.0, -1.0, 1.0),
         25: np.isfinite(choices.others_apart),
         26: (standing.left - delta_v - choices.left) / full * ~station,
-        27: (delta_v - direct) / 500.0, 28: (cost - mean_cost) / 5.0,
-        29: np.minimum(order, 20.0) / 10.0, 30: (choices.left < home) & ~station,
-        33: onward.known, 34: onward.cost / 10.0,
+        27: (delta_v - direct) / 500.0,
+        28: (cost - mean_cost) / 5.0,
+        29: np.minimum(order, 20.0) / 10.0,
+        30: (choices.left < home) & ~station,
+        33: onward.known,
+        34: onward.cost / 10.0,
         35: np.where(onward.known, both - both.min(initial=np.inf), 0.0) / 10.0,
-        36: onward.delta_v / 300.0, 37: onward.next_cost / 10.0,
-    }  # fmt: skip
+        36: onward.delta_v / 300.0,
+        37: onward.next_cost / 10.0,
+    }
     for column, length in ((13, 60.0), (14, 150.0), (15, 400.0)):
         columns[column] = 0.5 * np.log1p((near * np.exp(-apart / length)).sum(axis=1))
     for column, rate in ((31, 120.0), (32, 1500.0)):
@@ -80,14 +97,23 @@ def seen(
     tank, clock = standing.tank_ahead, standing.time_ahead
     mission = np.array(
         [
-            standing.left / full, left_s / max(standing.end, 1.0), left_s / (7.0 * DAY_S),
-            full / 1000.0, np.log10(1.0 + np.count_nonzero(worths)) / 2.0, standing.stations > 0,
-            standing.since > 0, tank is not None, 0.0 if tank is None else 10.0 * tank / full,
-            0.0 if clock is None else clock / (10.0 * HOUR_S), standing.chasers > 1,
-            mean_cost / 5.0, targets.sum() / max(1, at.size),
-            paid.mean() / 200.0 if paid.size else 0.0, standing.left / 1000.0,
+            standing.left / full,
+            left_s / max(standing.end, 1.0),
+            left_s / (7.0 * DAY_S),
+            full / 1000.0,
+            np.log10(1.0 + np.count_nonzero(worths)) / 2.0,
+            standing.stations > 0,
+            standing.since > 0,
+            tank is not None,
+            0.0 if tank is None else 10.0 * tank / full,
+            0.0 if clock is None else clock / (10.0 * HOUR_S),
+            standing.chasers > 1,
+            mean_cost / 5.0,
+            targets.sum() / max(1, at.size),
+            paid.mean() / 200.0 if paid.size else 0.0,
+            standing.left / 1000.0,
         ]
-    )  # fmt: skip
+    )
     return np.clip(legs, -CLIP, CLIP), np.clip(mission, -CLIP, CLIP)
 
 
@@ -96,9 +122,13 @@ def _least(values: FloatArray, where: BoolArray) -> float:
 
 
 def onward_legs(
-    choices: Choices, places: OrbitPlaces, worths: FloatArray, end_s: float, stations: int,
+    choices: Choices,
+    places: OrbitPlaces,
+    worths: FloatArray,
+    end_s: float,
+    stations: int,
     connecting: Connecting,
-) -> OnwardLegs:  # fmt: skip
+) -> OnwardLegs:
     """The two cheapest legs after each of the ten cheapest, to six targets near its end."""
     found = unknown(choices.bodies.size)
     cost = choices.free / HOUR_S + choices.delta_v / M_S_PER_HOUR

@@ -64,7 +64,11 @@ def replayed(mission: Mission, sequence: list[int]) -> tuple[int, float]:
     visited = np.zeros(len(mission.names), dtype=np.bool_)
     ends, lefts = np.empty((2, len(sequence)))
     made, _, state = rule_kernels.replay(
-        rules, np.array(sequence, dtype=np.int64), rule_kernels.beginning(rules), visited, ends,
+        rules,
+        np.array(sequence, dtype=np.int64),
+        rule_kernels.beginning(rules),
+        visited,
+        ends,
         lefts,
-    )  # fmt: skip
+    )
     return made, float(state.resources.time)

@@ -29,14 +29,22 @@ def violations(instance: Instance, made: Replanned, zones=()) -> tuple[Violation
     visited = {leg.destination for leg in legs}
     objective = sum(target.prize for target in instance.targets if target.name in visited)
     whole = made.plan.replace(
-        instance=InstanceReference(name=zoned.name, sha256=zoned.sha256), routes=routes,
-        objective=objective, upper_bound=None, gap=None, status="feasible", cost_bound=None,
-        cost_gap=None, cost_status=None, cost=cost_of_routes(zoned, routes),
+        instance=InstanceReference(name=zoned.name, sha256=zoned.sha256),
+        routes=routes,
+        objective=objective,
+        upper_bound=None,
+        gap=None,
+        status="feasible",
+        cost_bound=None,
+        cost_gap=None,
+        cost_status=None,
+        cost=cost_of_routes(zoned, routes),
         unvisited=tuple(
             Unvisited(target=target.name, reason="not-worth-it")
-            for target in instance.targets if target.name not in visited
+            for target in instance.targets
+            if target.name not in visited
         ),
-    )  # fmt: skip
+    )
     found = adr_opt.check(zoned, whole)
     return tuple(violation for violation in found if violation.rule != "status")
 

@@ -15,11 +15,30 @@ HEIGHT = 844
 SCHEMES = ("light", "dark")
 
 NAMED = {
-    "button", "checkbox", "combobox", "dialog", "DisclosureTriangle", "graphics-document", "image",
-    "link", "listbox",
-    "img", "menuitem", "meter", "option", "progressbar", "radio", "region", "searchbox", "slider",
-    "spinbutton", "switch", "tab", "textbox", "Iframe",
-}  # fmt: skip
+    "button",
+    "checkbox",
+    "combobox",
+    "dialog",
+    "DisclosureTriangle",
+    "graphics-document",
+    "image",
+    "link",
+    "listbox",
+    "img",
+    "menuitem",
+    "meter",
+    "option",
+    "progressbar",
+    "radio",
+    "region",
+    "searchbox",
+    "slider",
+    "spinbutton",
+    "switch",
+    "tab",
+    "textbox",
+    "Iframe",
+}
 """Roles whose bearers must have a name."""
 
 SPEAK_FOR_PICTURES = {"button", "link"}
@@ -293,8 +312,11 @@ def faults(
     for width in widths:
         tab.call(
             "Emulation.setDeviceMetricsOverride",
-            width=width, height=HEIGHT, deviceScaleFactor=1, mobile=width < 600,
-        )  # fmt: skip
+            width=width,
+            height=HEIGHT,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
         for scheme in schemes:
             feature = {"name": "prefers-color-scheme", "value": scheme}
             tab.call("Emulation.setEmulatedMedia", features=[feature])

@@ -9,9 +9,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("*/README.md"),
-     *ROOT.glob("instances/*/README.md")]
-)  # fmt: skip
+    [
+        *ROOT.glob("*.md"),
+        *ROOT.glob("docs/**/*.md"),
+        *ROOT.glob("*/README.md"),
+        *ROOT.glob("instances/*/README.md"),
+    ]
+)
 PLACEHOLDERS = {
     "FAMILY": "nominal",
     "METHOD": "beam",

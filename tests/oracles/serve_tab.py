@@ -25,8 +25,11 @@ def served(folder: Path, *arguments: str) -> Iterator[dict[str, Any]]:
     """What `serve` says as JSON, while it runs; it ends well when it is interrupted."""
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, "serve", *arguments, "--no-open", "--json"],
-        cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     assert process.stdout is not None
     lines = []
     while not lines or lines[-1] not in ("}\n", ""):
@@ -75,8 +78,11 @@ def look(tab: Browser, width: int, dark: bool) -> None:
     """Another width of the window, and another scheme."""
     tab.call(
         "Emulation.setDeviceMetricsOverride",
-        width=width, height=844 if width < 600 else 900, deviceScaleFactor=1, mobile=width < 600,
-    )  # fmt: skip
+        width=width,
+        height=844 if width < 600 else 900,
+        deviceScaleFactor=1,
+        mobile=width < 600,
+    )
     scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
     tab.call("Emulation.setEmulatedMedia", features=[scheme])
 
@@ -88,8 +94,11 @@ def drop(tab: Browser, *paths: Path) -> None:
     """
     files = {"items": [], "files": [str(path) for path in paths], "dragOperationsMask": 1}
     for kind, x, y in (
-        ("dragEnter", 4, 4), ("dragOver", 4, 4), ("dragOver", 640, 300), ("drop", 640, 300),
-    ):  # fmt: skip
+        ("dragEnter", 4, 4),
+        ("dragOver", 4, 4),
+        ("dragOver", 640, 300),
+        ("drop", 640, 300),
+    ):
         tab.call("Input.dispatchDragEvent", type=kind, x=x, y=y, data=files)
 
 
@@ -109,9 +118,14 @@ def drag(
     def mouse(kind: str, share: float, **more: Any) -> None:
         x, y = (first + share * (last - first) for first, last in zip(begin, end, strict=True))
         tab.call(
-            "Input.dispatchMouseEvent", type=kind, button="left", clickCount=1,
-            x=box[0] + x * box[2], y=box[1] + y * box[3], **more,
-        )  # fmt: skip
+            "Input.dispatchMouseEvent",
+            type=kind,
+            button="left",
+            clickCount=1,
+            x=box[0] + x * box[2],
+            y=box[1] + y * box[3],
+            **more,
+        )
 
     mouse("mousePressed", 0.0)
     for step in range(1, steps + 1):

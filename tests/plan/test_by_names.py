@@ -59,7 +59,7 @@ def test_orders_of_several_chasers_are_given_by_names_or_numbers() -> None:
         (lambda i: adr_opt.Mission(i).closed(["nowhere"]), "'nowhere' is not a body"),
         (lambda i: adr_opt.check(i, OPTIMAL), "check judges a plan"),
     ],
-)  # fmt: skip
+)
 def test_what_names_nothing_is_refused(call, said: str) -> None:
     """An order of bodies that are not there, or of too many chasers, is refused in a sentence."""
     with pytest.raises(InputError, match=said) as error:

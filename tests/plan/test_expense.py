@@ -9,11 +9,7 @@ import numpy as np
 import pytest
 from against_enumeration import compared, compared_cost
 from drawn_expenses import drawn
-from random_rules import (
-    drifting_mission,
-    given_field,
-    random_mission,
-)
+from random_rules import drifting_mission, given_field, random_mission
 from seeds import over_kinds
 from two_chasers import campaign as two_chasers
 
@@ -30,9 +26,10 @@ from solvers.walks.tariffs import tariffs_of
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(120), 10), j2=(drifting_mission, range(40), 3),
+    two_body=(random_mission, range(120), 10),
+    j2=(drifting_mission, range(40), 3),
     given=(given_field, range(60), 6),
-)  # fmt: skip
+)
 
 
 @every_kind
@@ -75,9 +72,10 @@ def thirsty() -> Instance:
         tank=tank, expense={"fixed": 10.0, "per_kg": 0.1, "per_kg_squared": 0.01}
     )
     return field.replace(
-        name="thirsty", chasers=(one, one.replace(name="other")),
+        name="thirsty",
+        chasers=(one, one.replace(name="other")),
         objective=Objective(cost="expense"),
-    )  # fmt: skip
+    )
 
 
 def with_limits(refuellings: int | None, propellant_kg: float | None) -> Instance:
@@ -184,9 +182,11 @@ def test_the_expense_is_that_of_gtoc9() -> None:
     """As the contest has it: 55 and two millionths of what is above the dry mass, squared."""
     field = adr_opt.generate("removal", 0, targets=4, chasers=1)
     chaser = field.chaser.replace(
-        tank={"dry_mass_kg": 2000.0, "propellant_kg": 5000.0, "isp_s": 340.0}, kits=None,
-        kit_mass_kg=30.0, expense={"fixed": 55.0, "per_kg_squared": 2e-6},
-    )  # fmt: skip
+        tank={"dry_mass_kg": 2000.0, "propellant_kg": 5000.0, "isp_s": 340.0},
+        kits=None,
+        kit_mass_kg=30.0,
+        expense={"fixed": 55.0, "per_kg_squared": 2e-6},
+    )
     spent = [0.0, 200.0, 150.0, 300.0]
     names = [target.name for target in field.targets]
     mass = 2030.0
@@ -208,12 +208,14 @@ def test_no_tariff_is_more_than_the_expense(seeds: range) -> None:
         kit = float(rng.choice([0.0, 10.0, 100.0]))
         chaser = field.chaser.replace(
             tank={
-                "dry_mass_kg": float(rng.uniform(100.0, 900.0)), "isp_s": 300.0,
+                "dry_mass_kg": float(rng.uniform(100.0, 900.0)),
+                "isp_s": 300.0,
                 "propellant_kg": float(rng.uniform(10.0, 900.0)),
             },
-            kits=None, kit_mass_kg=kit,
+            kits=None,
+            kit_mass_kg=kit,
             expense={"per_kg": 0.5, "per_kg_squared": float(rng.choice([0.0, 1e-3, 1e-1]))},
-        )  # fmt: skip
+        )
         instance = field.replace(chasers=(chaser,), objective=Objective(cost="expense"))
         mission = Mission(instance)
         assert isinstance(chaser.tank, TankByMass)

@@ -67,11 +67,12 @@ def test_what_is_left_is_what_masses_say():
         instance = adr_opt.generate("tiny", 0)
         chaser = instance.chaser.replace(
             tank={
-                "dry_mass_kg": dry, "propellant_kg": float(rng.uniform(10.0, 3000.0)),
+                "dry_mass_kg": dry,
+                "propellant_kg": float(rng.uniform(10.0, 3000.0)),
                 "isp_s": float(rng.uniform(50.0, 4000.0)),
             },
             kit_mass_kg=kit,
-        )  # fmt: skip
+        )
         instance = instance.replace(
             chasers=(chaser,),
             targets=tuple(target.replace(removal="kit") for target in instance.targets),
@@ -113,9 +114,10 @@ def kit_then_leg() -> tuple[Instance, float]:
     ratio = np.sqrt((dry + kit + propellant) / (dry + kit))
     enough = exhaust * np.log(((dry + kit) * ratio - kit) / dry) > needed + 1.0
     tank = {
-        "dry_mass_kg": dry, "isp_s": exhaust / 9.80665,
+        "dry_mass_kg": dry,
+        "isp_s": exhaust / 9.80665,
         "propellant_kg": float(propellant[enough][0]),
-    }  # fmt: skip
+    }
     return instance.replace(chasers=(chaser.replace(tank=tank, kit_mass_kg=kit),)), needed
 
 

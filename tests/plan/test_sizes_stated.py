@@ -25,9 +25,12 @@ def test_fine_steps_of_certificates_are_refused(
     """Slots and steps of nothing would make tables of billions."""
     instance = adr_opt.load(tiny_file)
     certificate: dict[str, Any] = {
-        "format": "adr-opt-certificate/1", "method": "exact", "upper_bound": 4.0,
-        "instance": {"name": instance.name, "sha256": instance.sha256}, field: size,
-    }  # fmt: skip
+        "format": "adr-opt-certificate/1",
+        "method": "exact",
+        "upper_bound": 4.0,
+        "instance": {"name": instance.name, "sha256": instance.sha256},
+        field: size,
+    }
     Path("certificate.json").write_text(json.dumps(certificate))
     outcome = cli("verify", tiny_file, "certificate.json")
     refused(outcome, f"field {field} = ", "must be greater than or equal to 0.00000001")

@@ -333,10 +333,12 @@ def test_burns_of_tows_are_against_the_motion():
             lambda i: {"chasers": (i.chaser.replace(tank={"delta_v_m_s": 900.0}),)},
             "give its dry_mass_kg",
         ),
-        (lambda i: {"keep_out_zones": adr_opt.generate("tiny", 0, zones=1).keep_out_zones},
-         "keep_out_zones"),
+        (
+            lambda i: {"keep_out_zones": adr_opt.generate("tiny", 0, zones=1).keep_out_zones},
+            "keep_out_zones",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_makes_no_sense_is_refused(change, words):
     """Towing without a mass, an altitude below, tanks by mass, or with zones: one sentence."""
     instance = field()

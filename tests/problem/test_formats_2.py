@@ -270,9 +270,7 @@ def test_what_is_not_stated_of_money_and_limits_is_not_written() -> None:
         mission=instance.mission.replace(launch_separation_s=0.0),
     )
     content = json.loads(stated.to_json())
-    assert content["chasers"][0]["expense"] == {
-        "fixed": 2.0, "per_kg": 0.0, "per_kg_squared": 0.0
-    }  # fmt: skip
+    assert content["chasers"][0]["expense"] == {"fixed": 2.0, "per_kg": 0.0, "per_kg_squared": 0.0}
     assert content["stations"][0]["max_refuellings"] == 0
     assert content["mission"]["launch_separation_s"] == 0.0
 

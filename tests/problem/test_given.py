@@ -85,11 +85,9 @@ def test_who_is_ready_in_between_waits_for_the_next_departure() -> None:
 
 @settings(max_examples=200, deadline=None)
 @drawn(
-    st.lists(
-        st.tuples(st.integers(0, 6), st.integers(1, 6), st.integers(0, 5)), max_size=30
-    ),
+    st.lists(st.tuples(st.integers(0, 6), st.integers(1, 6), st.integers(0, 5)), max_size=30),
     st.sampled_from([0.0, 1.0, 2.5]),
-)  # fmt: skip
+)
 def test_what_is_left_out_is_dominated(rows: list[tuple[int, int, int]], resolution: float) -> None:
     """One is left out if, and only if, one that is kept is no later, no earlier and no dearer."""
     columns = np.array(sorted((at, at + takes, cost) for at, takes, cost in rows), dtype=float)
@@ -106,8 +104,9 @@ def test_what_is_left_out_is_dominated(rows: list[tuple[int, int, int]], resolut
     for one in kept:
         after = [other for other in kept if other[0] >= one[0] and other != one]
         assert not any(b <= one[1] and c <= one[2] + resolution for _, b, c in after)
-    assert np.array_equal(np.argsort(found.arrival, kind="stable"),
-                          np.argsort(found.crossing, kind="stable"))  # fmt: skip
+    assert np.array_equal(
+        np.argsort(found.arrival, kind="stable"), np.argsort(found.crossing, kind="stable")
+    )
 
 
 def test_a_function_may_offer_choices() -> None:

@@ -10,11 +10,7 @@ import numpy as np
 import pytest
 from conftest import Cli, refused
 from random_rules import given_mission
-from toy_roads import (
-    as_rows,
-    roads,
-    solved,
-)
+from toy_roads import as_rows, roads, solved
 
 import adr_opt
 from adr_opt.problem.given import COLUMNS, of_rows

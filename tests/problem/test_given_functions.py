@@ -45,9 +45,12 @@ def test_a_file_without_functions_does_not_name_them(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     instance = timed_mission(0)
     columns = {
-        "origin": ["s0"], "destination": ["t0"], "departure_s": [0.0], "arrival_s": [5.0],
+        "origin": ["s0"],
+        "destination": ["t0"],
+        "departure_s": [0.0],
+        "arrival_s": [5.0],
         "delta_v_m_s": [0.0],
-    }  # fmt: skip
+    }
     listed = instance.with_given(of_rows(columns, instance.names))
     content = json.loads(listed.to_json())["transfer"]["given"]
     assert sorted(content) == ["file", "sha256"]
@@ -74,7 +77,8 @@ WRONG = {
     "no time": (lambda row: row.update(breakpoints_s=[[10, 10]]), "must take"),
     "back in time": (lambda row: row.update(breakpoints_s=[[10, 5]]), "must take"),
     "three at once": (
-        lambda row: row.update(breakpoints_s=[[1, 5], [1, 6], [1, 7]]), "a jump has two",
+        lambda row: row.update(breakpoints_s=[[1, 5], [1, 6], [1, 7]]),
+        "a jump has two",
     ),
     "none": (lambda row: row.update(breakpoints_s=[]), "breakpoints_s"),
     "negative": (lambda row: row.update(breakpoints_s=[[-1, 5]]), "from 0 to"),
@@ -86,7 +90,7 @@ WRONG = {
     "negative cost": (lambda row: row.update(delta_v_m_s=-1.0), "delta_v_m_s"),
     "unknown key": (lambda row: row.update(speed=1.0), "speed"),
     "no origin": (lambda row: row.pop("origin"), "origin"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("what", WRONG)
@@ -150,9 +154,12 @@ def test_a_pair_has_a_list_or_a_function() -> None:
     instance = timed_mission(0)
     origin, destination = instance.given.functions.pairs[0]
     columns = {
-        "origin": [origin], "destination": [destination], "departure_s": [0.0],
-        "arrival_s": [5.0], "delta_v_m_s": [0.0],
-    }  # fmt: skip
+        "origin": [origin],
+        "destination": [destination],
+        "departure_s": [0.0],
+        "arrival_s": [5.0],
+        "delta_v_m_s": [0.0],
+    }
     with pytest.raises(InputError, match="give one of the two"):
         of_rows(columns, instance.names).with_functions(instance.given.functions)
     with pytest.raises(InputError, match="two functions"):

@@ -34,9 +34,13 @@ def from_parquet(units: dict[str, str], more: tuple[Any, ...] = (), **columns: A
 
 
 def write_netcdf(
-    duration: Any = DURATION, cost: Any = COST, departures: Any = DEPARTURES, *,
-    units: dict[str, str] | None = None, drop: str = "",
-) -> Path:  # fmt: skip
+    duration: Any = DURATION,
+    cost: Any = COST,
+    departures: Any = DEPARTURES,
+    *,
+    units: dict[str, str] | None = None,
+    drop: str = "",
+) -> Path:
     """The roads as a NetCDF file, with other values or units, or without a variable."""
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("h5netcdf")
@@ -112,9 +116,11 @@ def test_numbers_of_other_types_are_numbers() -> None:
 def test_units_of_matrices_are_converted() -> None:
     """Variables in minutes, days and km/s, and differences of times, are the same connections."""
     path = write_netcdf(
-        DURATION / 60.0, COST / 1000.0, DEPARTURES / 86400.0,
+        DURATION / 60.0,
+        COST / 1000.0,
+        DEPARTURES / 86400.0,
         units={"duration": "minutes", "delta_v": "km s-1", "departure": "days"},
-    )  # fmt: skip
+    )
     assert close(read_given(path, NAMES))
     there = np.where(np.isfinite(DURATION), DURATION, 0.0)
     path = write_netcdf((1e9 * there).astype("m8[ns]"))
@@ -261,14 +267,28 @@ def test_differences_of_times_are_converted_in_python() -> None:
 def test_every_spelling_of_a_unit_is_what_it_says() -> None:
     """Factors are those of the units; no unit stands for seconds and a number as it is."""
     for unit, seconds in (
-        (None, 1.0), ("", 1.0), (b"s", 1.0), ("seconds", 1.0), ("Hours", 3600.0), ("d", 86400.0),
-        ("days", 86400.0), ("ms", 1e-3), ("mins", 60.0),
-    ):  # fmt: skip
+        (None, 1.0),
+        ("", 1.0),
+        (b"s", 1.0),
+        ("seconds", 1.0),
+        ("Hours", 3600.0),
+        ("d", 86400.0),
+        ("days", 86400.0),
+        ("ms", 1e-3),
+        ("mins", 60.0),
+    ):
         assert time_factor(unit, "x") == seconds
     for unit, speed in (
-        (None, 1.0), ("1", 1.0), ("m s-1", 1.0), ("m.s-1", 1.0), ("m*s**-1", 1.0),
-        ("metres per second", 1.0), ("cm/s", 0.01), ("km/h", 1000.0 / 3600.0), ("km s⁻¹", 1000.0),
-    ):  # fmt: skip
+        (None, 1.0),
+        ("1", 1.0),
+        ("m s-1", 1.0),
+        ("m.s-1", 1.0),
+        ("m*s**-1", 1.0),
+        ("metres per second", 1.0),
+        ("cm/s", 0.01),
+        ("km/h", 1000.0 / 3600.0),
+        ("km s⁻¹", 1000.0),
+    ):
         assert cost_factor(unit, "x") == speed
     for wrong in (3, "m", "s", "m s", "m s-2", "m/s/s", "EUR", "\x1b[31m"):
         with pytest.raises(InputError) as error:

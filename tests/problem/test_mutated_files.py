@@ -217,9 +217,13 @@ def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
     for number in numbers:
         rng = drawn("tradeoff", number)
         data = spoilt(
-            whole, rng, spoilt_bytes, spoilt_numbers, spoilt_lines,
+            whole,
+            rng,
+            spoilt_bytes,
+            spoilt_numbers,
+            spoilt_lines,
             lambda data, rng: spoilt_cells(data, rng, cells),
-        )  # fmt: skip
+        )
         path.write_bytes(data)
         stop = None if number % 50 == 0 else Over(1)
 
@@ -242,14 +246,18 @@ def test_spoilt_tradeoffs(tmp_path: Path, numbers: range) -> None:
 def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
     """Instances of several kinds with a plan of each."""
     towed = adr_opt.generate(
-        "rocket-bodies", 0, targets=4, towed_kg=1400.0, disposal_altitude_m=350e3,
+        "rocket-bodies",
+        0,
+        targets=4,
+        towed_kg=1400.0,
+        disposal_altitude_m=350e3,
         tank=TankByMass(dry_mass_kg=1000.0, propellant_kg=3000.0, isp_s=310.0),
-    )  # fmt: skip
+    )
     for name, instance, method in (
         ("tiny", adr_opt.generate("tiny", 0), "greedy-guarded"),
         ("campaign", campaign(), "auto"),
         ("drifting", towed, "auto"),
-    ):  # fmt: skip
+    ):
         plan = adr_opt.solve(instance, method, time_limit=60.0).plan
         assert plan is not None, name
         yield name, instance, plan.to_json()
@@ -258,11 +266,13 @@ def missions() -> Iterator[tuple[str, adr_opt.Instance, str]]:
 
 
 VERBS: tuple[tuple[str, ...], ...] = (
-    ("fly",), ("export", "--out", "x.czml"), ("export", "--out", "x.oem"),
+    ("fly",),
+    ("export", "--out", "x.czml"),
+    ("export", "--out", "x.oem"),
     ("replan", "--at", "0.2", "--time-limit", "0.2", "--method", "greedy-guarded"),
     ("report", "--out", "x.html"),
     ("solve", "--method", "local-search", "--time-limit", "0.5", "--start"),
-)  # fmt: skip
+)
 """Verbs that read plans, besides `check`."""
 
 

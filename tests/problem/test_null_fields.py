@@ -83,18 +83,23 @@ def test_a_limit_of_no_targets_is_a_limit(most, asks) -> None:
     names = ["depot", "a", "b", "c"]
     pairs = [(i, j) for i in names for j in names[1:] if i != j]
     rows = {
-        "origin": [i for i, _ in pairs], "destination": [j for _, j in pairs],
-        "departure_s": np.zeros(len(pairs)), "arrival_s": np.ones(len(pairs)),
+        "origin": [i for i, _ in pairs],
+        "destination": [j for _, j in pairs],
+        "departure_s": np.zeros(len(pairs)),
+        "arrival_s": np.ones(len(pairs)),
         "delta_v_m_s": np.zeros(len(pairs)),
-    }  # fmt: skip
+    }
     chaser = Chaser(
         name="van", start=AtStation(station="depot"), tank=Tank(delta_v_m_s=1.0), max_targets=most
     )
     instance = Instance(
-        name="order", epoch=datetime(2026, 1, 1, tzinfo=UTC), stations=(Station(name="depot"),),
-        targets=tuple(Target(name=name, required=True) for name in names[1:]), chasers=(chaser,),
+        name="order",
+        epoch=datetime(2026, 1, 1, tzinfo=UTC),
+        stations=(Station(name="depot"),),
+        targets=tuple(Target(name=name, required=True) for name in names[1:]),
+        chasers=(chaser,),
         mission=MissionSettings(duration_s=100.0, service_s=0.0, refuel_revolutions=0.0),
         objective=Objective(cost="duration"),
         transfer=TransferSettings(given=GivenFile(file="rows.parquet")),
-    ).with_given(of_rows(rows, names))  # fmt: skip
+    ).with_given(of_rows(rows, names))
     assert Problem(instance).asks_for_least_end is asks

@@ -29,9 +29,13 @@ def changed(path: tuple[Any, ...], value: Any) -> adr_opt.Instance:
 
 BY_MASS = {"dry_mass_kg": 500.0, "propellant_kg": 300.0, "isp_s": 300.0}
 HIGH = {
-    "semi_major_axis_m": 6378.9e3, "eccentricity": 0.0, "inclination_deg": 96.0, "raan_deg": 0.0,
-    "argument_of_perigee_deg": 0.0, "true_anomaly_deg": 0.0,
-}  # fmt: skip
+    "semi_major_axis_m": 6378.9e3,
+    "eccentricity": 0.0,
+    "inclination_deg": 96.0,
+    "raan_deg": 0.0,
+    "argument_of_perigee_deg": 0.0,
+    "true_anomaly_deg": 0.0,
+}
 SLIPS: dict[str, tuple[tuple[Any, ...], Any, str]] = {
     "tank": (("chasers", 0, "tank", "delta_v_m_s"), 3.0, "is it in km/s?"),
     "isp": (("chasers", 0, "tank"), BY_MASS | {"isp_s": 3000.0}, "is it an exhaust speed"),

@@ -134,8 +134,7 @@ def test_a_chaser_is_available(cli: Cli) -> None:
 def test_most_targets(cli: Cli) -> None:
     """A chaser that may service two targets services the best two."""
     _, plan = solved(
-        cli,
-        lambda content: (target(content, SOUTH, prize=3.0), chaser(content, max_targets=2))[0],
+        cli, lambda content: (target(content, SOUTH, prize=3.0), chaser(content, max_targets=2))[0]
     )
     assert plan.objective == 4.0
     assert sum(leg.destination != "station" for leg in plan.legs) == 2

@@ -145,24 +145,44 @@ def test_an_import_drifts_unless_it_is_told_otherwise(cli: Cli, catalogue: str) 
 def test_sizes_are_set_by_hand(cli: Cli, catalogue: str) -> None:
     """Each option of an import reaches its field, in days or m/s."""
     outcome = cli(
-        "import", catalogue, "--out", "out.json", "--drift-step-days", "3", "--max-drift-days",
-        "60", "--departure-spacing-days", "0.5", "--resolution", "2.5", "--duration-days", "100",
-    )  # fmt: skip
+        "import",
+        catalogue,
+        "--out",
+        "out.json",
+        "--drift-step-days",
+        "3",
+        "--max-drift-days",
+        "60",
+        "--departure-spacing-days",
+        "0.5",
+        "--resolution",
+        "2.5",
+        "--duration-days",
+        "100",
+    )
     assert outcome.status == 0
     made = adr_opt.load("out.json").transfer
     assert made == TransferSettings(
-        drift_step_s=3 * DAY_S, max_drift_s=60 * DAY_S, departure_spacing_s=0.5 * DAY_S,
+        drift_step_s=3 * DAY_S,
+        max_drift_s=60 * DAY_S,
+        departure_spacing_s=0.5 * DAY_S,
         delta_v_resolution_m_s=2.5,
-    )  # fmt: skip
+    )
 
 
 def test_without_refuelling_there_is_no_station(cli: Cli, catalogue: str) -> None:
     """The chaser starts in the orbit where the station would be, and the account says so."""
     cli("import", catalogue, "--out", "with.json", "--station", "750,86.4,10")
     outcome = cli(
-        "import", catalogue, "--out", "out.json", "--station", "750,86.4,10", "--no-refuelling",
+        "import",
+        catalogue,
+        "--out",
+        "out.json",
+        "--station",
+        "750,86.4,10",
+        "--no-refuelling",
         "--json",
-    )  # fmt: skip
+    )
     assert outcome.status == 0
     made, other = adr_opt.load("out.json"), adr_opt.load("with.json")
     assert made.stations == ()

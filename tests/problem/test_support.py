@@ -84,10 +84,22 @@ def rich() -> Instance:
 
 
 PLACES = (
-    "", "mission", "transfer", "objective", "stations[]", "stations[].orbit", "targets[]",
-    "targets[].orbit", "targets[].fit", "chasers[]", "chasers[].tank", "chasers[].start",
-    "chasers[].start.orbit", "chasers[].expense", "keep_out_zones[]",
-)  # fmt: skip
+    "",
+    "mission",
+    "transfer",
+    "objective",
+    "stations[]",
+    "stations[].orbit",
+    "targets[]",
+    "targets[].orbit",
+    "targets[].fit",
+    "chasers[]",
+    "chasers[].tank",
+    "chasers[].start",
+    "chasers[].start.orbit",
+    "chasers[].expense",
+    "keep_out_zones[]",
+)
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -254,9 +266,11 @@ def _calls(instance: Instance, plan: Plan, certificate: Certificate) -> dict[str
 
 @pytest.mark.parametrize("place", NESTED)
 def test_whatever_reads_an_instance_refuses_a_new_field(
-    planned: tuple[Instance, Plan, Certificate], place: str, tmp_path: Path,
+    planned: tuple[Instance, Plan, Certificate],
+    place: str,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     """Each function of the package names the field, and computes nothing."""
     monkeypatch.chdir(tmp_path)
     changed = with_new_field(planned[0], place)
@@ -267,12 +281,22 @@ def test_whatever_reads_an_instance_refuses_a_new_field(
 
 
 CLI_CALLS = {
-    "solve": "", "bound": "", "check": "plan.json", "verify": "plan.json certificate.json",
-    "price": "debris-001", "compare": "plan.json other.json", "tradeoff": "--vary duration=1:1:1",
-    "replan": "plan.json --at 0", "rehearse": "plan.json --uncertainty uncertainty.json",
-    "fly": "plan.json", "refine": "plan.json --out r.json", "matrix": "--at 0 --out m.npz",
-    "export": "plan.json --out a.oem", "report": "plan.json --out a.html", "serve": "--port 0",
-}  # fmt: skip
+    "solve": "",
+    "bound": "",
+    "check": "plan.json",
+    "verify": "plan.json certificate.json",
+    "price": "debris-001",
+    "compare": "plan.json other.json",
+    "tradeoff": "--vary duration=1:1:1",
+    "replan": "plan.json --at 0",
+    "rehearse": "plan.json --uncertainty uncertainty.json",
+    "fly": "plan.json",
+    "refine": "plan.json --out r.json",
+    "matrix": "--at 0 --out m.npz",
+    "export": "plan.json --out a.oem",
+    "report": "plan.json --out a.html",
+    "serve": "--port 0",
+}
 """What follows the instance in a call of each verb that reads one."""
 
 
@@ -305,10 +329,11 @@ def test_verbs_that_read_refined_plans_refuse_a_new_field(
     changed = with_new_field(instance, "targets[]")
     monkeypatch.setattr("adr_opt.problem.instance.load", lambda path: changed)
     for call in (
-        "check my.json refined.json", "fly my.json refined.json",
+        "check my.json refined.json",
+        "fly my.json refined.json",
         "export my.json refined.json --out a.oem",
         "report my.json plan.json --refined refined.json --out a.html",
-    ):  # fmt: skip
+    ):
         refused(cli(*call.split()), "does not follow the field targets[].novel")
 
 
@@ -329,6 +354,9 @@ def test_an_instance_is_taken_by_who_says_what_it_follows() -> None:
         if re.search(r"(?<![\w.])instance_of\((?!self)", path.read_text(encoding="utf-8"))
     }
     assert found == {
-        "problem/instance.py", "problem/support.py", "judge/admit.py",
-        "learning/environment/mission_env.py", "learning/environment/vector.py",
-    }  # fmt: skip
+        "problem/instance.py",
+        "problem/support.py",
+        "judge/admit.py",
+        "learning/environment/mission_env.py",
+        "learning/environment/vector.py",
+    }

@@ -111,12 +111,18 @@ def test_arcs_are_flyable_as_stated():
     one, other = leg.manoeuvres
     assert leg.departure_s == one.start_s < one.end_s < other.start_s < other.end_s < leg.arrival_s
     for changes in (
-        {"size_m_s": one.size_m_s + 0.1}, {"inclination_deg": one.inclination_deg + 1e-4},
-        {"raan_deg": one.raan_deg + 1e-3}, {"delta_v_m_s": one.delta_v_m_s - 0.1},
-        {"end_s": one.end_s - 100.0}, {"start_s": one.start_s + 1.0}, {"window_deg": 45.0},
-        {"window_deg": 0.0}, {"size_m_s": 1e6}, {"size_m_s": -1e300},
+        {"size_m_s": one.size_m_s + 0.1},
+        {"inclination_deg": one.inclination_deg + 1e-4},
+        {"raan_deg": one.raan_deg + 1e-3},
+        {"delta_v_m_s": one.delta_v_m_s - 0.1},
+        {"end_s": one.end_s - 100.0},
+        {"start_s": one.start_s + 1.0},
+        {"window_deg": 45.0},
+        {"window_deg": 0.0},
+        {"size_m_s": 1e6},
+        {"size_m_s": -1e300},
         {"argument_of_latitude_deg": one.argument_of_latitude_deg + 1.0},
-    ):  # fmt: skip
+    ):
         spoilt = leg.replace(manoeuvres=(one.replace(**changes), other))
         plan = result.plan.replace(routes=(route.replace(legs=(spoilt, *route.legs[1:])),))
         found = {violation.rule for violation in adr_opt.check(instance, plan)}

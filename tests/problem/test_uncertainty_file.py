@@ -100,12 +100,16 @@ def test_draws_are_functions_of_their_names_alone() -> None:
         world = DrawnWorld(instance, uncertainty.replace(targets={}), 7)
         return {
             name: (
-                world.is_gone(name), world.succeeds(name, 2), world.succeeds(name, 1),
-                world.service_s(name, 5000.0), world.leg_factor("short", name),
-                world.leg_factor("drift", name), world.leg_factor("short", name, 2),
+                world.is_gone(name),
+                world.succeeds(name, 2),
+                world.succeeds(name, 1),
+                world.service_s(name, 5000.0),
+                world.leg_factor("short", name),
+                world.leg_factor("drift", name),
+                world.leg_factor("short", name, 2),
             )
             for name in order
-        }  # fmt: skip
+        }
 
     first = asked(INSTANCE, names)
     fewer = INSTANCE.replace(targets=INSTANCE.targets[:0:-1])

@@ -54,9 +54,13 @@ def broken_off(
             stop.interrupt()
 
     return front.run(
-        group, Mission(instance, threads=1), method, front.RunOptions(60.0, **arguments),
-        stop=stop, building=building,
-    )  # fmt: skip
+        group,
+        Mission(instance, threads=1),
+        method,
+        front.RunOptions(60.0, **arguments),
+        stop=stop,
+        building=building,
+    )
 
 
 def large(targets: int = 143, days: float = 365.0) -> Instance:

@@ -55,8 +55,15 @@ def test_all_is_well(cli: Cli, tmp_path: Path) -> None:
     outcome = cli("doctor")
     assert (outcome.status, outcome.err) == (0, "")
     assert outcome.out.endswith("all is well\n")
-    for said in (adr_opt.__version__, "numba ", "llvmlite ", f"1 kernel, 2.0 MB, in {folder}",
-                 "4.0 GiB of memory free", "auto, beam", "lagrangian"):  # fmt: skip
+    for said in (
+        adr_opt.__version__,
+        "numba ",
+        "llvmlite ",
+        f"1 kernel, 2.0 MB, in {folder}",
+        "4.0 GiB of memory free",
+        "auto, beam",
+        "lagrangian",
+    ):
         assert said in outcome.out
     printed = json.loads(cli("doctor", "--json").out)
     assert printed["problems"] == []
@@ -209,7 +216,7 @@ PROBLEMS: list[tuple[Patch, str]] = [
         lambda monkeypatch, folder: monkeypatch.setenv("NUMBA_DISABLE_JIT", "1"),
         "NUMBA_DISABLE_JIT is set, so that nothing is compiled; unset it",
     ),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("patch", "said"), PROBLEMS)
@@ -240,12 +247,17 @@ def test_requirements_are_read_as_they_are_stated() -> None:
 @pytest.mark.parametrize(
     ("bounds", "found", "allowed"),
     [
-        ("", "0.1", True), (">=1.10", "1.9.9", False), (">=1.10", "1.10", True),
-        (">=1.10", "1.10.0", True), (">=2.2.0", "2.2", True), (">=1.10", "2.0", True),
-        ("!=1.15.0,>=1.10", "1.15", False), ("!=1.15.0,>=1.10", "1.15.2", True),
+        ("", "0.1", True),
+        (">=1.10", "1.9.9", False),
+        (">=1.10", "1.10", True),
+        (">=1.10", "1.10.0", True),
+        (">=2.2.0", "2.2", True),
+        (">=1.10", "2.0", True),
+        ("!=1.15.0,>=1.10", "1.15", False),
+        ("!=1.15.0,>=1.10", "1.15.2", True),
         (">=2.4", "2.13.0+cpu", True),
     ],
-)  # fmt: skip
+)
 def test_versions_are_compared_as_numbers(bounds: str, found: str, allowed: bool) -> None:
     """Lower bounds and exclusions hold, and 1.10 comes after 1.9."""
     assert Requirement("any", bounds).allows(found) is allowed

@@ -61,9 +61,11 @@ EDGES: dict[str, Callable[[], Instance]] = {
     "limits": lambda: varied(0, prizes=(1e12, 1.0, 3e11), delta_v_m_s=1e9, targets=4),
 }
 INSTANCES = {
-    **SMALL, **EDGES, "nominal": lambda: adr_opt.generate("nominal", 0, targets=25),
+    **SMALL,
+    **EDGES,
+    "nominal": lambda: adr_opt.generate("nominal", 0, targets=25),
     "whole": lambda: adr_opt.generate("nominal", 0),
-}  # fmt: skip
+}
 WHOLE = pytest.param("whole", marks=pytest.mark.slow)
 
 planners = pytest.mark.parametrize("method", names(PLANNERS))

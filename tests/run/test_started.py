@@ -35,9 +35,11 @@ def begun(instance: Instance, seed: int) -> Instance:
         if rng.random() < 0.3:
             propellant = 500.0 * math.expm1(full / (9.80665 * 250.0))
             tank = TankByMass(
-                dry_mass_kg=500.0, propellant_kg=propellant, isp_s=250.0,
+                dry_mass_kg=500.0,
+                propellant_kg=propellant,
+                isp_s=250.0,
                 initial_propellant_kg=share * propellant,
-            )  # fmt: skip
+            )
         chasers.append(chaser.replace(start=start, tank=tank))
     return instance.replace(chasers=tuple(chasers))
 
@@ -57,9 +59,10 @@ def of_given(seed: int) -> Instance:
 
 either = over_kinds(
     "draw, seeds",
-    two_body=(of_two_bodies, range(40), 20), j2=(of_drift, range(24), 6),
+    two_body=(of_two_bodies, range(40), 20),
+    j2=(of_drift, range(24), 6),
     given=(of_given, range(24), 9),
-)  # fmt: skip
+)
 
 
 @either
@@ -103,9 +106,10 @@ def test_what_is_impossible_is_known_at_once() -> None:
 @pytest.mark.parametrize("method", ["greedy-guarded", "beam", "mcts", "local-search", "auto"])
 @over_kinds(
     "draw, seeds",
-    two_body=(of_two_bodies, range(100, 113), 4), j2=(of_drift, range(100, 108), 2),
+    two_body=(of_two_bodies, range(100, 113), 4),
+    j2=(of_drift, range(100, 108), 2),
     given=(of_given, range(100, 108), 2),
-)  # fmt: skip
+)
 def test_planners_keep_to_the_tank(method: str, draw, seeds: range) -> None:
     """What a planner returns passes `check`, and is worth no more than the optimum."""
     for seed in seeds:

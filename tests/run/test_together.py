@@ -74,10 +74,15 @@ def proving(
                     break
                 time.sleep(1e-3)
         return certify(
-            problem_of(mission).missions[0], "proves", plan, seed=0, runtime_s=0.0,
+            problem_of(mission).missions[0],
+            "proves",
+            plan,
+            seed=0,
+            runtime_s=0.0,
             upper_bound=best,
-            counters={"asked": asked}, notes=["rounded down"],
-        )  # fmt: skip
+            counters={"asked": asked},
+            notes=["rounded down"],
+        )
 
     return method
 
@@ -94,9 +99,13 @@ def fake_planner(
     """One target, or the start plan; asks until it is told to stop."""
     result = planning(start or (1,))(mission, stop, progress)
     return certify(
-        mission, "fake", result.sequence, seed=seed, runtime_s=0.0,
+        mission,
+        "fake",
+        result.sequence,
+        seed=seed,
+        runtime_s=0.0,
         counters={**result.counters, "jobs": jobs},
-    )  # fmt: skip
+    )
 
 
 def fake_bound(
@@ -112,9 +121,14 @@ def fake_bound(
     value = mission.total_prize - 1.0 if start is None else mission.time(start).objective
     result = proving(value)(mission, stop, progress)
     return certify(
-        mission, "fake-bound", None, seed=seed, runtime_s=0.0, upper_bound=result.upper_bound,
+        mission,
+        "fake-bound",
+        None,
+        seed=seed,
+        runtime_s=0.0,
+        upper_bound=result.upper_bound,
         counters={**result.counters, "jobs": jobs, "start": len(start or ())},
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
@@ -147,8 +161,11 @@ def test_both_stop_when_they_meet(mission: Problem) -> None:
     assert time.monotonic() - began < LONG_S / 2
     assert result.plan is not None
     assert (result.status, result.objective, result.upper_bound, result.gap) == (
-        "optimal", 1.0, 1.0, 0.0,
-    )  # fmt: skip
+        "optimal",
+        1.0,
+        1.0,
+        0.0,
+    )
     assert (result.plan.status, result.plan.upper_bound, result.plan.gap) == ("optimal", 1.0, 0.0)
     assert adr_opt.check(mission.instance, result.plan) == ()
 
@@ -335,8 +352,10 @@ def test_iterations_make_it_reproducible() -> None:
     assert first.counters == second.counters
     assert first.counters["planner.asked"] == first.counters["bound.asked"] == 21
     assert (first.sequence, first.upper_bound, first.status) == (
-        second.sequence, second.upper_bound, second.status,
-    )  # fmt: skip
+        second.sequence,
+        second.upper_bound,
+        second.status,
+    )
 
 
 @pytest.mark.usefixtures("installed")

@@ -112,9 +112,12 @@ def test_what_is_told_never_gets_worse(field: Mission) -> None:
     """On two cores, too, incumbents rise, bounds fall, and both end at the result."""
     heard: list[tuple[float, float]] = []
     result = call(
-        auto, field, stop=MaxIterations(4), jobs=2,
+        auto,
+        field,
+        stop=MaxIterations(4),
+        jobs=2,
         progress=lambda incumbent, bound: heard.append((incumbent, bound)),
-    )  # fmt: skip
+    )
     incumbents, bounds = zip(*heard, strict=True)
     assert list(incumbents) == sorted(incumbents)
     assert list(bounds) == sorted(bounds, reverse=True)

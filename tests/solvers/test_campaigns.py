@@ -33,9 +33,10 @@ PROVING = ("auto", "exact")
 
 every_kind = over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(100), 4), j2=(drifting_mission, range(30), 3),
+    two_body=(random_mission, range(100), 4),
+    j2=(drifting_mission, range(30), 3),
     given=(given_field, range(40), 4),
-)  # fmt: skip
+)
 
 
 @every_kind
@@ -130,9 +131,10 @@ def test_proofs_hold_on_knife_edges(seed):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(random_mission, range(120), 66), j2=(drifting_mission, range(120), 17),
+    two_body=(random_mission, range(120), 66),
+    j2=(drifting_mission, range(120), 17),
     given=(given_mission, range(120), 66),
-)  # fmt: skip
+)
 def test_every_set_of_targets_that_is_worth_enough_is_listed(draw, seeds):
     """What ends proofs has a route for each set that enumeration finds, and for no other."""
     listed = several = 0
@@ -142,16 +144,18 @@ def test_every_set_of_targets_that_is_worth_enough_is_listed(draw, seeds):
         multipliers = rng.uniform(0.0, 1.0, len(mission.names)) * mission.planning_prizes
         first, end = mission.instance.first_target, mission.chaser.end
         possible = {
-            int(done) for done, body, _ in labels_of(mission)[0]
+            int(done)
+            for done, body, _ in labels_of(mission)[0]
             if end == "anywhere" or end.station == mission.names[body]
-        }  # fmt: skip
+        }
         worth = {
             done: math.fsum(
                 mission.planning_prizes[j] - multipliers[j]
-                for j in range(first, len(mission.names)) if done >> (j - first) & 1
+                for j in range(first, len(mission.names))
+                if done >> (j - first) & 1
             )
             for done in possible - {0}
-        }  # fmt: skip
+        }
         if not worth:
             continue
         least = float(rng.choice([-5.0, 0.0, 0.5, 1.0])) * mission.planning_prizes.max()

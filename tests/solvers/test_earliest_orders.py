@@ -78,8 +78,16 @@ def test_the_search_finds_the_best_of_all_orders(seed: int) -> None:
     near = np.argsort(np.minimum(apart, apart.T)[:, 1:], axis=1, kind="stable") + 1
     annealing = earliest_search.Cooling(3.0, 0.1, 3000, 100.0, 0.2)
     found, found_end, length = earliest_search.search(
-        legs, 0, 0.0, np.arange(1, 6), 0, near, np.zeros(6), annealing,
-        np.random.default_rng(seed), np.zeros(1, dtype=np.bool_),
-    )  # fmt: skip
+        legs,
+        0,
+        0.0,
+        np.arange(1, 6),
+        0,
+        near,
+        np.zeros(6),
+        annealing,
+        np.random.default_rng(seed),
+        np.zeros(1, dtype=np.bool_),
+    )
     assert length == found.size == 5
     assert end_of(rows, tuple(found)) == found_end == end

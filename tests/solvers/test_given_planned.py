@@ -13,14 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from toy_roads import (
-    DEPARTURES,
-    HOUR_S,
-    as_rows,
-    matrices,
-    roads,
-    solved,
-)
+from toy_roads import DEPARTURES, HOUR_S, as_rows, matrices, roads, solved
 
 import adr_opt
 from adr_opt.plan.plan import Plan
@@ -129,10 +122,15 @@ def test_the_model_given_back_is_the_same_problem(dynamics: str, spacing_s: floa
             found = mission.connecting.of_pair(i, j, mission.connecting.planning_resolution_m_s)
             for name, values in zip(
                 COLUMNS,
-                ([origin] * found.departure.size, [destination] * found.departure.size,
-                 found.departure, found.arrival, found.delta_v),
+                (
+                    [origin] * found.departure.size,
+                    [destination] * found.departure.size,
+                    found.departure,
+                    found.arrival,
+                    found.delta_v,
+                ),
                 strict=True,
-            ):  # fmt: skip
+            ):
                 parts[name].extend(values)
     back = instance.with_given(of_rows(parts, instance.names)).with_time_value(75.0)
     for method in ("greedy-guarded", "beam", "exact"):
@@ -149,17 +147,18 @@ def test_the_model_given_back_is_the_same_problem(dynamics: str, spacing_s: floa
             flown = [(leg.arrival_s, leg.delta_v_m_s) for leg in ours.plan.legs]
             again = [(leg.arrival_s, leg.delta_v_m_s) for leg in theirs.plan.legs]
             assert np.allclose(again, flown, rtol=0.0, atol=1e-3)
-    bounds = [adr_opt.bound(one, "lagrangian", iterations=5, time_limit=60.0)
-              for one in (instance, back)]  # fmt: skip
+    bounds = [
+        adr_opt.bound(one, "lagrangian", iterations=5, time_limit=60.0) for one in (instance, back)
+    ]
     assert bounds[0].upper_bound == bounds[1].upper_bound
 
 
 def test_a_very_short_leg_does_not_hold_up_proofs() -> None:
     """Two bodies side by side, a hundredth of a second apart, in a mission of months."""
     days = 86400.0
-    instance = roads(mission=MissionSettings(
-        duration_s=100 * days, service_s=0.0, refuel_revolutions=0.0
-    ))  # fmt: skip
+    instance = roads(
+        mission=MissionSettings(duration_s=100 * days, service_s=0.0, refuel_revolutions=0.0)
+    )
     duration, cost = matrices()
     duration = np.where(np.isfinite(duration), 20 * days, np.inf)
     duration[:, 1, 2] = duration[:, 2, 1] = 0.01
@@ -173,9 +172,20 @@ def test_a_very_short_leg_does_not_hold_up_proofs() -> None:
 
 
 @pytest.mark.parametrize(
-    "method", ["auto", "beam", "cpsat", "exact", "greedy", "greedy-guarded", "local-search",
-               "mcts", "mip", "ortools"],
-)  # fmt: skip
+    "method",
+    [
+        "auto",
+        "beam",
+        "cpsat",
+        "exact",
+        "greedy",
+        "greedy-guarded",
+        "local-search",
+        "mcts",
+        "mip",
+        "ortools",
+    ],
+)
 def test_every_method_plans_the_toy(method: str) -> None:
     """All planners take given costs, and none exceeds what is proven."""
     if method == "mip":

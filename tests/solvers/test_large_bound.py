@@ -49,9 +49,13 @@ def laden_mission(seed: int) -> adr_opt.Instance:
 def every_kind(seeds: int, gate: int) -> pytest.MarkDecorator:
     """Missions of each kind, so many of them, and so many at the gate."""
     kinds = (
-        random_mission, drifting_mission, given_mission, laden_mission, towing_mission,
+        random_mission,
+        drifting_mission,
+        given_mission,
+        laden_mission,
+        towing_mission,
         falling_mission,
-    )  # fmt: skip
+    )
     return over_kinds(
         "draw, seeds", **{draw.__name__: (draw, range(seeds), gate) for draw in kinds}
     )

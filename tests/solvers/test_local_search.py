@@ -92,11 +92,15 @@ def test_move_keeps_a_permutation_and_says_what_changed(kind: int) -> None:
 @pytest.mark.parametrize(
     ("name", "leaves"),
     [
-        ("swap", "same"), ("relocate", "same"), ("reverse", "same"),
-        ("replace", "one other"), ("substitute", "one other"),
-        ("insert", "one more"), ("remove", "one less"),
+        ("swap", "same"),
+        ("relocate", "same"),
+        ("reverse", "same"),
+        ("replace", "one other"),
+        ("substitute", "one other"),
+        ("insert", "one more"),
+        ("remove", "one less"),
     ],
-)  # fmt: skip
+)
 def test_move_does_what_its_name_says(name: str, leaves: str) -> None:
     """Some moves leave the set of visited targets as it is, others change one of them."""
     rng = np.random.default_rng(0)
@@ -124,9 +128,15 @@ def test_annealing_with_one_move_keeps_plans_legal(
     weights = (np.arange(len(NAMES)) >= kind).astype(float)
     schedule = AnnealingSchedule(20.0 / field.rules.duration, 0.3, 0.01, 4000)
     best, prize, last, accepted = anneal(
-        field.rules, order, length, make_labels(field), make_labels(field), weights, schedule,
+        field.rules,
+        order,
+        length,
+        make_labels(field),
+        make_labels(field),
+        weights,
+        schedule,
         np.random.default_rng(kind),
-    )  # fmt: skip
+    )
     timing = field.time(best)
     assert timing.made == len(best)
     assert timing.objective == prize >= field.time(start).objective

@@ -91,9 +91,9 @@ def test_fleets_of_both_kinds():
         assert result.objective <= result.upper_bound
         kinds |= {leg.kind for leg in result.plan.legs}
         alone = instance.replace(chasers=instance.chasers[:1])
-        assert result.objective >= adr_opt.solve(
-            alone, time_limit=math.inf, iterations=20
-        ).objective  # fmt: skip
+        assert (
+            result.objective >= adr_opt.solve(alone, time_limit=math.inf, iterations=20).objective
+        )
         assert result.upper_bound >= Enumerated(alone).best()
     assert "low-thrust" in kinds
     assert len(kinds) > 1
@@ -104,9 +104,12 @@ def test_what_is_proven_of_a_margin_is_not_said_of_all_plans():
     instance = electric(3)
     heard: list[tuple[float, float]] = []
     result = adr_opt.solve(
-        instance, time_limit=math.inf, iterations=20, margin=0.3,
+        instance,
+        time_limit=math.inf,
+        iterations=20,
+        margin=0.3,
         progress=lambda known, bound: heard.append((known, bound)),
-    )  # fmt: skip
+    )
     assert result.plan is not None
     total = sum(target.prize for target in instance.targets)
     assert result.objective < total

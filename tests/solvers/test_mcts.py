@@ -55,9 +55,19 @@ def test_published_is_default(nominal):
     """Without options, the published search is flown, and giving its numbers changes nothing."""
     result = plan(nominal)
     again = plan(
-        nominal, preset="published", simulations=200, depth=15, c=1.5, rollout="uniform",
-        moves="legal", play="visits", scale="none", tree="new", missions=1, answer="played",
-    )  # fmt: skip
+        nominal,
+        preset="published",
+        simulations=200,
+        depth=15,
+        c=1.5,
+        rollout="uniform",
+        moves="legal",
+        play="visits",
+        scale="none",
+        tree="new",
+        missions=1,
+        answer="played",
+    )
     assert result.sequence == again.sequence
     assert result.counters["missions"] == 1
     # One step for every move, and one that finds no move left.
@@ -157,11 +167,7 @@ def test_progress_tells_incumbents(nominal, options):
     """Progress hears rising incumbents, the last of them that of the plan, and no bound."""
     heard = []
     result = call(
-        mcts,
-        nominal,
-        stop=MaxIterations(40),
-        progress=lambda *news: heard.append(news),
-        **options,
+        mcts, nominal, stop=MaxIterations(40), progress=lambda *news: heard.append(news), **options
     )
     values = [incumbent for incumbent, _ in heard]
     assert values == sorted(set(values))

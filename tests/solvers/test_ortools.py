@@ -99,8 +99,7 @@ def _other_missions():
         "starts beside": of(start=beside),
         "returns": of(end={"station": station.name}),
         "returns to another": base.replace(
-            stations=(station, second),
-            chasers=(chaser.replace(end={"station": "second"}),),
+            stations=(station, second), chasers=(chaser.replace(end={"station": "second"}),)
         ),
         "three targets": of(max_targets=3),
         "a part of the time": of(available_s=(0.2 * duration, 0.8 * duration)),

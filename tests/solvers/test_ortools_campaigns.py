@@ -158,11 +158,18 @@ def whole_windows(fleet: Fleet) -> list[Window]:
         values = values - WORTH.per_m_s * pace.costs - WORTH.per_s * (pace.times - pace.times[0])
         windows.append(
             Window(
-                int(rules.start), float(rules.ready), float(rules.budget),
-                np.flatnonzero(rules.prize > 0.0), np.empty(0, np.int64), float(rules.duration),
-                2 if rules.stations else 0, int(rules.most_targets), pace.times, values,
+                int(rules.start),
+                float(rules.ready),
+                float(rules.budget),
+                np.flatnonzero(rules.prize > 0.0),
+                np.empty(0, np.int64),
+                float(rules.duration),
+                2 if rules.stations else 0,
+                int(rules.most_targets),
+                pace.times,
+                values,
             )
-        )  # fmt: skip
+        )
     return windows
 
 
@@ -194,9 +201,12 @@ def worth_of(layers: Sequence[Mission], paths: Sequence[tuple[int, ...]]) -> flo
     for layer, path in zip(layers, paths, strict=True):
         rules, ends = layer.rules, np.empty((2, len(path)))
         made, delta_v, state = rule_kernels.replay(
-            rules, np.array(path, dtype=np.int64), rule_kernels.beginning(rules),
-            np.zeros(rules.service.size, dtype=np.bool_), *ends,
-        )  # fmt: skip
+            rules,
+            np.array(path, dtype=np.int64),
+            rule_kernels.beginning(rules),
+            np.zeros(rules.service.size, dtype=np.bool_),
+            *ends,
+        )
         assert made == len(path)
         worth += float(rules.prize[list(path)].sum())
         worth -= WORTH.per_m_s * delta_v + WORTH.per_s * state.resources.time

@@ -74,15 +74,19 @@ def test_models_that_planners_cannot_run_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "own.onnx"
     flat = MaskablePPO("MultiInputPolicy", env("transfer"), **TINY)
     odd = MaskablePPO(
-        "MlpPolicy", env("published"), policy_kwargs={"activation_fn": __import__("torch").nn.GELU},
+        "MlpPolicy",
+        env("published"),
+        policy_kwargs={"activation_fn": __import__("torch").nn.GELU},
         **TINY,
-    )  # fmt: skip
+    )
     scaled = MaskablePPO("MlpPolicy", VecNormalize(env("published")), **TINY)
     strange = MaskablePPO("MlpPolicy", "CartPole-v1", **TINY)
     for model, said in (
-        (flat, "SetPolicy"), (odd, "that no policy has"), (scaled, "VecNormalize"),
+        (flat, "SetPolicy"),
+        (odd, "that no policy has"),
+        (scaled, "VecNormalize"),
         (strange, "other observations"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(InputError, match=said) as error:
             write_policy(model, path)
         assert "\n" not in str(error.value)
@@ -96,11 +100,13 @@ def test_the_recipe_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyP
     page = (Path(__file__).parents[2] / "docs" / "policy.md").read_text(encoding="utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     for large, little in (
-        ("MissionVecEnv(256, VARIED, observation=\"transfer\", slots=64, refresh_every=4096)",
-         "MissionVecEnv(4, SMALL, observation=\"transfer\", slots=2)"),
+        (
+            'MissionVecEnv(256, VARIED, observation="transfer", slots=64, refresh_every=4096)',
+            'MissionVecEnv(4, SMALL, observation="transfer", slots=2)',
+        ),
         ("n_steps=64, batch_size=512", "n_steps=8, batch_size=16"),
         ("1_000_000", "32"),
-    ):  # fmt: skip
+    ):
         assert large in code
         code = code.replace(large, little)
     names: dict[str, Any] = {"SMALL": FIELDS}

@@ -72,9 +72,7 @@ def test_the_least_is_that_of_all_choices(seed):
 def test_the_end_of_a_proof_asks_for_the_time_when_it_packs(monkeypatch):
     """Labels that take most of what is left leave no more than the rest to the packing."""
     campaign = Problem(random_campaign(3))
-    bounds = [
-        (WalkBound(kind.mission, 50.0), 0) for kind in campaign.kinds
-    ]  # fmt: skip
+    bounds = [(WalkBound(kind.mission, 50.0), 0) for kind in campaign.kinds]
     asked, left = [], [60.0]
 
     def recorded(costs, constraints, time_limit_s, gap=None):

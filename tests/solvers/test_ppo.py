@@ -271,8 +271,9 @@ def test_published_policy_refuses_more_targets(small_published: Path) -> None:
     few = adr_opt.generate("tiny", 0, targets=4)
     assert adr_opt.solve(few, method="ppo", policy=str(small_published)).objective >= 0
     with pytest.raises(InputError, match=r"made for 5 targets.*the package's own \('set'\)"):
-        adr_opt.solve(adr_opt.generate("tiny", 0, targets=6), method="ppo",
-                      policy=str(small_published))  # fmt: skip
+        adr_opt.solve(
+            adr_opt.generate("tiny", 0, targets=6), method="ppo", policy=str(small_published)
+        )
 
 
 def _with_metadata(source: Path, target: Path, **changes: str | None) -> Path:
@@ -417,10 +418,16 @@ def test_metadata_that_claim_too_much_are_refused(
     """No number or text of the metadata makes reading a policy slow, large or a traceback."""
     path = tmp_path / "claims.onnx"
     for changes in (
-        {"targets": "10000000"}, {"targets": "9" * 4000}, {"targets": "6"}, {"targets": "-1"},
-        {"facts": "[" * 100_000}, {"facts": "[]"}, {"name": "n" * 100_000},
-        {"observation": "o" * 100_000}, {"format": "f" * 100_000},
-    ):  # fmt: skip
+        {"targets": "10000000"},
+        {"targets": "9" * 4000},
+        {"targets": "6"},
+        {"targets": "-1"},
+        {"facts": "[" * 100_000},
+        {"facts": "[]"},
+        {"name": "n" * 100_000},
+        {"observation": "o" * 100_000},
+        {"format": "f" * 100_000},
+    ):
         with pytest.raises(InputError) as refused:
             load_policy(_with_metadata(small_published, path, **changes))
         assert "\n" not in str(refused.value)

@@ -31,12 +31,16 @@ def test_a_leg_is_stale_exactly_since_an_earlier_one_is_as_good() -> None:
                         other
                         for other in others[-LOOK_BACK:]
                         if np.any(
-                            (network.landing[network.first[other] : network.first[other + 1]]
-                             <= network.landing[leg])
-                            & (network.delta_v[network.first[other] : network.first[other + 1]]
-                               <= network.delta_v[leg])
+                            (
+                                network.landing[network.first[other] : network.first[other + 1]]
+                                <= network.landing[leg]
+                            )
+                            & (
+                                network.delta_v[network.first[other] : network.first[other + 1]]
+                                <= network.delta_v[leg]
+                            )
                         )
-                    ]  # fmt: skip
+                    ]
                     since.append(max(as_good, default=-1))
                     assert network.since[leg] == since[-1]
                 assert network.fresh[row] == min(since)

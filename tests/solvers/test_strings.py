@@ -46,8 +46,11 @@ def toured(seed: int = 0, places: int = 8) -> Mission:
     spots = rng.uniform(0.0, 40.0, (len(names), 2))
     rows = [
         (i, j, leaves, leaves + max(1.0, np.ceil(np.hypot(*(spots[i] - spots[j])))), 0.0)
-        for i in range(len(names)) for j in range(len(names)) for leaves in range(200) if i != j
-    ]  # fmt: skip
+        for i in range(len(names))
+        for j in range(len(names))
+        for leaves in range(200)
+        if i != j
+    ]
     parts = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
     columns = dict(zip(parts, np.array(rows).T, strict=True))
     columns |= {end: columns[end].astype(np.int64) for end in parts[:2]}

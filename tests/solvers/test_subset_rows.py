@@ -40,11 +40,15 @@ every_mission = over_kinds(
     **{
         draw.__name__: (draw, range(60), 5)
         for draw in (
-            roomy, roomy_launched, roomy_and_laden, drifting_mission, given_mission,
+            roomy,
+            roomy_launched,
+            roomy_and_laden,
+            drifting_mission,
+            given_mission,
             towing_and_laden,
         )
     },
-)  # fmt: skip
+)
 
 
 def small(mission: Mission) -> bool:
@@ -189,9 +193,10 @@ class CutAtRandom(proof.ColumnProof):
 
 @over_kinds(
     "draw, seeds",
-    two_body=(tight, range(200), 4), j2=(drifting_mission, range(20), 1),
+    two_body=(tight, range(200), 4),
+    j2=(drifting_mission, range(20), 1),
     given=(given_field, range(30), 3),
-)  # fmt: skip
+)
 @pytest.mark.parametrize("make", [random_campaign, mixed_campaign])
 def test_proofs_with_cuts_hold(make, draw, seeds, monkeypatch):
     """With any cuts and multipliers, what is proven is what enumeration finds, and verified."""

@@ -98,9 +98,11 @@ def test_a_changed_leg_is_found() -> None:
     plan = adr_opt.solve(instance, "auto", time_limit=1000.0).plan
     leg = plan.routes[0].legs[0]
     for change in (
-        {"arrival_s": leg.arrival_s - 1.0}, {"arrival_s": leg.arrival_s + 1.0},
-        {"delta_v_m_s": leg.delta_v_m_s + 1.0}, {"departure_s": leg.departure_s + 1e4},
-    ):  # fmt: skip
+        {"arrival_s": leg.arrival_s - 1.0},
+        {"arrival_s": leg.arrival_s + 1.0},
+        {"delta_v_m_s": leg.delta_v_m_s + 1.0},
+        {"departure_s": leg.departure_s + 1e4},
+    ):
         legs = (leg.replace(**change), *plan.routes[0].legs[1:])
         routes = (plan.routes[0].replace(legs=legs),)
         assert adr_opt.check(instance, plan.replace(routes=routes)) != ()

@@ -9,14 +9,7 @@ import numpy as np
 import pytest
 
 from solvers.tours import walks
-from solvers.tours.bound import (
-    Bounding,
-    FirstPrices,
-    Tangent,
-    bound,
-    memories,
-    neighbourhoods,
-)
+from solvers.tours.bound import Bounding, FirstPrices, Tangent, bound, memories, neighbourhoods
 from solvers.tours.costs import FORBIDDEN, TimeGrid, TourCosts, TourExpense, blocks, nearby
 from solvers.tours.crossing import crossed, first_tour
 from solvers.tours.planner import Annealing, Population

@@ -47,27 +47,34 @@ def launched(seed: int, targets: int = 3, steps: int = 20, **changes: object) ->
     ]
     tank = {"dry_mass_kg": 500.0, "propellant_kg": 400.0, "isp_s": 310.0}
     chaser = {
-        "start": "anywhere", "tank": tank, "kit_mass_kg": 20.0,
+        "start": "anywhere",
+        "tank": tank,
+        "kit_mass_kg": 20.0,
         "expense": {"fixed": float(random.uniform(1.0, 20.0)), "per_kg_squared": 2e-4},
-    }  # fmt: skip
+    }
     content = {
-        "format": "adr-opt-instance/2", "name": "launched", "epoch": "2030-01-01T00:00:00Z",
-        "dynamics": "j2", "stations": [],
+        "format": "adr-opt-instance/2",
+        "name": "launched",
+        "epoch": "2030-01-01T00:00:00Z",
+        "dynamics": "j2",
+        "stations": [],
         "targets": [
             {"name": f"t{k}", "orbit": orbit, "required": True, "removal": "kit"}
             for k, orbit in enumerate(orbits)
         ],
         "chasers": [{"name": f"c{k}", **chaser} for k in range(3)],
         "mission": {
-            "duration_s": steps * STEP_S, "service_s": STAY * STEP_S,
+            "duration_s": steps * STEP_S,
+            "service_s": STAY * STEP_S,
             "mission_separation_s": APART * STEP_S,
         },
         "transfer": {
-            "drift_step_s": STEP_S, "max_drift_s": (MOST - STAY) * STEP_S,
+            "drift_step_s": STEP_S,
+            "max_drift_s": (MOST - STAY) * STEP_S,
             "max_leg_s": MOST * STEP_S,
         },
         "objective": {"cost": "expense"},
-    }  # fmt: skip
+    }
     for field, value in changes.items():
         part, _, inner = field.partition("__")
         if inner:
@@ -163,9 +170,11 @@ def least_expense(instance: Instance, apart: int | None, most: int | None) -> fl
 def test_a_tour_is_as_cheap_as_trying_everything_makes_it(seed: int) -> None:
     """On tiny campaigns, rules on and off, plans are legal and nearly cost least."""
     off = {
-        0: {}, 1: {"transfer__max_leg_s": None}, 2: {"mission__mission_separation_s": None},
+        0: {},
+        1: {"transfer__max_leg_s": None},
+        2: {"mission__mission_separation_s": None},
         3: {"transfer__max_leg_s": None, "mission__mission_separation_s": None},
-    }[seed % 4]  # fmt: skip
+    }[seed % 4]
     instance = launched(seed, 3 + (seed > 5), **off)
     apart = None if instance.mission.mission_separation_s is None else APART
     most = None if instance.transfer.max_leg_s is None else MOST

@@ -38,9 +38,20 @@ from solvers.training.runs import Run, locked  # noqa: E402
 
 def _call(folder: Path, *more: str) -> list[str]:
     return [
-        sys.executable, "-m", "adr_opt", "train", "--config", "set-transfer", "--out", str(folder),
-        "--evaluate-every", "16384", "--checkpoint-every", "0", *more,
-    ]  # fmt: skip
+        sys.executable,
+        "-m",
+        "adr_opt",
+        "train",
+        "--config",
+        "set-transfer",
+        "--out",
+        str(folder),
+        "--evaluate-every",
+        "16384",
+        "--checkpoint-every",
+        "0",
+        *more,
+    ]
 
 
 def _curve(folder: Path) -> list[dict[str, str]]:
@@ -116,9 +127,14 @@ def test_a_folder_of_another_training_is_refused(tmp_path: Path) -> None:
 def _model(seed: int = 0) -> tuple[MaskablePPO, MissionVecEnv]:
     """A model that learns in rollouts of 32 steps."""
     config = replace(
-        configs.config("set-transfer"), fields=fields.Fields(targets=(3, 5)), missions=2,
-        rollout=16, batch=8, epochs=2, slots=2,
-    )  # fmt: skip
+        configs.config("set-transfer"),
+        fields=fields.Fields(targets=(3, 5)),
+        missions=2,
+        rollout=16,
+        batch=8,
+        epochs=2,
+        slots=2,
+    )
     env = MissionVecEnv(2, config.fields, observation=config.observation, slots=2, seed=seed)
     return trainer.model_of(config, env, seed, "cpu"), env
 
@@ -168,9 +184,13 @@ def test_damaged_checkpoints_are_refused(tmp_path: Path) -> None:
     ):
         contents.append(save(tensors | change, {"state": json.dumps(state)}))
     for change in (
-        {"steps": "3"}, {"steps": -1}, {"updates": 1.5}, {"seconds": "a"}, {"best": math.nan},
+        {"steps": "3"},
+        {"steps": -1},
+        {"updates": 1.5},
+        {"seconds": "a"},
+        {"best": math.nan},
         {"steps": None},
-    ):  # fmt: skip
+    ):
         contents.append(save(tensors, {"state": json.dumps(state | change)}))
     contents += [save(tensors, meta) for meta in (None, {"state": "[" * 100_000}, {"state": "[]"})]
     for number, content in enumerate(contents):
@@ -220,13 +240,23 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
 ) -> None:
     """What TensorBoard or the checkpoint cannot write ends the training with one sentence."""
     config = replace(
-        configs.config("set-transfer"), fields=fields.Fields(targets=(3, 5)), missions=2,
-        rollout=16, batch=8, epochs=1, slots=2,
-    )  # fmt: skip
+        configs.config("set-transfer"),
+        fields=fields.Fields(targets=(3, 5)),
+        missions=2,
+        rollout=16,
+        batch=8,
+        epochs=1,
+        slots=2,
+    )
     calls: dict[str, Any] = {
-        "steps": 3200, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
-        "enough": lambda: False, "report": lambda done, means: done and full_disk(),
-    }  # fmt: skip
+        "steps": 3200,
+        "seed": 0,
+        "jobs": 1,
+        "device": "cpu",
+        "evaluate_every": 10**9,
+        "enough": lambda: False,
+        "report": lambda done, means: done and full_disk(),
+    }
     monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
         with pytest.raises(adr_opt.common.errors.InputError, match="cannot be written"):
@@ -260,21 +290,31 @@ def test_a_training_stopped_after_its_last_step_is_ended(tmp_path: Path) -> None
     """The same call again evaluates and keeps the last weights, and then says what they are."""
     config = configs.config("published")
     calls = {
-        "steps": 1, "seed": 0, "jobs": 1, "device": "cpu", "evaluate_every": 10**9,
+        "steps": 1,
+        "seed": 0,
+        "jobs": 1,
+        "device": "cpu",
+        "evaluate_every": 10**9,
         "checkpoint_s": 0.0,
-    }  # fmt: skip
+    }
     steps: list[int] = []
     trainer.train(
-        config, tmp_path, **calls, enough=lambda: bool(steps and steps[-1] > 0),
+        config,
+        tmp_path,
+        **calls,
+        enough=lambda: bool(steps and steps[-1] > 0),
         report=lambda done, _: steps.append(done),
-    )  # fmt: skip
+    )
     (tmp_path / "last.onnx").unlink(missing_ok=True)
     heard: list[dict[str, float]] = []
     for _ in range(2):
         trainer.train(
-            config, tmp_path, **calls, enough=lambda: False,
+            config,
+            tmp_path,
+            **calls,
+            enough=lambda: False,
             report=lambda _, means: heard.append(dict(means)),
-        )  # fmt: skip
+        )
         assert (tmp_path / "last.onnx").is_file()
     assert heard[-1].keys() == set(FAMILIES)
 
@@ -283,9 +323,15 @@ def test_published_configuration_is_the_appendix() -> None:
     """The named configuration states the published hyperparameters."""
     config = configs.config("published")
     stated = (
-        config.learning_rate, config.final_learning_rate, config.batch, config.gamma, config.clip,
-        config.steps, config.network["net_arch"], config.observation,
-    )  # fmt: skip
+        config.learning_rate,
+        config.final_learning_rate,
+        config.batch,
+        config.gamma,
+        config.clip,
+        config.steps,
+        config.network["net_arch"],
+        config.observation,
+    )
     assert stated == (5e-6, 5e-6, 2048, 0.99, 0.2, 10_000_000, [256, 256], "published")
 
 

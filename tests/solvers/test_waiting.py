@@ -27,10 +27,16 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
         memory &= rng.integers(0, 2**62, (LABELS, words))
     none, value = np.zeros(LABELS, dtype=np.int32), rng.integers(-2, 3, LABELS) << 16
     return Labels(
-        none, none, value, value, rng.integers(0, 300, LABELS) * 10.0,
-        rng.integers(0, 2, LABELS).astype(np.int32), none.astype(np.int16),
-        rng.integers(0, 2, LABELS) * 1.0, memory,
-    )  # fmt: skip
+        none,
+        none,
+        value,
+        value,
+        rng.integers(0, 300, LABELS) * 10.0,
+        rng.integers(0, 2, LABELS).astype(np.int32),
+        none.astype(np.int16),
+        rng.integers(0, 2, LABELS) * 1.0,
+        memory,
+    )
 
 
 def with_kits(labels: Labels, rng: np.random.Generator) -> Labels:
@@ -64,9 +70,13 @@ def owed_more(labels: Labels, one: int, other: int, cuts: CutTolls) -> int:
 
 
 def dominates(
-    labels: Labels, one: int, other: int, compared: np.ndarray, what: str = "nothing",
+    labels: Labels,
+    one: int,
+    other: int,
+    compared: np.ndarray,
+    what: str = "nothing",
     cuts: CutTolls | None = None,
-) -> bool:  # fmt: skip
+) -> bool:
     """Whether one label dominates another, written once more."""
     services, kits = labels.visits & ((1 << KITS_BIT) - 1), labels.visits >> KITS_BIT
     more = int(kits[one]) - int(kits[other])
@@ -142,9 +152,15 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
             dominates(labels, other, label, compared, cuts=cuts) for other in under_way[row]
         )
         assert preceded == is_preceded(
-            pending, row, labels, candidate_of(labels, label, None), labels.memory[label],
-            compared, None, cuts,
-        )  # fmt: skip
+            pending,
+            row,
+            labels,
+            candidate_of(labels, label, None),
+            labels.memory[label],
+            compared,
+            None,
+            cuts,
+        )
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1
         under_way[row].add(label)

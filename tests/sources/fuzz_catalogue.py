@@ -58,12 +58,17 @@ def main() -> None:
         )
         atheris.Setup(
             [
-                sys.argv[0], str(corpus), f"-dict={words}", f"-max_total_time={seconds}",
-                f"-timeout={SLOWEST_S}", f"-rss_limit_mb={MEMORY_MIB}", f"-max_len={LONGEST_BYTES}",
+                sys.argv[0],
+                str(corpus),
+                f"-dict={words}",
+                f"-max_total_time={seconds}",
+                f"-timeout={SLOWEST_S}",
+                f"-rss_limit_mb={MEMORY_MIB}",
+                f"-max_len={LONGEST_BYTES}",
                 "-print_final_stats=1",
             ],
             one_input,
-        )  # fmt: skip
+        )
         atheris.Fuzz()
 
 

@@ -81,7 +81,7 @@ RECORDS = st.builds(
     mean_motion_ddot_rev_day3=powers(),
     element_set=st.integers(0, 9999),
     revolution=st.integers(0, 99_999),
-)  # fmt: skip
+)
 
 
 @given(RECORDS)
@@ -198,9 +198,11 @@ def test_mean_elements_are_moved_by_secular_rates_only() -> None:
     record = field(1)[0]
     (now,), _ = mean_elements([record], record.epoch)
     given_deg = (
-        record.inclination_deg, record.raan_deg, record.argument_of_perigee_deg,
+        record.inclination_deg,
+        record.raan_deg,
+        record.argument_of_perigee_deg,
         record.mean_anomaly_deg,
-    )  # fmt: skip
+    )
     assert now[1] == pytest.approx(record.eccentricity, abs=1e-12)
     assert np.degrees(now[2:]) % 360.0 == pytest.approx(given_deg, abs=1e-9)
     (later,), _ = mean_elements([record], record.epoch + timedelta(days=5))

@@ -24,11 +24,7 @@ def spoilt(draw: st.DrawFn) -> bytes:
         begin = draw(st.integers(0, len(data)))
         end = min(len(data), begin + draw(st.sampled_from([0, 1, 1, 2, 8, 70, 10_000])))
         piece = draw(
-            st.one_of(
-                st.sampled_from(PIECES),
-                st.binary(max_size=4),
-                st.just(data[begin:end] * 2),
-            )
+            st.one_of(st.sampled_from(PIECES), st.binary(max_size=4), st.just(data[begin:end] * 2))
         )
         data = data[:begin] + piece + data[end:]
     return data
@@ -60,15 +56,23 @@ NUMBER = st.one_of(
     st.dictionaries(
         st.sampled_from(
             [
-                "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE", "BSTAR",
-                "ARG_OF_PERICENTER", "MEAN_ANOMALY", "MEAN_MOTION_DOT", "MEAN_MOTION_DDOT",
-                "NORAD_CAT_ID", "EPHEMERIS_TYPE",
+                "MEAN_MOTION",
+                "ECCENTRICITY",
+                "INCLINATION",
+                "RA_OF_ASC_NODE",
+                "BSTAR",
+                "ARG_OF_PERICENTER",
+                "MEAN_ANOMALY",
+                "MEAN_MOTION_DOT",
+                "MEAN_MOTION_DDOT",
+                "NORAD_CAT_ID",
+                "EPHEMERIS_TYPE",
             ]
         ),
         NUMBER,
         min_size=1,
     )
-)  # fmt: skip
+)
 @example({"MEAN_MOTION": "1e-9", "ECCENTRICITY": "0.0"})  # beyond all orbits that a file may have
 @settings(max_examples=300, deadline=None)
 def test_any_elements(values: dict[str, str]) -> None:

@@ -10,14 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from catalogue_files import (
-    SPELLINGS,
-    as_csv,
-    as_json,
-    field,
-    omm_fields,
-    one,
-)
+from catalogue_files import SPELLINGS, as_csv, as_json, field, omm_fields, one
 
 import adr_opt
 from adr_opt.common.constants import EARTH_RADIUS_M

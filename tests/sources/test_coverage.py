@@ -64,10 +64,7 @@ def readers(content: bytes) -> Any:
     segments = read_oem(content, "a.oem")
     ours = ByTable(RECORD.label, segments, EPOCH, TEME, TurningAxes(EPOCH, TEME))
     coverage = Coverage(RECORD.label, segments, EPOCH)
-    return (
-        ours.state,
-        lambda times: interpolated_states(coverage, np.asarray(times), EPOCH, TEME),
-    )
+    return (ours.state, lambda times: interpolated_states(coverage, np.asarray(times), EPOCH, TEME))
 
 
 @pytest.mark.parametrize("notation", NOTATIONS)
@@ -105,9 +102,8 @@ def test_a_hole_among_states_is_named_and_not_crossed(notation: str) -> None:
     """A hole has file, line, object and times, and no polynomial leads across it."""
     content = message(notation, gap_s=(2400.0, 4800.0))
     first_after = next(
-        number for number, row in enumerate(content.decode().splitlines(), 1)
-        if at(4800.0) in row
-    )  # fmt: skip
+        number for number, row in enumerate(content.decode().splitlines(), 1) if at(4800.0) in row
+    )
     for answer in readers(content):
         for sides in ([0.0, 2399.0], [4801.0, 7200.0]):
             times = np.linspace(*sides, 100)
@@ -161,8 +157,18 @@ def test_an_import_refuses_what_the_mission_needs(
     Path("all.json").write_text(as_json([RECORD]), encoding="utf-8")
     content = message(notation, **{"span_s": (0.0, DAY_S + 1200.0)} | change)
     Path("a.oem").write_bytes(content)
-    asked = ["import", "all.json", "--epoch", EPOCH.isoformat(), "--oem", "a.oem", "--out",
-             "out.json", "--quiet", "--duration-days"]  # fmt: skip
+    asked = [
+        "import",
+        "all.json",
+        "--epoch",
+        EPOCH.isoformat(),
+        "--oem",
+        "a.oem",
+        "--out",
+        "out.json",
+        "--quiet",
+        "--duration-days",
+    ]
     refused = cli(*asked, "1")
     assert refused.status == 2, refused
     assert f"no state of {RECORD.label!r} " in refused.err

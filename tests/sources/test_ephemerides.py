@@ -157,11 +157,17 @@ def test_messages_in_every_frame_and_time_system_say_the_same(
     else:
         frame = Frame(name="EME2000" if name == "J2000" else name)
     text = oem(
-        record.label, record.object_id, EPOCH, turned_into(frame, record),
-        span_s=(-1200.0, 7200.0), ahead_s=system[1], **fields,
-    )  # fmt: skip
-    known = of_contents("oem", {"a.oem": text.encode()}, {record.label: None}, epoch=EPOCH,
-                        frame=TEME)  # fmt: skip
+        record.label,
+        record.object_id,
+        EPOCH,
+        turned_into(frame, record),
+        span_s=(-1200.0, 7200.0),
+        ahead_s=system[1],
+        **fields,
+    )
+    known = of_contents(
+        "oem", {"a.oem": text.encode()}, {record.label: None}, epoch=EPOCH, frame=TEME
+    )
     times = np.linspace(0.0, 7200.0, 101)
     expected = by_elements(record).state(times)
     assert np.abs(known.of(record.label).state(times) - expected)[:, :3].max() < 0.01
@@ -169,9 +175,14 @@ def test_messages_in_every_frame_and_time_system_say_the_same(
 
 @pytest.mark.parametrize(
     ("method", "degree", "frame"),
-    [("LAGRANGE", 7, None), ("LAGRANGE", 8, Frame(name="EME2000")), ("HERMITE", 7, TEME),
-     ("HERMITE", 3, Frame(name="GCRF")), ("LINEAR", 1, None)],
-)  # fmt: skip
+    [
+        ("LAGRANGE", 7, None),
+        ("LAGRANGE", 8, Frame(name="EME2000")),
+        ("HERMITE", 7, TEME),
+        ("HERMITE", 3, Frame(name="GCRF")),
+        ("LINEAR", 1, None),
+    ],
+)
 def test_three_readers_interpolate_alike(
     method: str, degree: int, frame: Frame | None, tmp_path: Path
 ) -> None:
@@ -186,11 +197,19 @@ def test_three_readers_interpolate_alike(
     if frame == TEME:
         fields["REF_FRAME_EPOCH"] = EPOCH.replace(tzinfo=None).isoformat()
     text = oem(
-        record.label, record.object_id, EPOCH, turned_into(frame, record), span_s=(-600.0, 1800.0),
-        step_s=60.0, INTERPOLATION=method, INTERPOLATION_DEGREE=str(degree), **fields,
-    )  # fmt: skip
-    known = of_contents("oem", {"a.oem": text.encode()}, {record.label: None}, epoch=EPOCH,
-                        frame=TEME)  # fmt: skip
+        record.label,
+        record.object_id,
+        EPOCH,
+        turned_into(frame, record),
+        span_s=(-600.0, 1800.0),
+        step_s=60.0,
+        INTERPOLATION=method,
+        INTERPOLATION_DEGREE=str(degree),
+        **fields,
+    )
+    known = of_contents(
+        "oem", {"a.oem": text.encode()}, {record.label: None}, epoch=EPOCH, frame=TEME
+    )
     times = np.concatenate((np.linspace(-600.0, 1800.0, 97), [-599.9, 0.5, 1799.9]))
     ours = known.of(record.label).state(times)
     coverage = Coverage(record.label, read_oem(text.encode(), "a.oem"), EPOCH)
@@ -221,8 +240,13 @@ def test_messages_go_round_through_an_instance(cli: Cli) -> None:
     files = []
     for number, record in enumerate(RECORDS):
         files.append(f"{number}.oem")
-        text = oem(record.label, record.object_id, EPOCH, of_date(record),
-                   span_s=(-1200.0, 2.0 * DAY_S + 1200.0))  # fmt: skip
+        text = oem(
+            record.label,
+            record.object_id,
+            EPOCH,
+            of_date(record),
+            span_s=(-1200.0, 2.0 * DAY_S + 1200.0),
+        )
         Path(files[-1]).write_text(text, encoding="utf-8")
     folder = Path("mission")
     folder.mkdir()
@@ -242,8 +266,13 @@ def test_another_file_of_the_name_of_a_message_stays(cli: Cli) -> None:
     """A message is not copied over another file beside the instance."""
     record = RECORDS[0]
     Path("all.json").write_text(as_json([record]), encoding="utf-8")
-    text = oem(record.label, record.object_id, EPOCH, of_date(record),
-               span_s=(-1200.0, 2.0 * DAY_S + 1200.0))  # fmt: skip
+    text = oem(
+        record.label,
+        record.object_id,
+        EPOCH,
+        of_date(record),
+        span_s=(-1200.0, 2.0 * DAY_S + 1200.0),
+    )
     Path("a.oem").write_text(text, encoding="utf-8")
     Path("mission").mkdir()
     Path("mission/a.oem").write_text("something else", encoding="utf-8")
@@ -255,8 +284,9 @@ def test_another_file_of_the_name_of_a_message_stays(cli: Cli) -> None:
 def test_an_import_keeps_element_sets_beside_the_instance(cli: Cli) -> None:
     """States of an imported instance are SGP4's; a copy elsewhere takes the file along."""
     Path("all.json").write_text(as_json(RECORDS), encoding="utf-8")
-    said = json.loads(cli("import", "all.json", *FILES, "--ephemerides", "--out", "out.json",
-                          "--json").out)  # fmt: skip
+    said = json.loads(
+        cli("import", "all.json", *FILES, "--ephemerides", "--out", "out.json", "--json").out
+    )
     assert said["ephemerides"]["file"] == "out.elements.json"
     assert said["left"]["bodies"] == len(RECORDS)
     instance = adr_opt.load("out.json")
@@ -321,20 +351,50 @@ def test_two_ephemerides_of_a_body_are_one_sentence(cli: Cli) -> None:
     record = RECORDS[0]
     Path("all.json").write_text(as_json([record]), encoding="utf-8")
     for name in ("a.oem", "b.oem"):
-        text = oem(record.label, record.object_id, EPOCH, of_date(record),
-                   span_s=(-1200.0, 2.0 * DAY_S + 1200.0))  # fmt: skip
+        text = oem(
+            record.label,
+            record.object_id,
+            EPOCH,
+            of_date(record),
+            span_s=(-1200.0, 2.0 * DAY_S + 1200.0),
+        )
         Path(name).write_text(text, encoding="utf-8")
-    refused(cli("import", "all.json", *FILES, "--oem", "a.oem", "--oem", "b.oem", "--out",
-                "out.json", "--quiet"), "two ephemerides of one time")  # fmt: skip
+    refused(
+        cli(
+            "import",
+            "all.json",
+            *FILES,
+            "--oem",
+            "a.oem",
+            "--oem",
+            "b.oem",
+            "--out",
+            "out.json",
+            "--quiet",
+        ),
+        "two ephemerides of one time",
+    )
 
 
 def test_an_object_that_comes_down_is_one_sentence(cli: Cli) -> None:
     """An element set with which SGP4 fails during the mission is refused."""
     falling = replace(RECORDS[0], mean_motion_rev_day=16.2, eccentricity=0.0001, bstar=0.01)
     Path("all.json").write_text(as_json([falling]), encoding="utf-8")
-    refused(cli("import", "all.json", "--epoch", falling.epoch.isoformat(), "--duration-days",
-                "30", "--ephemerides", "--out", "out.json", "--quiet"),
-            "SGP4 error")  # fmt: skip
+    refused(
+        cli(
+            "import",
+            "all.json",
+            "--epoch",
+            falling.epoch.isoformat(),
+            "--duration-days",
+            "30",
+            "--ephemerides",
+            "--out",
+            "out.json",
+            "--quiet",
+        ),
+        "SGP4 error",
+    )
 
 
 class Planned:
@@ -454,8 +514,13 @@ def test_a_message_of_others_is_interpolated_alike() -> None:
     segments = read_oem(path.read_bytes(), path.name)
     fields, inertial = segments[0].fields, Frame(name="GCRF")
     begin = datetime.fromisoformat(fields["START_TIME"][:26]).replace(tzinfo=UTC)
-    known = of_contents("oem", {path.name: path.read_bytes()}, {fields["OBJECT_NAME"]: None},
-                        epoch=begin, frame=inertial)  # fmt: skip
+    known = of_contents(
+        "oem",
+        {path.name: path.read_bytes()},
+        {fields["OBJECT_NAME"]: None},
+        epoch=begin,
+        frame=inertial,
+    )
     times = np.linspace(30.0, 86000.0, 60)
     ours = known.of(fields["OBJECT_NAME"]).state(times)
     coverage = Coverage(fields["OBJECT_NAME"], segments, begin)
@@ -479,9 +544,12 @@ def test_messages_in_xml_say_what_those_in_lines_say() -> None:
     (other,) = read_oem(xml.encode(), "a.xml")
     assert (other.fields, other.rows) == (plain.fields, plain.rows)
     twice = "<TIME_SYSTEM>UTC</TIME_SYSTEM>"
-    for bad in (xml[:-20], xml.replace("<X>", "<Z>", 1).replace("</X>", "</Z>", 1),
-                xml.replace(twice, 2 * twice),
-                xml.replace("<X>", '<X units="m">', 1),
-                xml.replace("<oem", "<!DOCTYPE oem><oem", 1)):  # fmt: skip
+    for bad in (
+        xml[:-20],
+        xml.replace("<X>", "<Z>", 1).replace("</X>", "</Z>", 1),
+        xml.replace(twice, 2 * twice),
+        xml.replace("<X>", '<X units="m">', 1),
+        xml.replace("<oem", "<!DOCTYPE oem><oem", 1),
+    ):
         with pytest.raises(InputError, match=r"a\.xml"):
             read_oem(bad.encode(), "a.xml")

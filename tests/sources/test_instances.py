@@ -192,8 +192,12 @@ def test_at_percentile():
     """Between known percentiles values are linear, at the ends they are the extremes."""
     knots, values = (0.0, 50.0, 100.0), (1.0, 2.0, 6.0)
     assert [at_percentile(knots, values, share) for share in (0.0, 0.25, 0.5, 0.75, 1.0)] == [
-        1.0, 1.5, 2.0, 4.0, 6.0,
-    ]  # fmt: skip
+        1.0,
+        1.5,
+        2.0,
+        4.0,
+        6.0,
+    ]
     drawn = [at_percentile(cloud.PERCENTILES, cloud.PERIGEE_KM, k / 1000) for k in range(1001)]
     assert all(low < high for low, high in pairwise(drawn))
 
@@ -211,10 +215,19 @@ def test_the_library_is_what_the_generator_gives():
     """Every instance of the library has the SHA-256 that is listed, and the sizes are as told."""
     library = load_library(INSTANCES / "library.json")
     assert {name: len(library.of_family(name)) for name in FAMILIES} == {
-        "tiny": 10, "nominal": 100, "reduced-time": 100, "reduced-fuel": 100, "cloud": 20,
-        "large": 35, "rocket-bodies": 20, "sso": 20, "campaign": 20, "removal": 20,
-        "electric": 20, "fragment-cloud": 5,
-    }  # fmt: skip
+        "tiny": 10,
+        "nominal": 100,
+        "reduced-time": 100,
+        "reduced-fuel": 100,
+        "cloud": 20,
+        "large": 35,
+        "rocket-bodies": 20,
+        "sso": 20,
+        "campaign": 20,
+        "removal": 20,
+        "electric": 20,
+        "fragment-cloud": 5,
+    }
     for entry in library.instances:
         assert entry.generate().name == entry.name
     for path in COMMITTED:

@@ -21,8 +21,12 @@ pytest.importorskip("sgp4.api")
 
 RECORD = field(1)[0]
 EPOCH = datetime(2026, 1, 1, 7, 46, 19, 150464, tzinfo=UTC)
-OPTIONAL = {"MASS": "812.5", "DECAY_DATE": "2026-01-09", "RCS_SIZE": "LARGE",
-            "EPOCH_MICROSECONDS": "150464"}  # fmt: skip
+OPTIONAL = {
+    "MASS": "812.5",
+    "DECAY_DATE": "2026-01-09",
+    "RCS_SIZE": "LARGE",
+    "EPOCH_MICROSECONDS": "150464",
+}
 OWN = ("DECAY_DATE", "RCS_SIZE", "EPOCH_MICROSECONDS")
 """Those that Space-Track writes as user-defined where there is a place for such."""
 
@@ -56,10 +60,11 @@ def in_kvn(more: dict[str, str], own: str = "USER_DEFINED_") -> str:
 
 def in_xml(more: dict[str, str]) -> str:
     leaves = "".join(
-        f'<USER_DEFINED parameter="{key}">{value}</USER_DEFINED>' if key in OWN
+        f'<USER_DEFINED parameter="{key}">{value}</USER_DEFINED>'
+        if key in OWN
         else f"<{key}>{value}</{key}>"
         for key, value in (METADATA | fields_of(more)).items()
-    )  # fmt: skip
+    )
     return f"<ndm><omm><body><segment><data>{leaves}</data></segment></body></omm></ndm>"
 
 
@@ -103,8 +108,12 @@ def test_optional_fields_mean_the_same_in_every_spelling(spelling: str) -> None:
         assert told(one(write({key: value}))) == told(replace(bare, **meaning[key])), key
         everything = replace(everything, **meaning[key])
     assert told(one(write(OPTIONAL))) == told(everything)
-    for key, bad in (("DECAY_DATE", "soon"), ("DECAY_DATE", "2026-02-30"),
-                     ("EPOCH_MICROSECONDS", "1000000"), ("EPOCH_MICROSECONDS", "x")):  # fmt: skip
+    for key, bad in (
+        ("DECAY_DATE", "soon"),
+        ("DECAY_DATE", "2026-02-30"),
+        ("EPOCH_MICROSECONDS", "1000000"),
+        ("EPOCH_MICROSECONDS", "x"),
+    ):
         with pytest.raises(InputError, match=f"field {key} = "):
             one(write({key: bad}))
 

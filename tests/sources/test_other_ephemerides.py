@@ -71,8 +71,15 @@ def stk(unit: str | None = "Kilometers", system: str = "J2000", more: str = "") 
 
 
 def plain() -> str:
-    return oem(RECORD.label, RECORD.object_id, EPOCH, states, span_s=(TIMES[0], TIMES[-2]),
-               step_s=60.0, REF_FRAME="EME2000")  # fmt: skip
+    return oem(
+        RECORD.label,
+        RECORD.object_id,
+        EPOCH,
+        states,
+        span_s=(TIMES[0], TIMES[-2]),
+        step_s=60.0,
+        REF_FRAME="EME2000",
+    )
 
 
 ITC_NAME = f"MEME_{RECORD.number}_{RECORD.name}_0581823_Operational_1353879600_UNCLASSIFIED.txt"
@@ -93,8 +100,19 @@ def test_other_formats_say_what_an_oem_says(cli: Cli, kind: str) -> None:
     found = []
     for message, folder in ((name, "other"), ("plain.oem", "oem")):
         Path(folder).mkdir()
-        made = cli("import", "all.json", "--epoch", EPOCH.isoformat(), "--duration-days", "1",
-                   "--oem", message, "--out", f"{folder}/out.json", "--quiet")  # fmt: skip
+        made = cli(
+            "import",
+            "all.json",
+            "--epoch",
+            EPOCH.isoformat(),
+            "--duration-days",
+            "1",
+            "--oem",
+            message,
+            "--out",
+            f"{folder}/out.json",
+            "--quiet",
+        )
         assert made.status == 0, made.err
         instance = adr_opt.load(f"{folder}/out.json")
         found.append(ephemeris_of(instance, RECORD.label).state(np.linspace(0.0, DAY_S, 500)))

@@ -62,18 +62,22 @@ def test_tables_say_the_same_in_csv_and_json() -> None:
     cells = ",".join(repr(float(matrix[row, column])) for _, row, column in TRIANGLE)
     in_csv = read_table(table(f"target,{names}\na,{cells}\n"), BODIES)["a"]
     Path("errors.json").write_text(
-        json.dumps({
-            "format": "adr-opt-target-errors/1",
-            "targets": [{"target": "a", "covariance_rtn": matrix.tolist()}],
-        }),
+        json.dumps(
+            {
+                "format": "adr-opt-target-errors/1",
+                "targets": [{"target": "a", "covariance_rtn": matrix.tolist()}],
+            }
+        ),
         encoding="utf-8",
-    )  # fmt: skip
+    )
     in_json = read_table("errors.json", BODIES)["a"]
     assert np.array_equal(in_csv.covariance, in_json.covariance)
     assert np.array_equal(in_json.covariance[:6, :6], matrix)
     assert (in_csv.coordinates, TRIANGLE[0][0], TRIANGLE[-1][0]) == (
-        "rtn", "cr_r_m2", "cndot_ndot_m2_s2",
-    )  # fmt: skip
+        "rtn",
+        "cr_r_m2",
+        "cndot_ndot_m2_s2",
+    )
 
 
 def test_a_factor_gives_the_covariance() -> None:
@@ -242,9 +246,12 @@ def test_element_sets_are_compared_by_object() -> None:
             at = record.epoch + later
             mean = np.degrees(mean_elements([record], at)[0][0, 3:]) % 360.0
             there = replace(
-                record, epoch=at, raan_deg=mean[0], argument_of_perigee_deg=mean[1],
+                record,
+                epoch=at,
+                raan_deg=mean[0],
+                argument_of_perigee_deg=mean[1],
                 mean_anomaly_deg=mean[2],
-            )  # fmt: skip
+            )
             moved.append(
                 replace(there, **{name: getattr(there, name) + by for name, by in shifts.items()})
             )

@@ -285,8 +285,12 @@ def test_sources_go_from_the_table_to_defaults(tmp_path: Path) -> None:
     records[5] = replace(records[5], decays=datetime(2020, 1, 1, tzinfo=UTC))
     bodies = worth.bodies_of(records, satcat, {1: worth.Measures(mass=5.0)})
     assert bodies.mass_sources == (
-        "satcat, uncertain", "table", "element set", "default: rocket body", "default: debris",
-    )  # fmt: skip
+        "satcat, uncertain",
+        "table",
+        "element set",
+        "default: rocket body",
+        "default: debris",
+    )
     assert bodies.masses[:3].tolist() == [8900.0, 5.0, 77.0]
     assert bodies.kinds == ("rocket body", "payload", "payload", "rocket body", "debris")
     assert bodies.sizes[0] == pytest.approx(cylinder(10.4, 3.9))

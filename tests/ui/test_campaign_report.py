@@ -117,8 +117,9 @@ def test_the_rest_is_coloured_by_chaser(mission: tuple[Instance, Plan]) -> None:
         assert legend == [HOME, OWN]
     ways = [trace for trace in figures.planes(instance, plan)["data"] if trace["mode"] == "lines"]
     assert [(way["name"], way["customdata"]) for way in ways] == [
-        (HOME, [0, 1, 2, 3]), (OWN, [0, 4, 5, 6, 7])
-    ]  # fmt: skip
+        (HOME, [0, 1, 2, 3]),
+        (OWN, [0, 4, 5, 6, 7]),
+    ]
 
 
 def test_one_chaser_has_no_section_of_its_own() -> None:

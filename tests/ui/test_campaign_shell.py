@@ -47,8 +47,9 @@ def test_legs_are_counted_through_all_routes(mission: tuple[Instance, Plan]) -> 
     assert numbers == {HOME: [1, 2, 3], OWN: [4, 5, 6, 7]}
     alone = plan.replace(routes=plan.routes[1:])
     assert [(one.chaser.name, len(one.legs)) for one in routes_of(instance, alone)] == [
-        (OWN, 4), (HOME, 0)
-    ]  # fmt: skip
+        (OWN, 4),
+        (HOME, 0),
+    ]
 
 
 def test_a_route_of_nobody_is_refused_in_one_sentence(cli: Cli) -> None:
@@ -69,8 +70,14 @@ def test_solve_tells_each_chaser_and_what_is_left_out(cli: Cli) -> None:
     assert outcome.status == 0, outcome.err
     plan = adr_opt.load_plan("p.json")
     lines = outcome.out.splitlines()
-    home, own = (next(i for i, line in enumerate(lines) if line.startswith(f"{instance.name}: ")
-                      and line.rstrip().endswith(f": {name}")) for name in (HOME, OWN))  # fmt: skip
+    home, own = (
+        next(
+            i
+            for i, line in enumerate(lines)
+            if line.startswith(f"{instance.name}: ") and line.rstrip().endswith(f": {name}")
+        )
+        for name in (HOME, OWN)
+    )
     for number, leg in enumerate(plan.legs, start=1):
         at = next(i for i, line in enumerate(lines) if f"│   {number} │ {leg.origin} → " in line)
         assert (home < at < own) == (number <= 3)
@@ -84,8 +91,9 @@ def test_solve_tells_each_chaser_and_what_is_left_out(cli: Cli) -> None:
     assert f"tank 2 {used:.1f} of 400 m/s in " in told[OWN]
     assert "visits 3, " in told[OWN]
     for left in plan.unvisited:
-        assert any(line.startswith(f"left out, {left.reason} (") and left.target in line
-                   for line in lines)  # fmt: skip
+        assert any(
+            line.startswith(f"left out, {left.reason} (") and left.target in line for line in lines
+        )
     assert lines[-2].startswith("2 chasers, visits 6 of 8, ")
     assert lines[-1].startswith("flown in two-body motion: 7 short legs planned with ")
     assert re.search(r"left in each tank: \w+ [\d.]+; \w+ [\d.]+, [\d.]+ m/s$", lines[-1])
@@ -111,8 +119,10 @@ def test_a_flight_counts_the_tanks_of_each_chaser(mission: tuple[Instance, Plan]
     instance, plan = mission
     flight = fly(instance, plan)
     assert flight.worst_miss_m < 1.0
-    tanks = [(tank.chaser, tank.tank, tank.first_leg, tank.last_leg, tank.budget_m_s)
-             for tank in flight.tanks]  # fmt: skip
+    tanks = [
+        (tank.chaser, tank.tank, tank.first_leg, tank.last_leg, tank.budget_m_s)
+        for tank in flight.tanks
+    ]
     assert tanks == [(HOME, 1, 1, 3, 500.0), (OWN, 1, 4, 5, 400.0), (OWN, 2, 6, 7, 400.0)]
     planned_m_s = {one.chaser: one.planned_delta_v_m_s for one in flight.chasers}
     for route in plan.routes:
@@ -149,8 +159,10 @@ def test_refined_legs_know_their_chaser(
     flight = fly_refined(instance, refined)
     assert flight.holds
     assert [(tank.chaser, tank.first_leg, tank.last_leg) for tank in flight.tanks] == [
-        (HOME, 1, 3), (OWN, 4, 5), (OWN, 6, 7)
-    ]  # fmt: skip
+        (HOME, 1, 3),
+        (OWN, 4, 5),
+        (OWN, 6, 7),
+    ]
     nobody = refined.replace(legs=tuple(leg.replace(chaser=None) for leg in refined.legs))
     with pytest.raises(adr_opt.InputError, match="leg 1: leg: chaser = None, but in the plan"):
         fly_refined(instance, nobody)
@@ -163,8 +175,10 @@ def test_errors_are_counted_tank_by_tank(
     instance, _ = mission
     flown = sample_flights(instance, refined, 50)
     assert [(tank.chaser, tank.tank, tank.budget_m_s) for tank in flown.tanks] == [
-        (HOME, 1, 500.0), (OWN, 1, 400.0), (OWN, 2, 400.0)
-    ]  # fmt: skip
+        (HOME, 1, 500.0),
+        (OWN, 1, 400.0),
+        (OWN, 2, 400.0),
+    ]
     for tank, rows in zip(flown.tanks, (slice(0, 3), slice(3, 5), slice(5, 7)), strict=True):
         spent = sorted(flown.leg_delta_v_m_s[rows].sum(axis=0))
         assert tank.delta_v_m_s.value == pytest.approx(spent[math.ceil(0.95 * 50) - 1])
@@ -197,16 +211,18 @@ def test_each_chaser_keeps_the_beginning_that_holds(
     )
     assert spent > 500.0
     found = beginning(
-        Problem(instance), plan,
+        Problem(instance),
+        plan,
         refined.replace(legs=(*refined.legs[:2], broken, *refined.legs[3:])),
-    )  # fmt: skip
+    )
     assert found is not None
     shorter, kept = found
     assert adr_opt.check(instance, shorter) == ()
     assert [len(route.legs) for route in shorter.routes] == [2, 4]
     assert [(leg.leg, leg.chaser) for leg in kept.legs] == [
-        *((number, HOME) for number in (1, 2)), *((number, OWN) for number in (3, 4, 5, 6))
-    ]  # fmt: skip
+        *((number, HOME) for number in (1, 2)),
+        *((number, OWN) for number in (3, 4, 5, 6)),
+    ]
     assert fly_refined(instance, kept).holds
 
 

@@ -38,10 +38,31 @@ def test_verbs_are_listed_as_a_mission_goes(cli: Cli) -> None:
     listed = re.findall(r"(?m)^  ([a-z-]+) ", cli("--help").out.partition("Commands:")[2])
     assert tuple(listed) == VERBS
     assert set(VERBS) == {
-        "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
-        "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report",
-        "serve", "train", "methods", "warm-up", "doctor", "schema",
-    }  # fmt: skip
+        "generate",
+        "worth",
+        "import",
+        "solve",
+        "bound",
+        "check",
+        "verify",
+        "price",
+        "compare",
+        "tradeoff",
+        "replan",
+        "rehearse",
+        "scenario",
+        "fly",
+        "refine",
+        "matrix",
+        "export",
+        "report",
+        "serve",
+        "train",
+        "methods",
+        "warm-up",
+        "doctor",
+        "schema",
+    }
 
 
 @pytest.mark.parametrize("verb", VERBS)
@@ -135,8 +156,11 @@ def test_no_traceback_as_a_process(tmp_path: Path) -> None:
     """A real process says one sentence on standard error and exits with 2."""
     ran = subprocess.run(
         [*PYTHON, "check", "missing.json", "plan.json"],
-        capture_output=True, text=True, cwd=tmp_path, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
     assert ran.returncode == 2
     assert ran.stdout == ""
     assert ran.stderr == "adr-opt: missing.json: no such file; check the path\n"
@@ -173,8 +197,10 @@ def test_output_is_utf_8_whatever_the_locale(tiny_file: Path) -> None:
     """The arrows and deltas of the timeline do not break in an ASCII environment."""
     ran = subprocess.run(
         [*PYTHON, "solve", str(tiny_file), "--method", "greedy"],
-        capture_output=True, check=False, env={**os.environ, "PYTHONIOENCODING": "ascii"},
-    )  # fmt: skip
+        capture_output=True,
+        check=False,
+        env={**os.environ, "PYTHONIOENCODING": "ascii"},
+    )
     assert ran.returncode == 0
     assert "→" in ran.stdout.decode("utf-8")
 
@@ -278,9 +304,13 @@ def test_methods_lists_planners_and_options(cli: Cli) -> None:
     assert set(found) == set(methods.names())
     assert found["greedy"]["summary"].startswith("The published greedy")
     assert found["greedy"]["options"][0] == {
-        "name": "alpha", "type": "float", "default": 1.0, "unit": "per m/s",
-        "allowed": "at least 0 and finite", "meaning": "Weight of ΔV.",
-    }  # fmt: skip
+        "name": "alpha",
+        "type": "float",
+        "default": 1.0,
+        "unit": "per m/s",
+        "allowed": "at least 0 and finite",
+        "meaning": "Weight of ΔV.",
+    }
     said = cli("methods").out
     assert "greedy-guarded" in said
     assert "--option alpha=1.0" in said

@@ -186,9 +186,7 @@ def test_broken_instance_field(cli: Cli, tiny_file: Path, change: Change, named:
 
 @pytest.mark.parametrize(
     ("change", "named"),
-    [
-        (put(*TARGET, "removal", "tow"), 'targets[0].removal = "tow": the cost of a tow depends'),
-    ],
+    [(put(*TARGET, "removal", "tow"), 'targets[0].removal = "tow": the cost of a tow depends')],
 )
 def test_what_the_format_names_and_nothing_can_plan(
     cli: Cli, tiny_file: Path, change: Change, named: str
@@ -248,8 +246,10 @@ def test_unknown_names(cli: Cli, tiny_file: Path) -> None:
     refused(cli("generate", "gigantic"), "family 'gigantic' is unknown", "tiny, nominal")
     refused(
         cli("solve", tiny_file, "--method", "greedy", "--option", "gamma=1"),
-        "'gamma'", "'greedy'", "alpha, beta",
-    )  # fmt: skip
+        "'gamma'",
+        "'greedy'",
+        "alpha, beta",
+    )
 
 
 @pytest.mark.parametrize(

@@ -68,8 +68,9 @@ def test_table_json_and_page_say_the_same(cli: Cli, files: Path) -> None:
     for number, (point, row) in enumerate(zip(told["points"], rows, strict=True), start=1):
         assert row[0] == str(number)
         assert [float(cell) for cell in row[1:3]] == [
-            point["design"]["launches"], point["design"]["kits"],
-        ]  # fmt: skip
+            point["design"]["launches"],
+            point["design"]["kits"],
+        ]
         for name, cell in zip(("floor", "worth", "bound"), row[3:6], strict=True):
             assert float(cell) == pytest.approx(point[name], rel=1e-3)
         assert row[6] == f"{point['gap']:.1%}"

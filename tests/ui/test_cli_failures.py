@@ -171,8 +171,10 @@ def test_without_a_compiler_verbs_say_so(
     adr_opt.generate("tiny", 0).save(tmp_path / "tiny.json")
     monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     ran = subprocess.run(
-        [sys.executable, "-m", "adr_opt", *call.split()], capture_output=True, text=True,
+        [sys.executable, "-m", "adr_opt", *call.split()],
+        capture_output=True,
+        text=True,
         cwd=tmp_path,
-    )  # fmt: skip
+    )
     said = "NUMBA_DISABLE_JIT is set, so that nothing is compiled; unset it"
     assert (ran.returncode, ran.stdout, ran.stderr) == (2, "", f"adr-opt: {said}\n")

@@ -67,11 +67,32 @@ def test_options_reach_the_instance(cli: Cli) -> None:
     """Epoch, filters, station and limits are those of the call; the rest is accounted for."""
     path = write("a.csv", as_csv(field(200)))
     outcome = cli(
-        "import", path, "--out", "out.json", "--epoch", "2025-03-05T12:00:00", "--json",
-        "--altitude", ":900", "--inclination", "80:100", "--raan", "270:90", "--name", "deb",
-        "--max-targets", "9", "--station", "750,86.4,10,20", "--duration-days", "3",
-        "--delta-v", "1500", "--dynamics", "two-body",
-    )  # fmt: skip
+        "import",
+        path,
+        "--out",
+        "out.json",
+        "--epoch",
+        "2025-03-05T12:00:00",
+        "--json",
+        "--altitude",
+        ":900",
+        "--inclination",
+        "80:100",
+        "--raan",
+        "270:90",
+        "--name",
+        "deb",
+        "--max-targets",
+        "9",
+        "--station",
+        "750,86.4,10,20",
+        "--duration-days",
+        "3",
+        "--delta-v",
+        "1500",
+        "--dynamics",
+        "two-body",
+    )
     assert outcome.status == 0
     told = json.loads(outcome.out)
     instance = adr_opt.load("out.json")
@@ -125,45 +146,61 @@ def csv_with(key: str, value: Any) -> str:
 BAD_ROWS = {
     "checksum": (
         spoilt(lambda name, one, two: [name, one[:68] + str((int(one[68]) + 1) % 10), two]),
-        "line 5", "checksum", "OBJECT 1 DEB 10001",
+        "line 5",
+        "checksum",
+        "OBJECT 1 DEB 10001",
     ),
     "second checksum": (
         spoilt(lambda name, one, two: [name, one, two.replace("2 10001", "2 10002")]),
-        "line 6", "checksum",
+        "line 6",
+        "checksum",
     ),
     "truncated": (
-        spoilt(lambda name, one, two: [name, one, two[:60]]), "line 6", "60 of 69 characters"
+        spoilt(lambda name, one, two: [name, one, two[:60]]),
+        "line 6",
+        "60 of 69 characters",
     ),
     "truncated first": (
-        spoilt(lambda name, one, two: [name, one[:7], two]), "line 5", "7 of 69 characters"
+        spoilt(lambda name, one, two: [name, one[:7], two]),
+        "line 5",
+        "7 of 69 characters",
     ),
     "missing second": (spoilt(lambda name, one, two: [name, one]), "line 5", "without its line 2"),
     "missing first": (spoilt(lambda name, one, two: [name, two]), "line 5", "without its line 1"),
     "name only": (spoilt(lambda name, one, two: [name]), "line 4", "'OBJECT 1 DEB' has no TLE"),
     "other object": (
         spoilt(lambda name, one, two: [name, one, tle_lines(RECORDS[5])[1]]),
-        "line 6", "about object 10005, line 1 about 10001",
+        "line 6",
+        "about object 10005, line 1 about 10001",
     ),
     "letters": (
         spoilt(lambda name, one, two: [name, one, sgp4_io.fix_checksum(two[:10] + "x" + two[11:])]),
-        "line 6", "breaks its format",
+        "line 6",
+        "breaks its format",
     ),
     "inclination": (
         spoilt(lambda name, one, two: [name, one, sgp4_io.fix_checksum(f"2 10001 19{two[10:]}")]),
-        "line 6", "inclination 19", "not 0 to 180",
+        "line 6",
+        "inclination 19",
+        "not 0 to 180",
     ),
     "not ascii": (
-        spoilt(lambda name, one, two: [name, one[:40] + "é" + one[41:], two]), "line 5", "checksum"
+        spoilt(lambda name, one, two: [name, one[:40] + "é" + one[41:], two]),
+        "line 5",
+        "checksum",
     ),
     "hyperbolic": (
         csv_with("ECCENTRICITY", 1.2),
-        "line 3 (OBJECT 1 DEB 10001)", "ECCENTRICITY = 1.2: no closed orbit",
+        "line 3 (OBJECT 1 DEB 10001)",
+        "ECCENTRICITY = 1.2: no closed orbit",
     ),
     "no number": (csv_with("BSTAR", "small"), "line 3", "field BSTAR = small: must be a number"),
     "not finite": (csv_with("BSTAR", "nan"), "line 3", "field BSTAR = nan: must be a number"),
     "missing": (csv_with("INCLINATION", ""), "line 3", "field INCLINATION: missing"),
     "range": (
-        csv_with("INCLINATION", "-3"), "line 3", "INCLINATION = -3: must be between 0 and 180"
+        csv_with("INCLINATION", "-3"),
+        "line 3",
+        "INCLINATION = -3: must be between 0 and 180",
     ),
     "epoch": (csv_with("EPOCH", "yesterday"), "line 3", "field EPOCH = yesterday: must be a time"),
     "no such day": (csv_with("EPOCH", "2025-02-30T00:00:00"), "line 3", "there is no such time"),
@@ -180,7 +217,8 @@ BAD_ROWS = {
     ),
     "json twice": (
         as_json(RECORDS).replace('"EPHEMERIS_TYPE": 0', '"INCLINATION": 9', 1),
-        "line 1, record 1", "field INCLINATION is given twice in one object",
+        "line 1, record 1",
+        "field INCLINATION is given twice in one object",
     ),
     "json spelt twice": (
         as_json(RECORDS).replace('"EPHEMERIS_TYPE": 0', '" bstar ": 0', 1),
@@ -188,23 +226,28 @@ BAD_ROWS = {
     ),
     "kvn line": (
         as_kvn(RECORDS).replace("MEAN_MOTION          =", "MEAN_MOTION", 1),
-        "line 12 (OBJECT 0 DEB 1960-001A)", "is not KEYWORD = value",
+        "line 12 (OBJECT 0 DEB 1960-001A)",
+        "is not KEYWORD = value",
     ),
     "kvn unit": (
-        as_kvn(RECORDS).replace("[deg]", "[rad]", 1), "field INCLINATION: its unit is 'rad'"
+        as_kvn(RECORDS).replace("[deg]", "[rad]", 1),
+        "field INCLINATION: its unit is 'rad'",
     ),
     "kvn twice": (
-        as_kvn(RECORDS).replace("REV_AT_EPOCH", "BSTAR", 1), "field BSTAR is given twice"
+        as_kvn(RECORDS).replace("REV_AT_EPOCH", "BSTAR", 1),
+        "field BSTAR is given twice",
     ),
     "xml cut": (as_xml(RECORDS)[:-30], "not well-formed XML"),
     "xml unit": (
-        as_xml(RECORDS).replace("<BSTAR>", '<BSTAR units="m">', 1), "field BSTAR: its unit is 'm'"
+        as_xml(RECORDS).replace("<BSTAR>", '<BSTAR units="m">', 1),
+        "field BSTAR: its unit is 'm'",
     ),
     "duplicate": (
         as_csv([*RECORDS, RECORDS[3]]),
-        "line 14 (OBJECT 3 DEB 10003)", "the object is also in bad.txt, line 5",
+        "line 14 (OBJECT 3 DEB 10003)",
+        "the object is also in bad.txt, line 5",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("fault", BAD_ROWS)
@@ -280,7 +323,7 @@ def test_of_duplicates_the_newest_is_kept(cli: Cli) -> None:
         ("\0\1\2", "not a text file"),
         ("hello, world\n" * 10, "neither TLE nor OMM, it begins with 'hello, world'"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("more", [[], ["--skip-bad"]])
 def test_files_that_are_no_catalogue(cli: Cli, content: str, named: str, more: list[str]) -> None:
     """What servers send instead of a catalogue is told in one sentence, also with --skip-bad."""
@@ -362,8 +405,9 @@ def test_epochs_far_from_the_elements(cli: Cli) -> None:
     Path("out.json").unlink()
     refused(
         cli("import", path, "--out", "out.json", "--epoch", "2099-01-01"),
-        "line 2 (OBJECT 0 DEB 10000): its elements are 269", "days from the epoch",
-    )  # fmt: skip
+        "line 2 (OBJECT 0 DEB 10000): its elements are 269",
+        "days from the epoch",
+    )
 
 
 @pytest.mark.parametrize(

@@ -43,11 +43,23 @@ def test_live_line_tells_how_much_of_the_timetable_is_built() -> None:
 def begin(tiny_file: Path, method: str, *more: str, **how: Any) -> subprocess.Popen[str]:
     """Start `solve` as a process and wait until the planner runs."""
     process = subprocess.Popen(
-        [sys.executable, "-c", CHILD, "solve", str(tiny_file), "--method", method,
-         "--time-limit", "60", *more],
-        cwd=tiny_file.parent, text=True, stdout=subprocess.PIPE,
+        [
+            sys.executable,
+            "-c",
+            CHILD,
+            "solve",
+            str(tiny_file),
+            "--method",
+            method,
+            "--time-limit",
+            "60",
+            *more,
+        ],
+        cwd=tiny_file.parent,
+        text=True,
+        stdout=subprocess.PIPE,
         **{"stderr": subprocess.PIPE, **how},
-    )  # fmt: skip
+    )
     deadline = time.monotonic() + 60.0
     while not (tiny_file.parent / "started").exists():
         assert process.poll() is None, process.communicate()
@@ -159,8 +171,11 @@ def test_interrupted_while_the_timetable_is_built(tmp_path: Path) -> None:
     ours, theirs = os.openpty()
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, "solve", str(path), "--time-limit", "900"],
-        stdout=subprocess.PIPE, stderr=theirs, env={**os.environ, "TERM": "xterm"}, text=True,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=theirs,
+        env={**os.environ, "TERM": "xterm"},
+        text=True,
+    )
     os.close(theirs)
     said = b""
     sent = math.inf
@@ -181,10 +196,13 @@ def on_terminal(code: str, arguments: list[str], folder: Path) -> tuple[subproce
     """A verb as a process with a terminal for standard error; the end of it that is read."""
     ours, theirs = os.openpty()
     process = subprocess.Popen(
-        [sys.executable, "-c", code + CHILD, *arguments], cwd=folder, text=True,
-        stdout=subprocess.PIPE, stderr=theirs,
+        [sys.executable, "-c", code + CHILD, *arguments],
+        cwd=folder,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
         env={**os.environ, "TERM": "xterm", "COLUMNS": "80"},
-    )  # fmt: skip
+    )
     os.close(theirs)
     return process, ours
 
@@ -201,20 +219,23 @@ SLEEP = "import time; slow = lambda *given, **named: time.sleep(100); "
             "import adr_opt.judge.admit as gate, types; gate.admit = lambda *given: "
             "types.SimpleNamespace(plan=None); "
             "certificate.Certificate.load = lambda path: None; judge.verify = slow; ",
-            "verify tiny.json certificate.json", b"verifying",
+            "verify tiny.json certificate.json",
+            b"verifying",
         ),
         (
             "from adr_opt.mission.mission import Mission; "
             "Mission.build = lambda self, pairs, enough: (enough(0.37), slow()); ",
-            "matrix tiny.json --at 0 --out matrix.npz", b"37/100",
+            "matrix tiny.json --at 0 --out matrix.npz",
+            b"37/100",
         ),
         (
             "import adr_opt.sources.catalogue as catalogue; catalogue.read = slow; ",
-            "import objects.tle --out instance.json", b"reading objects",
+            "import objects.tle --out instance.json",
+            b"reading objects",
         ),
     ],
     ids=["verify", "matrix", "import"],
-)  # fmt: skip
+)
 def test_long_verbs_have_a_bar_and_end_at_once(
     tmp_path: Path, slowed: str, call: str, shown: bytes
 ) -> None:

@@ -39,10 +39,12 @@ def options_of(verb: str) -> list[click.Option]:
     assert found is not None
     kinds = (click.types.FloatParamType, click.types.IntParamType)
     return [
-        option for option in found.params
-        if isinstance(option, click.Option) and isinstance(option.type, kinds)
+        option
+        for option in found.params
+        if isinstance(option, click.Option)
+        and isinstance(option.type, kinds)
         and option.opts[0] not in ON_CORES
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize(

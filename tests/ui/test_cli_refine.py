@@ -59,9 +59,20 @@ def test_refine_fly_export(cli: Cli, mission: Instance) -> None:
 def test_refine_tells_json_and_takes_options(cli: Cli, mission: Instance) -> None:
     """`--gravity` and `--burns` reach the file, and `--json` prints totals and legs."""
     outcome = cli(
-        "refine", "my.json", "plan.json", "--out", "r.json", "--gravity", "j4",
-        "--burns", "planned", "--jobs", "1", "--json", "--quiet",
-    )  # fmt: skip
+        "refine",
+        "my.json",
+        "plan.json",
+        "--out",
+        "r.json",
+        "--gravity",
+        "j4",
+        "--burns",
+        "planned",
+        "--jobs",
+        "1",
+        "--json",
+        "--quiet",
+    )
     assert (outcome.status, outcome.err) == (0, "")
     told = json.loads(outcome.out)
     one = adr_opt.load_refined("r.json")
@@ -162,8 +173,12 @@ def test_the_oem_of_chaser_and_target_meet(cli: Cli, mission: Instance) -> None:
             if abs(seconds(mission, segment.metadata["STOP_TIME"].isot) - leg.arrival_s) < 1e-5
         ]
         assert len(ends) == 1
-        assert cli("export", "my.json", "r.json", "--out", "body.oem",
-                   "--body", leg.destination).status == 0  # fmt: skip
+        assert (
+            cli(
+                "export", "my.json", "r.json", "--out", "body.oem", "--body", leg.destination
+            ).status
+            == 0
+        )
         body = oem.OrbitEphemerisMessage.open("body.oem")
         (whole,) = body.segments
         assert whole.metadata["OBJECT_NAME"] == leg.destination
@@ -202,10 +217,22 @@ CHILD = (
 def test_interrupted_keeps_what_is_done(mission: Instance) -> None:
     """Ctrl-C writes the legs that are done, says which are missing, and ends with 1."""
     process = subprocess.Popen(
-        [sys.executable, "-c", CHILD, "refine", "my.json", "plan.json", "--out", "r.json",
-         "--jobs", "1"],
-        text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-c",
+            CHILD,
+            "refine",
+            "my.json",
+            "plan.json",
+            "--out",
+            "r.json",
+            "--jobs",
+            "1",
+        ],
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     killer = threading.Timer(120.0, process.kill)
     killer.start()
     assert process.stderr is not None

@@ -146,7 +146,7 @@ def test_a_foreign_file_of_bounds_is_told_before_the_rehearsals(rehearsed) -> No
         lambda row: row | ({"course": [[1.0]]} if "course" in row else {"proven": "no"}),
         lambda row: [row],
     ],
-)  # fmt: skip
+)
 def test_a_row_that_is_none_is_one_sentence(rehearsed, suffix: str, changed) -> None:  # type: ignore[no-untyped-def]
     """A row of other types than those that are written is named by its line, and kept."""
     more = ("--samples", 2, "--bounds", 1, "--resume", "r.jsonl")
@@ -177,9 +177,17 @@ def test_a_file_of_rehearsals_needs_a_plan(rehearsed, cli: Cli, tiny_file: Path)
     """A plan of `auto` may be another one at the next call, so that nothing could be resumed."""
     assert rehearsed("--samples", 1).status == 0
     outcome = cli(
-        "rehearse", tiny_file, "--uncertainty", "u.json", "--policy", "replan", "--samples", 1,
-        "--resume", "r.jsonl",
-    )  # fmt: skip
+        "rehearse",
+        tiny_file,
+        "--uncertainty",
+        "u.json",
+        "--policy",
+        "replan",
+        "--samples",
+        1,
+        "--resume",
+        "r.jsonl",
+    )
     assert outcome.status == 2
     assert "begin with a plan that is given" in outcome.err
     assert not Path("r.jsonl").exists()

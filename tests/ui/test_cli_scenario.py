@@ -24,9 +24,20 @@ def drawn(cli: Cli):
     Path("a.csv").write_text(as_csv(RECORDS), encoding="utf-8")
     Path("l.csv").write_text(LAUNCHES, encoding="utf-8")
     made = cli(
-        "import", "a.csv", "--max-targets", 2, "--launches", 1, "--kits", 2, "--duration-days", 90,
-        "--out", "campaign.json", "--quiet",
-    )  # fmt: skip
+        "import",
+        "a.csv",
+        "--max-targets",
+        2,
+        "--launches",
+        1,
+        "--kits",
+        2,
+        "--duration-days",
+        90,
+        "--out",
+        "campaign.json",
+        "--quiet",
+    )
     assert made.status == 0, made
     return lambda *more: cli("scenario", "a.csv", "--method", "greedy", *more)
 
@@ -34,11 +45,37 @@ def drawn(cli: Cli):
 def test_tables_page_and_answer_agree(drawn) -> None:
     """The answer is JSON, the page has its sections and no scripts, tables sum up to the answer."""
     call = (
-        "--campaign", "campaign.json", "--years", 4, "--every", 2, "--targets", 4, "--seeds", 2,
-        "--launches", "l.csv", "--explosions", 0.05, "--time-limit", 100, "--folder", "years",
-        "--out", "o.csv", "--removals", "r.csv", "--page", "p.html", "--species", "debris=Dx",
-        "--altitude", ":1000", "--json", "--quiet",
-    )  # fmt: skip
+        "--campaign",
+        "campaign.json",
+        "--years",
+        4,
+        "--every",
+        2,
+        "--targets",
+        4,
+        "--seeds",
+        2,
+        "--launches",
+        "l.csv",
+        "--explosions",
+        0.05,
+        "--time-limit",
+        100,
+        "--folder",
+        "years",
+        "--out",
+        "o.csv",
+        "--removals",
+        "r.csv",
+        "--page",
+        "p.html",
+        "--species",
+        "debris=Dx",
+        "--altitude",
+        ":1000",
+        "--json",
+        "--quiet",
+    )
     outcome = drawn(*call)
     assert outcome.status == 0, outcome
     told = json.loads(outcome.out)
@@ -50,9 +87,10 @@ def test_tables_page_and_answer_agree(drawn) -> None:
     assert {row["species"] for row in removed} <= {"Dx", "S"}
     yearly = list(csv.DictReader(Path("o.csv").read_text("utf-8").splitlines()))
     ends = [
-        float(row["number"]) for row in yearly
+        float(row["number"])
+        for row in yearly
         if (row["year"], row["case"]) == ("4", "with") and row["species"] != "fragment"
-    ]  # fmt: skip
+    ]
     assert sum(ends) == pytest.approx(told["with"]["objects"]["mean"][4])
     page = Path("p.html").read_text(encoding="utf-8")
     for title in (
@@ -101,7 +139,7 @@ def test_without_a_campaign_both_futures_are_told(drawn) -> None:
         (("--campaign", "a.csv"), "a.csv"),
         (("--folder", "a.csv"), "seed-0.jsonl"),
     ],
-)  # fmt: skip
+)
 def test_bad_options_are_refused_in_a_sentence(drawn, more: tuple[Any, ...], sentence: str) -> None:
     """One sentence names the option, and nothing is written."""
     before = sorted(Path().iterdir())

@@ -208,10 +208,23 @@ def test_same_seed_same_plan_on_the_command_line(cli: Cli, tiny_file: Path) -> N
 def test_options_are_converted_by_their_defaults(cli: Cli, tiny_file: Path) -> None:
     """--option, --jobs and --iterations reach the planner with their types."""
     outcome = cli(
-        "solve", tiny_file, "--method", "worker", "--jobs", "2", "--iterations", "7",
-        "--option", "depth=5", "--option", "fast=true", "--option", "word=b=c",
-        "--option", "limit=inf",
-    )  # fmt: skip
+        "solve",
+        tiny_file,
+        "--method",
+        "worker",
+        "--jobs",
+        "2",
+        "--iterations",
+        "7",
+        "--option",
+        "depth=5",
+        "--option",
+        "fast=true",
+        "--option",
+        "word=b=c",
+        "--option",
+        "limit=inf",
+    )
     assert outcome.status == 0
     assert "note: jobs 2 depth 5 fast True word b=c asked 7" in outcome.err
 
@@ -219,8 +232,9 @@ def test_options_are_converted_by_their_defaults(cli: Cli, tiny_file: Path) -> N
 def test_help_states_the_time_limits(cli: Cli) -> None:
     """The default time limits in the help are those of the front door."""
     for verb, limit_s in (
-        ("solve", front.DEFAULT_TIME_LIMIT_S), ("bound", front.DEFAULT_BOUND_TIME_LIMIT_S),
-    ):  # fmt: skip
+        ("solve", front.DEFAULT_TIME_LIMIT_S),
+        ("bound", front.DEFAULT_BOUND_TIME_LIMIT_S),
+    ):
         assert f"included; default {limit_s:g} s." in " ".join(cli(verb, "--help").out.split())
 
 
@@ -245,13 +259,20 @@ def test_a_method_that_cannot_be_imported_says_so(cli: Cli, tiny_file: Path) -> 
     }
     assert "cannot be imported" in listed["absent"]["summary"]
     assert listed["starter"] == {
-        "name": "starter", "summary": "Return the start plan.", "default": False,
-        "takes_start": True, "options": [],
-    }  # fmt: skip
+        "name": "starter",
+        "summary": "Return the start plan.",
+        "default": False,
+        "takes_start": True,
+        "options": [],
+    }
     assert listed["worker"]["options"][-1] == {
-        "name": "limit", "type": "float", "default": "inf", "unit": "", "allowed": "",
+        "name": "limit",
+        "type": "float",
+        "default": "inf",
+        "unit": "",
+        "allowed": "",
         "meaning": "",
-    }  # fmt: skip
+    }
 
 
 @pytest.mark.usefixtures("methods")

@@ -126,8 +126,9 @@ def test_a_certificate_that_cannot_be_written_says_where_the_plan_is(
     call = ("solve", tiny_file, "--method", "exact", "--certificate", "c.json", "--quiet")
     kept = cli(*call, "--out", "p.json")
     assert kept.status == 2
-    assert kept.err.endswith("c.json: cannot be written (No space left on device); the plan is in "
-                             "p.json\n")  # fmt: skip
+    assert kept.err.endswith(
+        "c.json: cannot be written (No space left on device); the plan is in p.json\n"
+    )
     assert "{" not in kept.out
     assert adr_opt.check(adr_opt.load(tiny_file), load_plan("p.json")) == ()
     printed = cli(*call)
@@ -156,10 +157,7 @@ def test_a_matrix_that_cannot_be_written(
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="names of files are text elsewhere")
-@pytest.mark.parametrize(
-    "encoding",
-    [{"PYTHONUTF8": "0"}, {"PYTHONUTF8": "1"}],
-)
+@pytest.mark.parametrize("encoding", [{"PYTHONUTF8": "0"}, {"PYTHONUTF8": "1"}])
 def test_names_that_no_encoding_can_say(
     tiny_file: Path, tmp_path: Path, encoding: dict[str, str]
 ) -> None:
@@ -174,9 +172,12 @@ def test_names_that_no_encoding_can_say(
         (["matrix", tiny_file, "--out", rows, "--json"], b"wrote r\\udcff"),
     ):
         done = subprocess.run(
-            [sys.executable, "-m", "adr_opt", *arguments], cwd=tmp_path, env=environment,
-            capture_output=True, check=False,
-        )  # fmt: skip
+            [sys.executable, "-m", "adr_opt", *arguments],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            check=False,
+        )
         assert done.returncode == (2 if b"no such" in said else 0), done.stderr
         assert said in done.stderr
         assert b"Traceback" not in done.stderr

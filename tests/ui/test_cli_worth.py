@@ -50,9 +50,17 @@ def test_import_reads_the_prizes_of_worth(rated, cli: Cli) -> None:
 def test_details_page_and_answer_agree(rated) -> None:
     """Details have their columns and units, the page its sections, the answer what both say."""
     outcome = rated(
-        "--satcat", "satcat.tsv", "--candidates", 12, "--details", "d.csv", "--page", "w.html",
-        "--json", "--quiet",
-    )  # fmt: skip
+        "--satcat",
+        "satcat.tsv",
+        "--candidates",
+        12,
+        "--details",
+        "d.csv",
+        "--page",
+        "w.html",
+        "--json",
+        "--quiet",
+    )
     assert outcome.status == 0, outcome
     told = json.loads(outcome.out)
     rows = list(csv.DictReader(Path("d.csv").read_text("utf-8").splitlines()))

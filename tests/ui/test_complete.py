@@ -80,8 +80,14 @@ def test_what_is_offered(offered, line: str, expected: list[tuple[str, str]]) ->
 
 def test_a_shell_does_not_wait_for_numba() -> None:
     """Verbs, families, methods and configurations are offered without numpy, numba and pydantic."""
-    lines = ("adr-opt ", "adr-opt generate ", "adr-opt solve --method ", "adr-opt methods ",
-             "adr-opt train --config ", "adr-opt solve ")  # fmt: skip
+    lines = (
+        "adr-opt ",
+        "adr-opt generate ",
+        "adr-opt solve --method ",
+        "adr-opt methods ",
+        "adr-opt train --config ",
+        "adr-opt solve ",
+    )
     program = f"""
 import os, sys
 from adr_opt.ui.cli.entry import main
@@ -125,5 +131,7 @@ done
     if "not supported for Bash" in done.stderr:
         pytest.skip("needs bash 4.4")
     assert done.stdout.splitlines() == [
-        "complete -o nosort -F _adr_opt_completion adr-opt", "solve", "greedy greedy-guarded",
-    ]  # fmt: skip
+        "complete -o nosort -F _adr_opt_completion adr-opt",
+        "solve",
+        "greedy greedy-guarded",
+    ]

@@ -17,11 +17,7 @@ from timed_fields import timed_mission
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.common.files import read_model
-from adr_opt.common.stability import (
-    PROVISIONAL_FORMATS,
-    STABLE_FORMATS,
-    stability,
-)
+from adr_opt.common.stability import PROVISIONAL_FORMATS, STABLE_FORMATS, stability
 from adr_opt.problem.function_files import FunctionsFile
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
@@ -103,8 +99,10 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     imported = _json(folder / "imported.json")["ephemerides"]
     (folder / imported["file"]).rename(folder / "elements.json")
     (folder / reference).rename(folder / "functions.json")
-    texts = {name: json.dumps({"format": f"adr-opt-{name}/1"} | content)
-             for name, content in WRITTEN_BY_HAND.items()}  # fmt: skip
+    texts = {
+        name: json.dumps({"format": f"adr-opt-{name}/1"} | content)
+        for name, content in WRITTEN_BY_HAND.items()
+    }
     texts["library"] = read("instances/library.json")
     texts["project"] = ProjectRecord(steps=(StepRecord(draft=None),), at=0).to_json()
     texts["project-result"] = ResultRecord.from_json(

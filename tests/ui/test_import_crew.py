@@ -31,9 +31,19 @@ def imported(cli: Cli):
 def test_launches_tanks_and_kits_reach_the_instance(imported) -> None:
     """Chasers are launched at intervals with tanks by mass, and each target takes a kit."""
     outcome = imported(
-        "--duration-days", "1461", "--no-refuelling", "--launches", "3", "--launch-every", "400",
-        *MASSES, "--kits", "5", "--kit-mass", "40",
-    )  # fmt: skip
+        "--duration-days",
+        "1461",
+        "--no-refuelling",
+        "--launches",
+        "3",
+        "--launch-every",
+        "400",
+        *MASSES,
+        "--kits",
+        "5",
+        "--kit-mass",
+        "40",
+    )
     assert outcome.status == 0, outcome
     assert "start at the first target of each chaser; left out: nothing\n" in outcome.err
     assert "3 launches, on day 0, 400, 800\n" in outcome.err
@@ -52,9 +62,15 @@ def test_launches_tanks_and_kits_reach_the_instance(imported) -> None:
 def test_expenses_and_separate_launches_reach_the_instance(imported) -> None:
     """Each chaser takes what is said, plans are to take little, and launches lie apart."""
     outcome = imported(
-        "--no-refuelling", "--launches", "3", "--launch-separation", "2", *MASSES,
-        "--expense", "55,0,2e-6",
-    )  # fmt: skip
+        "--no-refuelling",
+        "--launches",
+        "3",
+        "--launch-separation",
+        "2",
+        *MASSES,
+        "--expense",
+        "55,0,2e-6",
+    )
     assert outcome.status == 0, outcome
     assert "3 launches, on day 0, 2, 4\n" in outcome.err
     instance = adr_opt.load("out.json")
@@ -127,9 +143,14 @@ def test_deadlines_and_requirements_reach_their_objects(imported) -> None:
     """A deadline closes the window of the object that is meant; a required one has to be done."""
     first, second = RECORDS[3], RECORDS[7]
     outcome = imported(
-        "--deadline", f"{first.number}=2.5", "--deadline", f"{second.label}=4",
-        "--require", second.object_id, "--json",
-    )  # fmt: skip
+        "--deadline",
+        f"{first.number}=2.5",
+        "--deadline",
+        f"{second.label}=4",
+        "--require",
+        second.object_id,
+        "--json",
+    )
     assert outcome.status == 0, outcome
     assert json.loads(outcome.out)["chasers"] == ["chaser"]
     targets = {target.name: target for target in adr_opt.load("out.json").targets}
@@ -216,8 +237,10 @@ def test_a_crew_in_python() -> None:
     made = catalogue.to_instance(RECORDS, crew=crew, demands=demands, mission=mission)
     assert made.home is None
     assert made.to_dict()["start"] == {
-        "name": "chaser-1", "from": "at the first target of each chaser", "orbit": None
-    }  # fmt: skip
+        "name": "chaser-1",
+        "from": "at the first target of each chaser",
+        "orbit": None,
+    }
     assert made.instance.targets[2].window_s == (0.0, DAY_S)
     for wrong in (
         lambda: catalogue.Crew(launches=-1),

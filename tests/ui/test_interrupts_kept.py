@@ -132,8 +132,9 @@ def test_interrupted_while_packages_are_imported(tiny_file: Path, name: str) -> 
     """From the first import on it ends the process with 130 and a word."""
     ran = subprocess.run(
         [sys.executable, "-c", AT_IMPORT.format(name=name) + CHILD, "check", str(tiny_file), "no"],
-        capture_output=True, text=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+    )
     assert (ran.returncode, ran.stdout, ran.stderr) == (130, "", ABORTED)
 
 
@@ -201,9 +202,11 @@ def test_a_second_interrupt_aborts_a_training(tmp_path: Path) -> None:
     ours, theirs = os.openpty()
     process = subprocess.Popen(
         [sys.executable, "-c", TRAINER + CHILD, "train", "--config", "set", "--out", "run"],
-        cwd=tmp_path, stdout=subprocess.PIPE, stderr=theirs,
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=theirs,
         env={**os.environ, "TERM": "xterm", "COLUMNS": "80"},
-    )  # fmt: skip
+    )
     os.close(theirs)
     said = read_until(ours, b"preparing fields")
     said += read_until(ours, b"steps/s")
@@ -240,8 +243,11 @@ def test_interrupted_at_any_moment(tmp_path: Path) -> None:
         verb = rng.choice(list(VERBS))
         process = subprocess.Popen(
             [sys.executable, "-u", "-c", f"print('begun'); {CHILD}", verb, *VERBS[verb]],
-            cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        )  # fmt: skip
+            cwd=tmp_path,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
         assert process.stdout is not None
         process.stdout.readline()
         time.sleep(rng.uniform(0.05, 3.0))

@@ -98,8 +98,9 @@ def test_tracks_and_segments_agree(flown) -> None:
     assert [(t.leg, t.phase) for t in sampled] == [(s.leg, s.phase) for s in cut]
     np.testing.assert_allclose(
         [(t.times_s[0], t.times_s[-1]) for t in sampled],
-        [(s.start_s, s.end_s) for s in cut], atol=1e-3,
-    )  # fmt: skip
+        [(s.start_s, s.end_s) for s in cut],
+        atol=1e-3,
+    )
 
 
 def test_service_is_drawn_at_the_altitude_of_the_target(flown) -> None:

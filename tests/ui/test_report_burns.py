@@ -24,10 +24,7 @@ from adr_opt.ui.report import burns
 
 pytest.importorskip("plotly")
 
-MISSIONS = {
-    "two chasers": (campaign, planned),
-    "drift": (drifting_instance, drifting_plan),
-}
+MISSIONS = {"two chasers": (campaign, planned), "drift": (drifting_instance, drifting_plan)}
 
 
 def of_kind(kind: str) -> tuple[Instance, Plan]:
@@ -112,9 +109,13 @@ def test_the_file_has_what_the_plan_has(tmp_path: Path) -> None:
     assert len(rows) == len(every)
     for row, (number, leg, burn) in zip(rows, every, strict=True):
         assert row[:6] == [
-            "planned", instance.chasers[0].name, str(number), leg.origin, leg.destination,
+            "planned",
+            instance.chasers[0].name,
+            str(number),
+            leg.origin,
+            leg.destination,
             burn.phase,
-        ]  # fmt: skip
+        ]
         assert float(row[6]) == burn.time_s
         said = (instance.epoch + timedelta(seconds=burn.time_s)).strftime("%Y-%m-%dT%H:%M:%S")
         assert re.sub(r"\.\d+Z$", "", row[7]) == said

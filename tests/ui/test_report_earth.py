@@ -30,16 +30,25 @@ from adr_opt.ui.report.sections import headline
 DAY_S = 86400.0
 
 COASTS = {
-    "Lisbon": (-9.2, 38.7), "Cape Horn": (-67.3, -55.9), "Cape Agulhas": (20.0, -34.8),
-    "Darwin": (130.8, -12.4), "Reykjavik": (-21.9, 64.1), "Key West": (-81.8, 24.6),
-    "Tokyo": (139.8, 35.4), "Baku": (49.9, 40.4),
-}  # fmt: skip
+    "Lisbon": (-9.2, 38.7),
+    "Cape Horn": (-67.3, -55.9),
+    "Cape Agulhas": (20.0, -34.8),
+    "Darwin": (130.8, -12.4),
+    "Reykjavik": (-21.9, 64.1),
+    "Key West": (-81.8, 24.6),
+    "Tokyo": (139.8, 35.4),
+    "Baku": (49.9, 40.4),
+}
 """Longitude and latitude of places by the sea, the Caspian one among them [°]."""
 
 INLAND = {
-    "Novosibirsk": (82.9, 55.0), "Brasilia": (-47.9, -15.8), "Atlantic": (-40.0, 30.0),
-    "Point Nemo": (-123.4, -48.9), "N'Djamena": (15.0, 12.1), "South Pole": (0.0, -89.0),
-}  # fmt: skip
+    "Novosibirsk": (82.9, 55.0),
+    "Brasilia": (-47.9, -15.8),
+    "Atlantic": (-40.0, 30.0),
+    "Point Nemo": (-123.4, -48.9),
+    "N'Djamena": (15.0, 12.1),
+    "South Pole": (0.0, -89.0),
+}
 """Places far from any coast."""
 
 
@@ -138,10 +147,18 @@ def test_tiles_hold_their_figures(tmp_path: Path, width: int) -> None:
     """Eight tiles with the largest figures that a mission has, in one row or in two columns."""
     known = facts(campaign(), planned())
     large = replace(
-        known, visits=1900, targets=1900, prize=123456.78, total_prize=234567.89, stations=3,
-        refuellings=1234, used_s=14536.57 * DAY_S, delta_v_m_s=123456.0, upper_bound=234567.89,
+        known,
+        visits=1900,
+        targets=1900,
+        prize=123456.78,
+        total_prize=234567.89,
+        stations=3,
+        refuellings=1234,
+        used_s=14536.57 * DAY_S,
+        delta_v_m_s=123456.0,
+        upper_bound=234567.89,
         gap=0.4736,
-    )  # fmt: skip
+    )
     (tmp_path / "page.html").write_text(page(campaign(), planned()), encoding="utf-8")
     with browser.Browser(tmp_path / "profile", width=width) as tab:
         tab.open(tmp_path / "page.html")

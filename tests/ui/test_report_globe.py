@@ -115,8 +115,13 @@ def body_at(body: dict[str, Any], time_s: float) -> tuple[np.ndarray, bool]:
     radius, inclination, node, node_rate, latitude, latitude_rate = body["row"]
     o, u = node + node_rate * time_s, latitude + latitude_rate * time_s
     ascending = np.array([math.cos(o), math.sin(o), 0.0])
-    ahead = np.array([-math.sin(o) * math.cos(inclination), math.cos(o) * math.cos(inclination),
-                      math.sin(inclination)])  # fmt: skip
+    ahead = np.array(
+        [
+            -math.sin(o) * math.cos(inclination),
+            math.cos(o) * math.cos(inclination),
+            math.sin(inclination),
+        ]
+    )
     since = (in_spring()[0].epoch - J2000).total_seconds() + time_s
     dark = shadow(radius, inclination, o, since)
     is_lit = abs(math.remainder(u - dark.middle, 2.0 * math.pi)) > dark.half
@@ -180,8 +185,10 @@ def test_the_globe_without_a_mouse(tmp_path: Path) -> None:
             "['xaxis', 'yaxis'].map((one) => document.getElementById('orbits').layout[one].range)"
         )
         middle = np.array([right @ place, up @ place]) / 1e3
-        tab.wait_for(f"{seen}.every(Boolean) && Math.abs({seen}[0][0] + {seen}[0][1]"
-                     f" - {2.0 * middle[0]}) < 0.5")  # fmt: skip
+        tab.wait_for(
+            f"{seen}.every(Boolean) && Math.abs({seen}[0][0] + {seen}[0][1]"
+            f" - {2.0 * middle[0]}) < 0.5"
+        )
         assert np.mean(tab.evaluate(seen), axis=1) == pytest.approx(middle, abs=0.5)
         chosen(tab, "view", "")
         before = tab.evaluate("document.getElementById('orbits').data[1].x[0]")

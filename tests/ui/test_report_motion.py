@@ -46,8 +46,13 @@ def body_at(body: dict[str, Any], time_s: float) -> np.ndarray:
     radius, inclination, node, node_rate, latitude, latitude_rate = body["row"]
     o, u = node + node_rate * time_s, latitude + latitude_rate * time_s
     ascending = np.array([math.cos(o), math.sin(o), 0.0])
-    ahead = np.array([-math.sin(o) * math.cos(inclination), math.cos(o) * math.cos(inclination),
-                      math.sin(inclination)])  # fmt: skip
+    ahead = np.array(
+        [
+            -math.sin(o) * math.cos(inclination),
+            math.cos(o) * math.cos(inclination),
+            math.sin(inclination),
+        ]
+    )
     return radius * (math.cos(u) * ascending + math.sin(u) * ahead)
 
 
@@ -149,9 +154,13 @@ def press(tab: browser.Browser, key: str) -> None:
     code = {" ": 32, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowRight": 39}[key]
     for kind in ("keyDown", "keyUp"):
         tab.call(
-            "Input.dispatchKeyEvent", type=kind, key=key, code="Space" if key == " " else key,
-            windowsVirtualKeyCode=code, **(text if kind == "keyDown" else {}),
-        )  # fmt: skip
+            "Input.dispatchKeyEvent",
+            type=kind,
+            key=key,
+            code="Space" if key == " " else key,
+            windowsVirtualKeyCode=code,
+            **(text if kind == "keyDown" else {}),
+        )
 
 
 @with_browser
@@ -218,8 +227,10 @@ def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
 
         shown = "document.getElementById('closeup').data.filter((one) => one.visible !== false)"
         assert tab.evaluate(f"{shown}.map(({{ name }}) => name)") == [
-            "approach", "target", "chaser"
-        ]  # fmt: skip
+            "approach",
+            "target",
+            "chaser",
+        ]
 
         # Who wants little motion gets a picture a second, and may stop it; the end stops it too.
         begin = plan.legs[leg - 1].ready_s
@@ -237,8 +248,11 @@ def test_the_slider_moves_the_mission(tmp_path: Path) -> None:
         assert tab.evaluate("document.getElementById('play').getAttribute('aria-label')") == "pause"
         press(tab, " ")
         stopped = tab.evaluate(NOW)
-        tab.call("Runtime.evaluate", expression="new Promise((done) => setTimeout(done, 1300))",
-                 awaitPromise=True)  # fmt: skip
+        tab.call(
+            "Runtime.evaluate",
+            expression="new Promise((done) => setTimeout(done, 1300))",
+            awaitPromise=True,
+        )
         assert tab.evaluate(NOW) == stopped
         press(tab, "End")
         assert tab.evaluate(NOW) == pytest.approx(plan.legs[leg - 1].end_s, abs=step)

@@ -104,8 +104,9 @@ def test_places_follow_one_another_and_lead_to_targets() -> None:
 def test_between_its_arcs_a_leg_is_on_its_drift_orbit() -> None:
     """The altitude between both arcs is that of the speed that the first one leads to."""
     instance, plan = electric()
-    heights = {arc.leg: arc.altitudes_m for arc in thrust_arcs(instance, plan)
-               if arc.phase == "drift"}  # fmt: skip
+    heights = {
+        arc.leg: arc.altitudes_m for arc in thrust_arcs(instance, plan) if arc.phase == "drift"
+    }
     assert heights
     orbits = {target.name: target.orbit for target in instance.targets}
     for number, low_m in heights.items():

@@ -78,13 +78,36 @@ def test_without_the_token_nothing_is_answered(desk: EditingSession) -> None:
     client = let_in(desk)
     client.cookies.clear()
     gets = (
-        "/", "/page.css", "/page.js", "/choices", "/state", "/events", "/report", "/other",
-        "/objects", "/forms", "/jobs", "/results", "/results/page", "/results/points", "/export",
-    )  # fmt: skip
+        "/",
+        "/page.css",
+        "/page.js",
+        "/choices",
+        "/state",
+        "/events",
+        "/report",
+        "/other",
+        "/objects",
+        "/forms",
+        "/jobs",
+        "/results",
+        "/results/page",
+        "/results/points",
+        "/export",
+    )
     posts = (
-        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs",
-        "/jobs/stop", "/show", "/files/remove",
-    )  # fmt: skip
+        "/edit",
+        "/undo",
+        "/redo",
+        "/plan",
+        "/stop",
+        "/upload",
+        "/worth",
+        "/choose",
+        "/jobs",
+        "/jobs/stop",
+        "/show",
+        "/files/remove",
+    )
     for wrong in ("", "?token=", "?token=A-token", "?token=é", "?tokens=a-token"):
         for path in gets:
             assert client.get(path + wrong).status_code == 403, path + wrong
@@ -163,9 +186,18 @@ def test_what_changes_something_is_a_post_of_json_of_sensible_size(desk: Editing
     """Other methods, other types and too large requests are refused, and change nothing."""
     client = let_in(desk)
     for path in (
-        "/edit", "/undo", "/redo", "/plan", "/stop", "/upload", "/worth", "/choose", "/jobs/stop",
-        "/show", "/files/remove",
-    ):  # fmt: skip
+        "/edit",
+        "/undo",
+        "/redo",
+        "/plan",
+        "/stop",
+        "/upload",
+        "/worth",
+        "/choose",
+        "/jobs/stop",
+        "/show",
+        "/files/remove",
+    ):
         assert client.get(path).status_code == 405
     for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
         assert client.request(method, "/edit", json={}).status_code == 405
@@ -491,8 +523,9 @@ def test_work_of_an_earlier_call_is_not_overwritten(world: Path, cli: Cli) -> No
     after = files_under(world)
     # The edit itself is in the project, and nothing else is touched.
     assert {name for name in after if after[name] != before.get(name)} == {
-        "work/project.json", f"work/history/{again.instance().sha256[:16]}/instance.json"
-    }  # fmt: skip
+        "work/project.json",
+        f"work/history/{again.instance().sha256[:16]}/instance.json",
+    }
     assert before.keys() <= after.keys()
 
 

@@ -199,9 +199,12 @@ def test_no_command_line_has_the_token(tmp_path: Path) -> None:
     opener.chmod(0o700)
     process = subprocess.Popen(
         [sys.executable, "-c", CHILD, "serve", "--folder", "project"],
-        cwd=tmp_path, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        cwd=tmp_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         env={**os.environ, "PATH": f"{opener.parent}{os.pathsep}{os.environ['PATH']}"},
-    )  # fmt: skip
+    )
     try:
         assert process.stdout is not None
         url = process.stdout.readline().strip()

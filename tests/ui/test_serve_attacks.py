@@ -91,9 +91,23 @@ def test_an_instance_with_files_of_others_is_refused(at: At) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["../../up.tle", "/etc/passwd", "..\\..\\up.tle", "a\x00b", "-rf", "--out=x", ".", "..", "ü/…",
-     "con", "n" * 200, "\u202egnp.exe", "results/0001-solve/plan.json", ".passing-1"],
-)  # fmt: skip
+    [
+        "../../up.tle",
+        "/etc/passwd",
+        "..\\..\\up.tle",
+        "a\x00b",
+        "-rf",
+        "--out=x",
+        ".",
+        "..",
+        "ü/…",
+        "con",
+        "n" * 200,
+        "\u202egnp.exe",
+        "results/0001-solve/plan.json",
+        ".passing-1",
+    ],
+)
 def test_a_name_is_only_shown(at: At, tmp_path: Path, name: str) -> None:
     """Whatever a file is called, it lies in the folder for it, under a name that is harmless."""
     at.drop(name, catalogue(3))
@@ -194,8 +208,15 @@ def test_no_address_reads_another_file(at: At) -> None:
     client = at.client
     for number in ("", "0", "1", "-1", "1e0", "../1", "٣", "%2e%2e", "1" * 400, "0001-solve"):
         assert client.get("/results/page", params={"id": number}).status_code == 404, number
-    for path in ("/script/../app.py", "/script/%2e%2e/app.py", "/script/", "/script/nothing.js",
-                 "/files/1-i", "/project.json", "/results/0001-solve/plan.json"):  # fmt: skip
+    for path in (
+        "/script/../app.py",
+        "/script/%2e%2e/app.py",
+        "/script/",
+        "/script/nothing.js",
+        "/files/1-i",
+        "/project.json",
+        "/results/0001-solve/plan.json",
+    ):
         assert client.get(path).status_code == 404, path
     for wrong in ({"result": 1}, {"result": "1"}, {"result": "../x"}, {}):
         at.post("/show", wrong, 422)
@@ -206,11 +227,13 @@ def test_no_address_reads_another_file(at: At) -> None:
     for wrong in ({"years": 0}, {"years": 1e9}, {"years": "50"}, {"out": "x"}):
         at.post("/worth", wrong, 422)
     parts: tuple[Any, ...] = (
-        {"path": "targets", "value": []}, {"path": "name", "value": {}},
-        {"path": "chasers", "value": []}, {"path": "mission", "value": {"duration_s": "1"}},
+        {"path": "targets", "value": []},
+        {"path": "name", "value": {}},
+        {"path": "chasers", "value": []},
+        {"path": "mission", "value": {"duration_s": "1"}},
         {"path": "transfer", "value": {"given": {"file": "/etc/passwd", "sha256": "0" * 64}}},
         {"path": "__class__", "value": {}},
-    )  # fmt: skip
+    )
     for part in parts:
         at.post("/edit", {"part": part}, 422)
 
@@ -235,8 +258,13 @@ def test_only_what_is_of_the_project_is_exported(at: At) -> None:
     at.drop("i", hand_made().to_json().encode())
     at.drop("c.tle", catalogue(3))
     folder = at.session.folder.path
-    for name in ("diary", "files/2-mine", "history/mine/data", "results/mine/data",
-                 "results/0007-check/data"):  # fmt: skip
+    for name in (
+        "diary",
+        "files/2-mine",
+        "history/mine/data",
+        "results/mine/data",
+        "results/0007-check/data",
+    ):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text("mine")
     os.utime(folder / "project.json", (0, 0))  # before zip files have times
@@ -329,8 +357,9 @@ def test_points_are_of_the_project_alone(at: At, tmp_path: Path) -> None:
     plan.save(secret / "point-1.plan.json")
     (place / "plans").symlink_to(secret)
     told = at.get(f"/results/points?id={number}")
-    assert told["points"] == [{"point": 1, "values": [1.0], "prize": 1.0, "bound": None,
-                               "has_plan": False}]  # fmt: skip
+    assert told["points"] == [
+        {"point": 1, "values": [1.0], "prize": 1.0, "bound": None, "has_plan": False}
+    ]
     assert "no plan" in at.post("/show", {"result": number, "point": 1}, 422)["error"]
     (place / "plans").unlink()
     (place / "plans").mkdir()

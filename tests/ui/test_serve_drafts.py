@@ -40,13 +40,18 @@ def test_edits_make_the_instance_that_is_planned() -> None:
     made = edited(made, duration_s=50_000.0)
     made = edited(made, budget={"chaser": "chaser", "amount": 450.0})
     assert [(each.name, each.prize, each.required) for each in made.instance.targets] == [
-        ("north", 2.5, False), ("beyond", 1.0, True), ("south", 1.0, False)
-    ]  # fmt: skip
+        ("north", 2.5, False),
+        ("beyond", 1.0, True),
+        ("south", 1.0, False),
+    ]
     assert made.instance.mission.duration_s == 50_000.0
     assert made.instance.chasers[0].tank == Tank(delta_v_m_s=450.0)
-    assert made.instance.replace(
-        targets=first.field.targets, mission=first.field.mission, chasers=first.field.chasers
-    ) == hand_made()  # fmt: skip
+    assert (
+        made.instance.replace(
+            targets=first.field.targets, mission=first.field.mission, chasers=first.field.chasers
+        )
+        == hand_made()
+    )
     again = edited(made, **of("far", excluded=False))
     assert [each.prize for each in again.instance.targets] == [2.5, 1.0, 1.0, 2.5]
 
@@ -82,9 +87,12 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     instance = hand_made()
     ends = [(0, 1), (1, 2), (0, 3), (3, 1), (2, 4), (1, 0)]
     columns = {
-        "origin": [i for i, _ in ends], "destination": [j for _, j in ends],
-        "departure_s": [100.0] * 6, "arrival_s": [5000.0] * 6, "delta_v_m_s": [10.0] * 6,
-    }  # fmt: skip
+        "origin": [i for i, _ in ends],
+        "destination": [j for _, j in ends],
+        "departure_s": [100.0] * 6,
+        "arrival_s": [5000.0] * 6,
+        "delta_v_m_s": [10.0] * 6,
+    }
     given = adr_opt.Timetable.from_connections(instance, columns).instance
     made = edited(Draft(given), **of("beyond", excluded=True)).instance
     assert made.given is not None
@@ -101,9 +109,7 @@ def test_excluded_targets_take_their_given_connections_along(tmp_path: Path) -> 
     assert adr_opt.load(tmp_path / "work/instance.json").given.sha256 == given.given.sha256
     assert adr_opt.load(tmp_path / "work/draft.json").given.sha256 == made.given.sha256
     desk.undo()
-    assert at_hand(tmp_path / "work") == [
-        "connections.parquet", "instance.json", "plan.json"
-    ]  # fmt: skip
+    assert at_hand(tmp_path / "work") == ["connections.parquet", "instance.json", "plan.json"]
 
 
 @pytest.mark.parametrize(
@@ -177,8 +183,10 @@ def test_windows_and_services_are_set_of_several_targets() -> None:
     masses = {each.name: each.mass_kg for each in draft.edited(edit).field.targets}
     assert (masses["north"], masses["south"]) == (None, 800.0)
     for wrong, named in (
-        ({"window_s": [5.0, 1.0]}, "window_s"), ({"mass_kg": -1.0}, "mass_kg"),
-        ({"removal": "tow"}, "tow"), ({"removal": "eat"}, "removal"),
-    ):  # fmt: skip
+        ({"window_s": [5.0, 1.0]}, "window_s"),
+        ({"mass_kg": -1.0}, "mass_kg"),
+        ({"removal": "tow"}, "tow"),
+        ({"removal": "eat"}, "removal"),
+    ):
         with pytest.raises(InputError, match=named):
             draft.edited(read_edit(json.dumps(of("north", **wrong))))

@@ -43,10 +43,21 @@ class Served:
 
     def __init__(self, folder: Path) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "adr_opt", "serve", "--folder", folder.name, "--no-open",
-             "--json"],
-            cwd=folder.parent, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "adr_opt",
+                "serve",
+                "--folder",
+                folder.name,
+                "--no-open",
+                "--json",
+            ],
+            cwd=folder.parent,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         assert self.process.stdout is not None
         lines = []
         while not lines or lines[-1] not in ("}\n", ""):
@@ -178,9 +189,10 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
 def known_plans(folder: Path) -> list[Path]:
     """Plans in folders of results that are not over."""
     return [
-        path for path in folder.glob("results/*/plan.json")
+        path
+        for path in folder.glob("results/*/plan.json")
         if not (path.parent / "result.json").exists()
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.slow

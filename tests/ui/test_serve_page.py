@@ -81,8 +81,13 @@ def test_prizes_are_changed_planned_and_undone(tmp_path: Path) -> None:
             f"127.0.0.1:{said['port']}"
         }
         assert tab.evaluate("document.documentElement.scrollWidth") == 1280
-        tab.call("Emulation.setDeviceMetricsOverride",
-                 width=390, height=844, deviceScaleFactor=1, mobile=True)  # fmt: skip
+        tab.call(
+            "Emulation.setDeviceMetricsOverride",
+            width=390,
+            height=844,
+            deviceScaleFactor=1,
+            mobile=True,
+        )
         tab.call(
             "Emulation.setEmulatedMedia",
             features=[{"name": "prefers-color-scheme", "value": "dark"}],

@@ -72,16 +72,21 @@ def test_from_a_catalogue_to_a_checked_plan_and_back(tmp_path: Path) -> None:
     at = At(folder)
     assert at.get("/state")["stage"] == "empty"
     assert at.drop("../all\x00.tle", catalogue(200)) == {
-        "what": "catalogue", "count": 200, "skipped": 0
-    }  # fmt: skip
+        "what": "catalogue",
+        "count": 200,
+        "skipped": 0,
+    }
     objects = at.get("/objects")
     assert {len(objects[name]) for name in ("names", "altitude_km", "raan_deg", "kind")} == {200}
     assert {"debris", "rocket body"} == set(objects["kind"])
     (file,) = at.get("/state")["files"]
     assert (file["name"], file["what"], file["count"]) == ("all?.tle", "catalogue", 200)
 
-    chosen = [name for name, raan in zip(objects["names"], objects["raan_deg"], strict=True)
-              if 100.0 < raan < 130.0][:8]  # fmt: skip
+    chosen = [
+        name
+        for name, raan in zip(objects["names"], objects["raan_deg"], strict=True)
+        if 100.0 < raan < 130.0
+    ][:8]
     at.post("/choose", {"names": chosen})
     state = at.get("/state")
     assert (state["stage"], state["undoes"]) == ("mission", f"{len(chosen)} targets chosen")
@@ -233,8 +238,13 @@ def test_what_is_not_the_projects_stays(tmp_path: Path) -> None:
     assert VERBS.keys() | {"solve"} == KEPT_VERBS
     folder = tmp_path / "p"
     session_of(None, None, Folder(folder))
-    for name in ("results/2024-run", "results/0007-check", "results/mine", "history/mine",
-                 "history/0123456789abcdef"):  # fmt: skip
+    for name in (
+        "results/2024-run",
+        "results/0007-check",
+        "results/mine",
+        "history/mine",
+        "history/0123456789abcdef",
+    ):
         (folder / name).mkdir(parents=True)
         (folder / name / "data").write_text("mine")
     session_of(None, None, Folder(folder))
@@ -320,18 +330,32 @@ def test_options_of_an_import_make_the_mission(at: At, cli: Cli, tmp_path: Path)
     (tmp_path / "all.tle").write_bytes(catalogue(60))
     names = at.get("/objects")["names"]
     options = {
-        "epoch": "2026-01-02T00:00:00", "duration_days": 200.0, "altitude": "700:820",
-        "max_targets": 9, "station": "750,98.1,100", "dry_mass": 800, "propellant": 400.0,
-        "isp": 1500.0, "thrust": 0.2, "duty_cycle": 0.5, "launches": 2, "launch_every": 60,
-        "service_days": 1, "exclude": "10001,10002", "deadline": "10004 = 150; ",
-        "require": "10004", "max_drift_days": 100, "resolution": None, "name": "",
-    }  # fmt: skip
+        "epoch": "2026-01-02T00:00:00",
+        "duration_days": 200.0,
+        "altitude": "700:820",
+        "max_targets": 9,
+        "station": "750,98.1,100",
+        "dry_mass": 800,
+        "propellant": 400.0,
+        "isp": 1500.0,
+        "thrust": 0.2,
+        "duty_cycle": 0.5,
+        "launches": 2,
+        "launch_every": 60,
+        "service_days": 1,
+        "exclude": "10001,10002",
+        "deadline": "10004 = 150; ",
+        "require": "10004",
+        "max_drift_days": 100,
+        "resolution": None,
+        "name": "",
+    }
     answer = at.post("/choose", {"names": names, "prizes": "criticality", "options": options})
     asked = [f"--{name.replace('_', '-')}={value}" for name, value in options.items() if value]
     asked = [each.replace(" = ", "=").replace("; ", "") for each in asked]
-    assert cli(
-        "import", "all.tle", "--out", "i.json", *asked, "--criticality", "--quiet"
-    ).status == 0  # fmt: skip
+    assert (
+        cli("import", "all.tle", "--out", "i.json", *asked, "--criticality", "--quiet").status == 0
+    )
     made, by_import = at.session.instance(), adr_opt.load(tmp_path / "i.json")
     assert made == by_import
     assert answer["targets"] == len(made.targets) <= 9
@@ -391,8 +415,19 @@ def test_options_of_an_import_are_those_of_the_verb() -> None:
     there = command.get_command(None, "import")  # type: ignore[arg-type]
     assert there is not None
     known = {each.opts[0] for each in there.params if each.opts[0].startswith("--")}
-    beside = {"--out", "--prizes", "--oem", "--skip-bad", "--json", "--quiet", "--help",
-              "--criticality", "--only-prized", "--must", "--debug"}  # fmt: skip
+    beside = {
+        "--out",
+        "--prizes",
+        "--oem",
+        "--skip-bad",
+        "--json",
+        "--quiet",
+        "--help",
+        "--criticality",
+        "--only-prized",
+        "--must",
+        "--debug",
+    }
     assert {option.sign for option in OPTIONS} == known - beside
     assert len({option.label for option in OPTIONS}) == len(OPTIONS)
 

@@ -216,9 +216,13 @@ def test_a_watch_makes_plans_of_the_best_routes(monkeypatch: pytest.MonkeyPatch)
         problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append
     )
     with watch:
-        for routes, count in (((numbers(HALF),), 1), (((99,),), 1),
-                              ((numbers(HALF), ()), 1), ((numbers(WHOLE),), 2),
-                              ((numbers(HALF),), 2)):  # fmt: skip
+        for routes, count in (
+            ((numbers(HALF),), 1),
+            (((99,),), 1),
+            ((numbers(HALF), ()), 1),
+            ((numbers(WHOLE),), 2),
+            ((numbers(HALF),), 2),
+        ):
             watch.hear(routes)
             until(lambda count=count: len(found) == count)
     assert [plan.objective for plan in found] == [1.0, 2.0]

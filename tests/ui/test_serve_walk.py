@@ -183,8 +183,9 @@ def test_from_a_catalogue_to_an_export(tab: browser.Browser, tmp_path: Path, who
 
 
 UNCERTAINTY = {
-    "format": "adr-opt-uncertainty/1", "legs": {"delta_v_factor": {"lognormal_sigma": 0.1}}
-}  # fmt: skip
+    "format": "adr-opt-uncertainty/1",
+    "legs": {"delta_v_factor": {"lognormal_sigma": 0.1}},
+}
 
 VERBS: dict[str, dict[str, object]] = {
     "bound": {"time_limit_s": 5},
@@ -250,16 +251,21 @@ def points(tab: browser.Browser) -> None:
     )
     for kind in ("mousePressed", "mouseReleased"):
         tab.call(
-            "Input.dispatchMouseEvent", type=kind, button="left", clickCount=1, x=place[0],
+            "Input.dispatchMouseEvent",
+            type=kind,
+            button="left",
+            clickCount=1,
+            x=place[0],
             y=place[1],
-        )  # fmt: skip
+        )
     tab.wait_for(f"document.querySelector('.result.shown')?.dataset.id > {before}")
     state = asked(tab, "/state")
     assert (state["chasers"][0]["amount"], state["plan"]["fits"]) == (600.0, True)
     tab.evaluate("[...document.querySelectorAll('#points button')].at(-1).focus()")
     for kind in ("keyDown", "keyUp"):
-        tab.call("Input.dispatchKeyEvent", type=kind, key="Enter", text="\r",
-                 windowsVirtualKeyCode=13)  # fmt: skip
+        tab.call(
+            "Input.dispatchKeyEvent", type=kind, key="Enter", text="\r", windowsVirtualKeyCode=13
+        )
     tab.wait_for(
         "document.querySelector('[aria-label^=\"Undo\"]').getAttribute('aria-label')"
         f" !== 'Undo: result {state['result']} shown'"

@@ -74,7 +74,7 @@ def shown() -> dict[str, Any]:
         "rehearsals": rehearse(instance, plan, Uncertainty(gone=0.5), samples=3),
         "tradeoff": tradeoff(instance, [Axis("delta-v", (200.0, 300.0))], time_limit=60.0),
         "certificate": certificate_of(instance, result),
-    }  # fmt: skip
+    }
 
 
 class Tags(HTMLParser):
@@ -142,9 +142,11 @@ def test_names_of_others_are_no_code() -> None:
     """What a file calls its bodies is text on a page, whatever it looks like."""
     field = adr_opt.generate("tiny", 0)
     instance = field.replace(
-        name=NASTY, targets=tuple(target.replace(name=f"{NASTY} {number}") for number, target in
-                                  enumerate(field.targets)),
-    )  # fmt: skip
+        name=NASTY,
+        targets=tuple(
+            target.replace(name=f"{NASTY} {number}") for number, target in enumerate(field.targets)
+        ),
+    )
     mission = adr_opt.Mission(instance)
     result = adr_opt.solve(mission, "greedy-guarded")
     for one in (instance, mission, result, result.plan, mission.timetable.matrices([0.0])):

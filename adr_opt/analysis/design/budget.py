@@ -119,9 +119,11 @@ def _cuts(
     required = {target.name for target in instance.targets if target.required}
     spent, there = prices.of_route(instance, chaser, legs), _targets(instance, legs)
     others = [
-        body for other, flown in routes.items() if other != name
+        body
+        for other, flown in routes.items()
+        if other != name
         for body in _targets(instance, flown)
-    ]  # fmt: skip
+    ]
     before = rating.worth_of(instance, (*others, *there))
     found = []
     for rest in shorter:

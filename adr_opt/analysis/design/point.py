@@ -82,9 +82,9 @@ class DesignPoint(Shown):
             "euros": self.euros,
             "launches_used": self.launches,
             "removals": self.removals,
-            "routes": {} if self.plan is None else {
-                chaser: list(order) for chaser, order in self.plan.orders.items()
-            },
+            "routes": {}
+            if self.plan is None
+            else {chaser: list(order) for chaser, order in self.plan.orders.items()},
             "runtime_s": self.runtime_s,
             "cpu_s": self.cpu_s,
-        }  # fmt: skip
+        }

@@ -51,9 +51,8 @@ def run_design(
         fit = [made for made in within if made is not None]
         plan = max(fit, key=lambda made: _merit(work, instance, made), default=None)
     return work.point(
-        design, instance, plan, bound, time.perf_counter() - began,
-        time.process_time() - cpu_began,
-    )  # fmt: skip
+        design, instance, plan, bound, time.perf_counter() - began, time.process_time() - cpu_began
+    )
 
 
 def _found(

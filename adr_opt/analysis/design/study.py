@@ -108,10 +108,15 @@ def design_study(  # noqa: PLR0913
         told(point, len(points), len(designs))
     finished = handed_on(work, [points[each] for each in designs if each in points])
     return DesignStudy(
-        instance, tuple(axes), tuple(finished),
-        len(designs), rating, prices,
-        None if worths is None else worths.total, time.perf_counter() - began,
-    )  # fmt: skip
+        instance,
+        tuple(axes),
+        tuple(finished),
+        len(designs),
+        rating,
+        prices,
+        None if worths is None else worths.total,
+        time.perf_counter() - began,
+    )
 
 
 def _run(

@@ -95,7 +95,9 @@ class DesignWork:
             )
         flown = () if plan is None else routes_of(instance, plan)
         return DesignPoint(
-            design, instance, plan,
+            design,
+            instance,
+            plan,
             floor=floor,
             worth=worth,
             bound=max(bound, worth),
@@ -104,7 +106,7 @@ class DesignWork:
             removals=len(chosen),
             runtime_s=runtime_s,
             cpu_s=cpu_s,
-        )  # fmt: skip
+        )
 
 
 def targets_of(instance: Instance, plan: Plan) -> tuple[str, ...]:

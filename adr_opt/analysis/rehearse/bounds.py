@@ -176,9 +176,11 @@ def gap(bounds: Sequence[float], prizes: Sequence[float]) -> dict[str, Any]:
     half = CONFIDENT * error
     known = math.isfinite(half)
     return {
-        "gap": found, "low": found - half if known else None,
-        "high": found + half if known else None, "samples": count,
-    }  # fmt: skip
+        "gap": found,
+        "low": found - half if known else None,
+        "high": found + half if known else None,
+        "samples": count,
+    }
 
 
 def bounds(  # noqa: PLR0913

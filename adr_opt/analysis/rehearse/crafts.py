@@ -172,8 +172,15 @@ def as_planned(ground: Ground, craft: Craft, hop: Hop) -> Craft:
     end_s = planned.free_s - ground.tow_s.get(j, 0.0)
     planned.made.append(
         Made(
-            craft.body, hop, craft.free_s, hop.delta_v, end_s, planned.free_s, planned.left,
-            untowed, outcome,
+            craft.body,
+            hop,
+            craft.free_s,
+            hop.delta_v,
+            end_s,
+            planned.free_s,
+            planned.left,
+            untowed,
+            outcome,
         )
-    )  # fmt: skip
+    )
     return planned

@@ -163,10 +163,11 @@ class _Rehearsal:
                 self._closed.discard(target)
         self._reopened = [each for each in self._reopened if each[0] > time]
         seen = tuple(
-            each if each is craft or (each.free_s <= time and not self._is_unknown(each, time))
+            each
+            if each is craft or (each.free_s <= time and not self._is_unknown(each, time))
             else self._planned[each.chaser]
             for each in self._crafts
-        )  # fmt: skip
+        )
         return Situation(self._ground, craft, seen, self._closed)
 
     @staticmethod

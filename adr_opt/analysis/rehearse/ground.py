@@ -156,9 +156,15 @@ class Ground:
         budget = what.tank.delta_v_m_s + SLACK_M_S if loads is None else most_left_m_s(loads)
         start = self.instance.starts[chaser]
         return ChaserLimits(
-            what.name, start, limits_of(self.instance, chaser), loads, budget,
-            self.finder.spent_m_s(start), most_targets(self.instance, what), what.is_launched,
-        )  # fmt: skip
+            what.name,
+            start,
+            limits_of(self.instance, chaser),
+            loads,
+            budget,
+            self.finder.spent_m_s(start),
+            most_targets(self.instance, what),
+            what.is_launched,
+        )
 
     @cached_property
     def without_required(self) -> Instance:
@@ -221,6 +227,10 @@ class Ground:
 def hop_of(j: int, rows: Rows, row: int) -> Hop:
     """A connection of a pair that leads to body j."""
     return Hop(
-        j, float(rows.departure[row]), float(rows.arrival[row]), float(rows.delta_v[row]),
-        int(rows.family[row]), int(rows.revolutions[row]),
-    )  # fmt: skip
+        j,
+        float(rows.departure[row]),
+        float(rows.arrival[row]),
+        float(rows.delta_v[row]),
+        int(rows.family[row]),
+        int(rows.revolutions[row]),
+    )

@@ -126,9 +126,8 @@ def _parts(
     yield Part(going_on, name, longest, planned, int(first is None))
     if splits:
         giving_up = target.replace(
-            name=name + suffix, prize=rounded_up(counted.giving_up), required=False,
-            removal="visit",
-        )  # fmt: skip
+            name=name + suffix, prize=rounded_up(counted.giving_up), required=False, removal="visit"
+        )
         yield Part(giving_up, name, took, planned, 1)
 
 
@@ -163,9 +162,11 @@ def _known_chaser(
     until = None if until is None else until + over_s
     most = None if chaser.max_targets is None else chaser.max_targets + uncounted
     return chaser.replace(
-        end="anywhere", available_s=(since, until), max_targets=most,
+        end="anywhere",
+        available_s=(since, until),
+        max_targets=most,
         tank=_known_tank(ground, world, chaser),
-    )  # fmt: skip
+    )
 
 
 def _known_tank(ground: Ground, world: DrawnWorld, chaser: Chaser) -> AnyTank:

@@ -45,9 +45,13 @@ class Learned(AtDeviations):
     """
 
     def __init__(
-        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0,
+        self,
+        ground: Ground,
+        intended: Intended,
+        uncertainty: Uncertainty,
+        seed: int = 0,
         scorer: LegScorer | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(ground, intended, uncertainty, seed)
         self._scorer = shipped() if scorer is None else scorer
         self._sight = sight_of(ground, uncertainty)
@@ -135,11 +139,17 @@ class Learned(AtDeviations):
         full = full_of(what, craft.kits)
         reserve, kept = self._reserve_m_s(full), self._kept_m_s(craft, full)
         standing = Standing(
-            craft.body, craft.free_s, what.limits.duration, craft.left - kept, full - reserve,
-            craft.since, ground.stations, len(now.crafts),
+            craft.body,
+            craft.free_s,
+            what.limits.duration,
+            craft.left - kept,
+            full - reserve,
+            craft.since,
+            ground.stations,
+            len(now.crafts),
             craft.left - kept - ahead[0].left if ahead else None,
             ahead[0].free_s - craft.free_s if ahead else None,
-        )  # fmt: skip
+        )
         worths = sight.worths.copy()
         worths[list(now.closed)] = 0.0
         left = choices.left - np.where(choices.bodies < ground.stations, reserve, kept)

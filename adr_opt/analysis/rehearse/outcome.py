@@ -102,10 +102,18 @@ def outcome_of(
         for craft, end in zip(flown.crafts, ends, strict=True)
     )
     return Rehearsal(
-        seed, flown.prize, flown.expected, ground.required <= serviced, returned,
+        seed,
+        flown.prize,
+        flown.expected,
+        ground.required <= serviced,
+        returned,
         max((made.free_s for made in legs if made.outcome == SERVICED), default=0.0),
-        delta_v, tuple(_tanks(ground, flown)), losses, tuple(course), tuple(spent),
-    )  # fmt: skip
+        delta_v,
+        tuple(_tanks(ground, flown)),
+        losses,
+        tuple(course),
+        tuple(spent),
+    )
 
 
 def _tanks(ground: Ground, flown: FlownMission) -> list[tuple[str, int, float, bool]]:

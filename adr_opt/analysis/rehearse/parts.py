@@ -63,9 +63,11 @@ def timed_part(
     ends_s = [mission_s - level.below_s + took_s for level in counted.late or ()]
     until = [(end_s, prize) for end_s, prize in zip(ends_s, falling, strict=True) if end_s > 0.0]
     made = target.replace(
-        prize=last, prize_until=_strictly_falling(until, last) or None, required=False,
+        prize=last,
+        prize_until=_strictly_falling(until, last) or None,
+        required=False,
         removal=target.removal if caught else "visit",
-    )  # fmt: skip
+    )
     return Part(made, name, took_s, planned_s, int(not caught), max(took_s - planned_s, 0.0))
 
 

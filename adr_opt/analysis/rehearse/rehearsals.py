@@ -73,12 +73,15 @@ class Rehearsals(Shown):
             "tanks": self._tanks(),
             "losses": {name: number / count for name, number in reasons.most_common()},
             "lost_targets": [
-                {"target": name, "share": reason.total() / count,
-                 "reasons": {each: n / count for each, n in reason.most_common()}}
+                {
+                    "target": name,
+                    "share": reason.total() / count,
+                    "reasons": {each: n / count for each, n in reason.most_common()},
+                }
                 for name, reason in targets
             ],
             "runtime_s": self.runtime_s,
-        }  # fmt: skip
+        }
 
     def _tanks(self) -> list[dict[str, Any]]:
         """What is left of each tank at its end, of the rehearsals that fly from it."""
@@ -88,12 +91,14 @@ class Rehearsals(Shown):
                 found.setdefault((chaser, number), []).append((left, dry))
         return [
             {
-                "chaser": chaser, "tank": number, "flown": len(lefts),
+                "chaser": chaser,
+                "tank": number,
+                "flown": len(lefts),
                 "left_m_s": summary(left for left, _ in lefts),
                 "dry": share(dry for _, dry in lefts),
             }
             for (chaser, number), lefts in sorted(found.items())
-        ]  # fmt: skip
+        ]
 
 
 def summary(values: Iterable[float]) -> dict[str, Any]:

@@ -200,10 +200,18 @@ def _state(ground: Ground, craft: Craft, at_s: float) -> ChaserState:
         if made.outcome in (FAILED, GONE, LATE, DRY)
     )
     return ChaserState(
-        chaser, legs, legs[-1].destination if legs else _start(ground, craft),
-        max(free_s, at_s if not is_put else free_s), left, propellant, kits, craft.since,
-        ground.chasers[craft.chaser].limits.ready, is_put=is_put, missed=missed,
-    )  # fmt: skip
+        chaser,
+        legs,
+        legs[-1].destination if legs else _start(ground, craft),
+        max(free_s, at_s if not is_put else free_s),
+        left,
+        propellant,
+        kits,
+        craft.since,
+        ground.chasers[craft.chaser].limits.ready,
+        is_put=is_put,
+        missed=missed,
+    )
 
 
 def _start(ground: Ground, craft: Craft) -> str | None:
@@ -217,8 +225,16 @@ def _leg(ground: Ground, made: Made) -> Leg:
     if made.outcome == SERVICED and j in ground.tow_s:
         tow = Tow(start_s=made.end_s, end_s=made.free_s, delta_v_m_s=0.0, burns=())
     return Leg(
-        kind=leg_kinds()[made.hop.family].name, origin=ground.names[made.origin],
-        destination=ground.names[j], ready_s=made.ready_s, departure_s=made.hop.departure,
-        arrival_s=made.hop.arrival, end_s=made.end_s, delta_v_m_s=made.delta_v,
-        delta_v_left_m_s=made.left, phasing_revolutions=0, burns=(), tow=tow,
-    )  # fmt: skip
+        kind=leg_kinds()[made.hop.family].name,
+        origin=ground.names[made.origin],
+        destination=ground.names[j],
+        ready_s=made.ready_s,
+        departure_s=made.hop.departure,
+        arrival_s=made.hop.arrival,
+        end_s=made.end_s,
+        delta_v_m_s=made.delta_v,
+        delta_v_left_m_s=made.left,
+        phasing_revolutions=0,
+        burns=(),
+        tow=tow,
+    )

@@ -100,22 +100,30 @@ def _as_instance(
     }
     targets = tuple(
         target.replace(
-            required=False, window_s=(0.0, None), decay_m_per_day=None, fit=None,
+            required=False,
+            window_s=(0.0, None),
+            decay_m_per_day=None,
+            fit=None,
             prize=0.0 if target.name in visited - serviced else target.prize,
-            removal="kit" if target.removal == "kit" and target.name not in visited - serviced
+            removal="kit"
+            if target.removal == "kit" and target.name not in visited - serviced
             else "visit",
         )
         for target in instance.targets
-    )  # fmt: skip
+    )
     chasers = tuple(_as_flown(instance.chasers[craft.chaser], craft) for craft in flown.crafts)
     rows = [row for craft in flown.crafts for row in _rows(ground, world, craft)]
     bare = instance.replace(
-        name=f"{instance.name}-world-{world.seed}", targets=targets, chasers=chasers,
-        keep_out_zones=(), ephemerides=None, transfer=TransferSettings(),
+        name=f"{instance.name}-world-{world.seed}",
+        targets=targets,
+        chasers=chasers,
+        keep_out_zones=(),
+        ephemerides=None,
+        transfer=TransferSettings(),
         mission=MissionSettings(
             duration_s=instance.mission.duration_s, service_s=0.0, refuel_revolutions=0.0
         ),
-    )  # fmt: skip
+    )
     columns = ("origin", "destination", "departure_s", "arrival_s", "delta_v_m_s")
     content = {name: [row[at] for row in rows] for at, name in enumerate(columns)}
     return bare.with_given(of_rows(content, bare.names), connections)
@@ -127,9 +135,14 @@ def _as_flown(chaser: Chaser, craft: Craft) -> Chaser:
     if chaser.is_launched:
         start = InOrbit(orbit=LEO)
     changed = chaser.replace(
-        start=start, end="anywhere", max_targets=None, kits=None, available_s=(0.0, None),
-        expense=None, thrust_n=None,
-    )  # fmt: skip
+        start=start,
+        end="anywhere",
+        max_targets=None,
+        kits=None,
+        available_s=(0.0, None),
+        expense=None,
+        thrust_n=None,
+    )
     return heavier(changed, craft.kits)
 
 

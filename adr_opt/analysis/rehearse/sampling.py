@@ -59,8 +59,11 @@ class Setting(NamedTuple):
         Those of policies that plan depend on the wall time of planners, too.
         """
         parts = (
-            self.instance.sha256, self.plan.legs_sha256, self.uncertainty.to_json(), self.policy
-        )  # fmt: skip
+            self.instance.sha256,
+            self.plan.legs_sha256,
+            self.uncertainty.to_json(),
+            self.policy,
+        )
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
 
@@ -128,9 +131,7 @@ def rehearse(  # noqa: PLR0913
         found |= {each.seed: each for each in outcomes}
         told(sum(number in found for number in wanted), samples)
     made = tuple(found[number] for number in wanted if number in found)
-    return Rehearsals(
-        instance, setting.plan, setting.uncertainty, policy, made, now_s() - began
-    )  # fmt: skip
+    return Rehearsals(instance, setting.plan, setting.uncertainty, policy, made, now_s() - began)
 
 
 def setting_of(

@@ -78,9 +78,14 @@ class Sight:
         self._sorties: dict[int, float] = {}
 
     def choices(
-        self, craft: Craft, closed: set[int], planned: list[int], elsewhere: set[int],
-        others: list[int], own: Hop | None,
-    ) -> Choices:  # fmt: skip
+        self,
+        craft: Craft,
+        closed: set[int],
+        planned: list[int],
+        elsewhere: set[int],
+        others: list[int],
+        own: Hop | None,
+    ) -> Choices:
         """The legs from which a chaser may choose.
 
         Parameters
@@ -126,10 +131,18 @@ class Sight:
         for body in others:
             apart = np.minimum(apart, places.distances(body, bodies))
         return Choices(
-            bodies, delta_v, arrival, free + self.later_s[bodies], left, limits.closes[bodies],
-            np.maximum(limits.opens[bodies] - arrival, 0.0), legal, ranks[bodies],
-            theirs[bodies], apart,
-        )  # fmt: skip
+            bodies,
+            delta_v,
+            arrival,
+            free + self.later_s[bodies],
+            left,
+            limits.closes[bodies],
+            np.maximum(limits.opens[bodies] - arrival, 0.0),
+            legal,
+            ranks[bodies],
+            theirs[bodies],
+            apart,
+        )
 
     def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> OnwardLegs:
         """The legs after the next one; unknown where connections are listed."""
@@ -264,6 +277,12 @@ def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source 
     rule = instance.transfer_rule(instance.time_value_m_s_per_h)
     most = np.inf if finder.times is None else finder.times.most
     return Source(
-        *finder.inputs[:3], rule, ground.chasers[chaser].limits, np.zeros((1, 1, 1), np.int32), 1.0,
-        not is_regular(instance), instance.transfer.departure_spacing_s, most,
-    )  # fmt: skip
+        *finder.inputs[:3],
+        rule,
+        ground.chasers[chaser].limits,
+        np.zeros((1, 1, 1), np.int32),
+        1.0,
+        not is_regular(instance),
+        instance.transfer.departure_spacing_s,
+        most,
+    )

@@ -50,9 +50,11 @@ class TryWorths:
         if target not in self._known:
             of, uncertainty = self._targets[target - self._first_target], self._uncertainty
             self._known[target] = worths_of_tries(
-                of.prize, uncertainty.success_of(of.name), uncertainty.tries_of(of.name),
+                of.prize,
+                uncertainty.success_of(of.name),
+                uncertainty.tries_of(of.name),
                 self._paid.get(target, 0.0),
-            )  # fmt: skip
+            )
         return self._known[target]
 
     def _gone(self, target: int) -> float:

@@ -132,9 +132,12 @@ def _worth_of_time(ground: Ground, world: DrawnWorld, target: Target, per_s: flo
     uncertainty, name = world.uncertainty, target.name
     planned_s = float(ground.chasers[0].limits.service[ground.number[name]])
     most = most_worths(
-        planned_s, uncertainty.service_of(name), uncertainty.success_of(name) * target.prize,
-        per_s, ground.instance.mission.duration_s,
-    )  # fmt: skip
+        planned_s,
+        uncertainty.service_of(name),
+        uncertainty.success_of(name) * target.prize,
+        per_s,
+        ground.instance.mission.duration_s,
+    )
     worth = (1.0 - uncertainty.gone_of(name)) * most.worth
     if not world.is_gone(name):
         worth = worth + per_s * np.minimum(world.service_s(name, planned_s), most.left_s)

@@ -97,14 +97,32 @@ class RobustPlan:
         status: Status = "infeasible" if self.infeasible else "unknown"
         if plan is None:
             return Result(
-                self.method, None, None, -math.inf, math.inf, status, {}, self.seed,
-                self.runtime_s, notes,
-            )  # fmt: skip
+                self.method,
+                None,
+                None,
+                -math.inf,
+                math.inf,
+                status,
+                {},
+                self.seed,
+                self.runtime_s,
+                notes,
+            )
         plan = plan.replace(
-            notes=(*plan.notes, *notes), method=self.method, seed=self.seed,
+            notes=(*plan.notes, *notes),
+            method=self.method,
+            seed=self.seed,
             runtime_s=self.runtime_s,
-        )  # fmt: skip
+        )
         return Result(
-            self.method, None, plan, plan.objective, math.inf, plan.status, {}, self.seed,
-            self.runtime_s, plan.notes,
-        )  # fmt: skip
+            self.method,
+            None,
+            plan,
+            plan.objective,
+            math.inf,
+            plan.status,
+            {},
+            self.seed,
+            self.runtime_s,
+            plan.notes,
+        )

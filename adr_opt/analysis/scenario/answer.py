@@ -19,10 +19,20 @@ SPECIES = {"payload": "S", "rocket body": "B", "debris": "N"}
 """Names of species in the table of removals by default, as pySSEM's own examples have them."""
 
 SUMS = (
-    "objects", "fragments", "encounters", "catastrophic", "expected_fragments",
-    "fragment_encounters", "fragment_catastrophic", "collisions", "explosions", "removed", "void",
-    "decayed", "launched",
-)  # fmt: skip
+    "objects",
+    "fragments",
+    "encounters",
+    "catastrophic",
+    "expected_fragments",
+    "fragment_encounters",
+    "fragment_catastrophic",
+    "collisions",
+    "explosions",
+    "removed",
+    "void",
+    "decayed",
+    "launched",
+)
 """Numbers of a year."""
 
 RUNNING = {"catastrophic": "catastrophic_before", "expected_fragments": "expected_fragments_before"}
@@ -32,22 +42,40 @@ TOLD = (*SUMS, *RUNNING.values())
 """Numbers that are told of each year."""
 
 REMOVALS = (
-    "year", "species", "shell", "shell_low_km", "shell_high_km", "removed", "standard_error",
+    "year",
+    "species",
+    "shell",
+    "shell_low_km",
+    "shell_high_km",
+    "removed",
+    "standard_error",
     "control",
-)  # fmt: skip
+)
 
 YEARLY = (
-    "year", "case", "species", "shell", "shell_low_km", "shell_high_km", "number",
+    "year",
+    "case",
+    "species",
+    "shell",
+    "shell_low_km",
+    "shell_high_km",
+    "number",
     "standard_error",
-)  # fmt: skip
+)
 
 
 def numbers_of(record: YearRecord) -> tuple[float, ...]:
     """Numbers of a year under :data:`SUMS`."""
     return (
-        float(np.sum(record.objects)), math.fsum(record.fragments), *record.rates,
-        *record.took_place, len(record.removed), record.void, record.decayed, record.launched,
-    )  # fmt: skip
+        float(np.sum(record.objects)),
+        math.fsum(record.fragments),
+        *record.rates,
+        *record.took_place,
+        len(record.removed),
+        record.void,
+        record.decayed,
+        record.launched,
+    )
 
 
 def mean_and_error(values: FLOAT) -> tuple[FLOAT, FLOAT | None]:
@@ -140,11 +168,15 @@ def _campaigns(made: Scenario, year: int) -> dict[str, Any]:
         "of_first_seed": []
         if first is None
         else [
-            {"object": each.name, "day": each.time_s / 86400.0, "succeeded": each.succeeded,
-             "fragment_years": each.prize}
+            {
+                "object": each.name,
+                "day": each.time_s / 86400.0,
+                "succeeded": each.succeeded,
+                "fragment_years": each.prize,
+            }
             for each in first.attempts
         ],
-    }  # fmt: skip
+    }
 
 
 def _removals(each: Mapping[str, Sequence[YearRecord]]) -> list[tuple[int, int, int]]:
@@ -186,12 +218,16 @@ def removals_csv(made: Scenario, species: Mapping[str, str] = SPECIES) -> str:
         name = names[at]
         rows.append(
             (
-                year, name, shell + 1, f"{edges[shell]:g}", f"{edges[shell + 1]:g}",
+                year,
+                name,
+                shell + 1,
+                f"{edges[shell]:g}",
+                f"{edges[shell + 1]:g}",
                 f"{mean[year, at, shell]:.8g}",
                 "" if error is None else f"{error[year, at, shell]:.3g}",
                 f"u_r_{name}{shell + 1}",
             )
-        )  # fmt: skip
+        )
     return _csv(REMOVALS, rows)
 
 
@@ -215,19 +251,27 @@ def yearly_csv(made: Scenario) -> str:
     rows: list[tuple[object, ...]] = []
     for case in CASES:
         counts = np.array(
-            [[[*record.objects, record.fragments] for record in each[case]]
-             for each in made.futures], dtype=float,
-        )  # fmt: skip
+            [
+                [[*record.objects, record.fragments] for record in each[case]]
+                for each in made.futures
+            ],
+            dtype=float,
+        )
         mean, error = mean_and_error(counts)
         for year, kind, shell in np.ndindex(*mean.shape):
             if mean[year, kind, shell] > 0.0:
                 rows.append(
                     (
-                        year, case, (*KINDS, FRAGMENTS)[kind], shell, edges[shell],
-                        edges[shell + 1], f"{mean[year, kind, shell]:.8g}",
+                        year,
+                        case,
+                        (*KINDS, FRAGMENTS)[kind],
+                        shell,
+                        edges[shell],
+                        edges[shell + 1],
+                        f"{mean[year, kind, shell]:.8g}",
                         "" if error is None else f"{error[year, kind, shell]:.3g}",
                     )
-                )  # fmt: skip
+                )
     return _csv(YEARLY, rows)
 
 

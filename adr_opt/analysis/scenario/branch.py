@@ -114,9 +114,12 @@ class Branch:
         else:
             flown = known.campaign
             drawn = YearDraws(
-                self.population.numbers, tuple(self.clouds), known.rates, list(known.collisions),
+                self.population.numbers,
+                tuple(self.clouds),
+                known.rates,
+                list(known.collisions),
                 list(known.explosions),
-            )  # fmt: skip
+            )
         self.drawn = drawn
         _, _, rates, collisions, explosions = drawn
         self._take_on(flown)
@@ -124,9 +127,16 @@ class Branch:
         decayed = 0 if last else self._age()
         self.year += 1
         record = YearRecord(
-            counts, tuple(fragments.tolist()), rates, flown, tuple(collisions), tuple(explosions),
-            *happened, decayed, new,
-        )  # fmt: skip
+            counts,
+            tuple(fragments.tolist()),
+            rates,
+            flown,
+            tuple(collisions),
+            tuple(explosions),
+            *happened,
+            decayed,
+            new,
+        )
         if known is not None and record != known:
             raise InputError(
                 f"year {year} of seed {self.seed}: the file of an earlier run has another one; "
@@ -138,9 +148,12 @@ class Branch:
         start, year = self.start, self.year
         first = len(start.population) and int(start.population.numbers[-1]) + 1
         new = launched(
-            start.launches, year, self.seed, first + start.launched_before(year),
+            start.launches,
+            year,
+            self.seed,
+            first + start.launched_before(year),
             start.epoch + timedelta(seconds=YEAR_S * year),
-        )  # fmt: skip
+        )
         if new is None:
             return 0
         self.population = self.population.joined(new)
@@ -160,9 +173,12 @@ class Branch:
         explosions = explosions_of(population, settings, self.seed, year)
         last = year == settings.years
         return YearDraws(
-            population.numbers, clouds, rates,
-            collisions if settings.collisions and not last else [], [] if last else explosions,
-        )  # fmt: skip
+            population.numbers,
+            clouds,
+            rates,
+            collisions if settings.collisions and not last else [],
+            [] if last else explosions,
+        )
 
     def _campaign(self, jobs: int) -> FlownCampaign | None:
         template, settings, year = self.start.template, self.start.settings, self.year
@@ -172,9 +188,12 @@ class Branch:
         since = (self.start.epoch - template.epoch).total_seconds() / YEAR_S
         offered = offer(template, self.population, taken, settings, year, since, jobs)
         return self.fly(
-            offered, settings, self.seed, year,
+            offered,
+            settings,
+            self.seed,
+            year,
             lambda instance, plan: self.keep(year, instance.to_json(), plan.to_json()),
-        )  # fmt: skip
+        )
 
     def _take_on(self, flown: FlownCampaign | None) -> None:
         """Removals of a campaign; one that was lost is repeated in the next year."""
@@ -233,11 +252,13 @@ class Branch:
                 at = place[number]
                 self.clouds.append(
                     FragmentCloud(
-                        year + time, float(population.altitudes_m[at]),
+                        year + time,
+                        float(population.altitudes_m[at]),
                         _split(EXPLOSION_FRAGMENTS, population, [at]),
-                        float(population.bodies.tilts[at]), number,
+                        float(population.bodies.tilts[at]),
+                        number,
                     )
-                )  # fmt: skip
+                )
                 took_place[1] += 1
         self.population = population.without(gone)
         return (took_place[0], took_place[1]), tuple(removed), void

@@ -88,9 +88,14 @@ def campaign(
         begun = [leg for state in states_at(left, plan, at_s) for leg in state.legs]
         missed = [leg.destination for leg in begun if leg.destination in failing]
         made = replan(
-            left, plan, at_s, missed=missed, method=settings.method,
-            time_limit=settings.time_limit_s, seed=seed,
-        )  # fmt: skip
+            left,
+            plan,
+            at_s,
+            missed=missed,
+            method=settings.method,
+            time_limit=settings.time_limit_s,
+            seed=seed,
+        )
         for state in made.states:
             done = state.legs[:-1] if state.is_put else state.legs
             attempts += [attempt(leg) for leg in done if leg.destination in offered.numbers]

@@ -100,10 +100,14 @@ def collisions_of(
             pair = sorted((int(i), int(j)), key=lambda at: (-masses[at], numbers[at]))
             collisions.append(
                 Collision(
-                    time, int(numbers[pair[0]]), int(numbers[pair[1]]), radius - EARTH_RADIUS_M,
-                    made, bool(catastrophic),
+                    time,
+                    int(numbers[pair[0]]),
+                    int(numbers[pair[1]]),
+                    radius - EARTH_RADIUS_M,
+                    made,
+                    bool(catastrophic),
                 )
-            )  # fmt: skip
+            )
         for i, cloud, time, radius, made, catastrophic in hits.tolist():
             altitude_m = radius - EARTH_RADIUS_M
             one, fragment = int(numbers[int(i)]), -1 - int(cloud)

@@ -178,12 +178,20 @@ def launched(
         numbers,
         orbits,
         Bodies(
-            records=records, shells=padded(ends), tilts=tilts, masses=masses, sizes=sizes,
-            areas=0.25 * math.pi * sizes**2 / masses, kinds=tuple(row.kind for row in rows),
-            mass_sources=(TABLE,) * many, size_sources=(TABLE,) * many,
-            area_sources=(BY_SIZE,) * many, matched=0, left_out={},
+            records=records,
+            shells=padded(ends),
+            tilts=tilts,
+            masses=masses,
+            sizes=sizes,
+            areas=0.25 * math.pi * sizes**2 / masses,
+            kinds=tuple(row.kind for row in rows),
+            mass_sources=(TABLE,) * many,
+            size_sources=(TABLE,) * many,
+            area_sources=(BY_SIZE,) * many,
+            matched=0,
+            left_out={},
         ),
-    )  # fmt: skip
+    )
 
 
 def _record(
@@ -191,10 +199,15 @@ def _record(
 ) -> ElementSet:
     axis = 0.5 * (orbit[0] + orbit[1])
     return ElementSet(
-        name=name, object_id="", number=None, epoch=epoch,
+        name=name,
+        object_id="",
+        number=None,
+        epoch=epoch,
         mean_motion_rev_day=math.sqrt(MU_M3_S2 / axis**3) * DAY_S / (2.0 * math.pi),
         eccentricity=float((orbit[1] - orbit[0]) / (orbit[1] + orbit[0])),
-        inclination_deg=row.inclination, raan_deg=math.degrees(orbit[3]),
+        inclination_deg=row.inclination,
+        raan_deg=math.degrees(orbit[3]),
         argument_of_perigee_deg=math.degrees(orbit[4]),
-        mean_anomaly_deg=math.degrees(orbit[5]), mass_kg=row.mass,
-    )  # fmt: skip
+        mean_anomaly_deg=math.degrees(orbit[5]),
+        mass_kg=row.mass,
+    )

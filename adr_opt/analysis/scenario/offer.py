@@ -73,9 +73,14 @@ def check_template(template: Instance) -> None:
 
 
 def offer(
-    template: Instance, population: ObjectPopulation, taken: set[int], settings: ScenarioSettings,
-    year: int, start_years: float, jobs: int,
-) -> Offer:  # fmt: skip
+    template: Instance,
+    population: ObjectPopulation,
+    taken: set[int],
+    settings: ScenarioSettings,
+    year: int,
+    start_years: float,
+    jobs: int,
+) -> Offer:
     """The instance of a campaign on what is there.
 
     Parameters
@@ -191,12 +196,13 @@ def _instance(
 def drifted(orbit: Orbit, since_s: float) -> Orbit:
     """An orbit whose node and perigee have drifted under J2; it holds its size and its phase."""
     node, perigee, _ = secular_rates(
-        orbit.semi_major_axis_m, orbit.eccentricity, math.radians(orbit.inclination_deg),
+        orbit.semi_major_axis_m,
+        orbit.eccentricity,
+        math.radians(orbit.inclination_deg),
         OBLATENESS_M2,
-    )  # fmt: skip
+    )
     return orbit.replace(
         raan_deg=(orbit.raan_deg + math.degrees(node) * since_s) % 360.0,
-        argument_of_perigee_deg=(
-            orbit.argument_of_perigee_deg + math.degrees(perigee) * since_s
-        ) % 360.0,
-    )  # fmt: skip
+        argument_of_perigee_deg=(orbit.argument_of_perigee_deg + math.degrees(perigee) * since_s)
+        % 360.0,
+    )

@@ -163,8 +163,7 @@ class YearRecord:
 
 
 RECORDS = TypeAdapter(
-    dict[str, YearRecord],
-    config=ConfigDict(strict=True, allow_inf_nan=False, extra="forbid"),
+    dict[str, YearRecord], config=ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
 )
 
 

@@ -114,8 +114,10 @@ class ScenarioSettings:
         if not 1 <= self.years <= MOST_YEARS:
             raise InputError(f"--years {self.years}: must be at least 1 and at most {MOST_YEARS:g}")
         for option, value, least in (
-            ("--every", self.every, 1), ("--seeds", self.seeds, 1), ("--targets", self.targets, 1)
-        ):  # fmt: skip
+            ("--every", self.every, 1),
+            ("--seeds", self.seeds, 1),
+            ("--targets", self.targets, 1),
+        ):
             if value < least:
                 raise InputError(f"{option} {value}: must be at least {least}")
         if self.seeds > LARGEST_SEED:

@@ -141,9 +141,12 @@ def digest_of(start: ScenarioStart) -> str:
     digest.update(repr(start.launches).encode())
     population = start.population
     for column in (
-        population.numbers, population.orbits, population.bodies.masses, population.bodies.sizes,
+        population.numbers,
+        population.orbits,
+        population.bodies.masses,
+        population.bodies.sizes,
         population.bodies.areas,
-    ):  # fmt: skip
+    ):
         digest.update(column.tobytes())
     digest.update(repr(population.bodies.kinds).encode())
     return digest.hexdigest()

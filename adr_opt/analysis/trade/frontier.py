@@ -166,9 +166,15 @@ def _cheapest(
     """The cheapest plan found with at least the prize of a point; None if there is none."""
     start = point.routes if len(problem.missions) > 1 else point.routes[0]
     result = solve(
-        problem, CHEAPEST, time_limit=time_limit, seed=seed, stop=stop, start=start, repair=True,
+        problem,
+        CHEAPEST,
+        time_limit=time_limit,
+        seed=seed,
+        stop=stop,
+        start=start,
+        repair=True,
         cost=True,
-    )  # fmt: skip
+    )
     if result.plan is None or result.objective < point.prize:
         return None
     return tuple(tuple(problem.names[j] for j in route) for route in result.routes)
@@ -218,8 +224,14 @@ def write_frontier(path: str | os.PathLike[str], endings: Iterable[Ending]) -> N
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for each in endings:
-        writer.writerow((
-            repr(each.tank_m_s), repr(each.prize), repr(each.last_s / DAY_S),
-            repr(each.delta_v_m_s), repr(each.cost), json.dumps(each.routes, ensure_ascii=False),
-        ))  # fmt: skip
+        writer.writerow(
+            (
+                repr(each.tank_m_s),
+                repr(each.prize),
+                repr(each.last_s / DAY_S),
+                repr(each.delta_v_m_s),
+                repr(each.cost),
+                json.dumps(each.routes, ensure_ascii=False),
+            )
+        )
     write_text(path, text.getvalue())

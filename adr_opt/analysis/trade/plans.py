@@ -45,6 +45,10 @@ def ask_few(problem: Problem) -> None:
 def _plan(problem: Problem, point: Point) -> Plan | None:
     ask_few(problem)
     return certify_routes(
-        problem, point.methods[-1] if point.methods else METHOD, point.routes, seed=0,
-        runtime_s=point.runtime_s, upper_bound=problem.worth(point.upper_bound),
-    ).plan  # fmt: skip
+        problem,
+        point.methods[-1] if point.methods else METHOD,
+        point.routes,
+        seed=0,
+        runtime_s=point.runtime_s,
+        upper_bound=problem.worth(point.upper_bound),
+    ).plan

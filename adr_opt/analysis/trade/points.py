@@ -66,9 +66,12 @@ class Point(Shown):
     def value(self, kind: str) -> float:
         """Its limit of a kind, in SI units."""
         value = {
-            "delta-v": self.delta_v_m_s, "duration": self.duration_s,
-            "propellant": self.propellant_kg, "thrust": self.thrust_n, "isp": self.isp_s,
-        }[kind]  # fmt: skip
+            "delta-v": self.delta_v_m_s,
+            "duration": self.duration_s,
+            "propellant": self.propellant_kg,
+            "thrust": self.thrust_n,
+            "isp": self.isp_s,
+        }[kind]
         assert value is not None
         return value
 

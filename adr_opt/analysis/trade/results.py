@@ -23,9 +23,20 @@ from .axes import Axis
 from .points import Point, Routes, Tradeoff
 
 COLUMNS = (
-    "instance_sha256", "settings", "delta_v_m_s", "duration_s", "method", "prize", "upper_bound",
-    "status", "visits", "cost", "runtime_s", "cpu_s", "routes",
-)  # fmt: skip
+    "instance_sha256",
+    "settings",
+    "delta_v_m_s",
+    "duration_s",
+    "method",
+    "prize",
+    "upper_bound",
+    "status",
+    "visits",
+    "cost",
+    "runtime_s",
+    "cpu_s",
+    "routes",
+)
 
 OF_DRIVES = {"thrust": "thrust_n", "isp": "isp_s"}
 """Further columns, of files in which these are varied, by the kind of axis."""
@@ -169,12 +180,18 @@ class ResultsFile:
             )
         try:
             point = Point(
-                float(row["delta_v_m_s"]), float(row["duration_s"]), float(row["prize"]),
-                float(row["upper_bound"]), int(row["visits"]), float(row["cost"]),
-                _routes(row["routes"]), tuple(filter(None, row["method"].split("+"))),
-                float(row["runtime_s"]), float(row["cpu_s"]),
+                float(row["delta_v_m_s"]),
+                float(row["duration_s"]),
+                float(row["prize"]),
+                float(row["upper_bound"]),
+                int(row["visits"]),
+                float(row["cost"]),
+                _routes(row["routes"]),
+                tuple(filter(None, row["method"].split("+"))),
+                float(row["runtime_s"]),
+                float(row["cpu_s"]),
                 **{name: float(row[name]) for name in OF_DRIVES.values() if name in row},
-            )  # fmt: skip
+            )
         except (ValueError, TypeError, RecursionError):
             raise InputError(f"{where}: not a row of results; name another file") from None
         for name, value, holds in (
@@ -195,11 +212,21 @@ class ResultsFile:
         drive = [getattr(point, name) for name in OF_DRIVES.values() if name in self._columns]
         cost = "nan" if math.isnan(point.cost) else repr(point.cost)
         return (
-            self._sha256, self._settings, repr(point.delta_v_m_s), repr(point.duration_s),
-            *map(repr, drive), method, repr(point.prize), repr(point.upper_bound), point.status,
-            point.visits, cost, f"{point.runtime_s:.3f}", f"{point.cpu_s:.3f}",
+            self._sha256,
+            self._settings,
+            repr(point.delta_v_m_s),
+            repr(point.duration_s),
+            *map(repr, drive),
+            method,
+            repr(point.prize),
+            repr(point.upper_bound),
+            point.status,
+            point.visits,
+            cost,
+            f"{point.runtime_s:.3f}",
+            f"{point.cpu_s:.3f}",
             json.dumps(point.routes, ensure_ascii=False),
-        )  # fmt: skip
+        )
 
 
 def _is_positive(value: float | None) -> bool:

@@ -235,9 +235,13 @@ def run_point(
         more["jobs"] = 1
     began, cpu_began = time.perf_counter(), time.process_time()
     result = solve(
-        problem, method, time_limit=settings.time_limit_s, seed=settings.seed,
-        stop=_Reached(known.upper_bound, stop), **more,
-    )  # fmt: skip
+        problem,
+        method,
+        time_limit=settings.time_limit_s,
+        seed=settings.seed,
+        stop=_Reached(known.upper_bound, stop),
+        **more,
+    )
     plan = result.plan
     routes = tuple(tuple(problem.names[j] for j in route) for route in result.routes)
     stations = problem.instance.station_names
@@ -292,9 +296,13 @@ class _Here:
                 return
             ran.setdefault(limits, set()).add(method)
             point = run_point(
-                self._shared.problem(limits), self._settings, board.points[limits],
-                quick=quick, alone=True, stop=stop,
-            )  # fmt: skip
+                self._shared.problem(limits),
+                self._settings,
+                board.points[limits],
+                quick=quick,
+                alone=True,
+                stop=stop,
+            )
             yield point, method
 
 

@@ -46,12 +46,7 @@ def _lines(trajectory: Trajectory, axes: Axes, object_id: str | None) -> Iterato
 
 
 def segment(
-    clock: UtcClock,
-    said: str,
-    arc: Arc,
-    axes: Axes,
-    about: Iterable[str],
-    method: str = "HERMITE",
+    clock: UtcClock, said: str, arc: Arc, axes: Axes, about: Iterable[str], method: str = "HERMITE"
 ) -> Iterator[str]:
     """One arc, with a comment, metadata of object, frame and times, and how to interpolate it."""
     labels = clock.labels(arc.times_s)

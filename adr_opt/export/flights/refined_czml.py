@@ -68,11 +68,7 @@ def usual_step(legs: Sequence[RefinedLeg]) -> float:
 
 
 def to_czml(
-    instance: Instance,
-    shown: RefinedLegs,
-    axes: Axes,
-    said: Sequence[str],
-    step_s: float,
+    instance: Instance, shown: RefinedLegs, axes: Axes, said: Sequence[str], step_s: float
 ) -> str:
     """Some legs of a refined plan as a CZML document.
 

@@ -146,9 +146,16 @@ def comment(instance: Instance, weights: WeightMatrix) -> str:
 
 
 NOT_HELD = (
-    "windows", "required targets", "late availability", "end of availability", "ends",
-    "most targets", "limited refuellings", "cost", "refuelling",
-)  # fmt: skip
+    "windows",
+    "required targets",
+    "late availability",
+    "end of availability",
+    "ends",
+    "most targets",
+    "limited refuellings",
+    "cost",
+    "refuelling",
+)
 """Rules that files for other solvers have no place for, and say so."""
 
 

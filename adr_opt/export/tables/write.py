@@ -34,17 +34,17 @@ Building = Callable[[float], None]
 
 
 MODEL_FILES = Follower(
-    "a file of the model", FIRST | SUPPLIES | TOURS | {"expense", "functions of time"},
+    "a file of the model",
+    FIRST | SUPPLIES | TOURS | {"expense", "functions of time"},
     "write transfers alone, as .npz, .nc or .parquet",
-)  # fmt: skip
+)
 """Files of the exact network of one chaser, whose legs have no masses."""
 
 DEPOT_FILES = Follower(
     "a file with one depot",
-    MODEL_FILES.follows
-    - {"number of stations", "start orbits", "launches", "prizes that fall"},
+    MODEL_FILES.follows - {"number of stations", "start orbits", "launches", "prizes that fall"},
     "write transfers alone, as .npz, .nc or .parquet",
-)  # fmt: skip
+)
 """Files of one depot, where the chaser starts and refuels, and of prizes that stay."""
 
 

@@ -215,11 +215,21 @@ def part(
         for at in range(times.size)
     ]
     return LegPart(
-        gravity, start, goal, times, end_s, impulses, angle,
-        jacobian @ arcs[0], effects, tuple(gains), seen, max(tracked, first),
+        gravity,
+        start,
+        goal,
+        times,
+        end_s,
+        impulses,
+        angle,
+        jacobian @ arcs[0],
+        effects,
+        tuple(gains),
+        seen,
+        max(tracked, first),
         np.linalg.inv(equinoctial.jacobian(start, equinoctial.own_frame(start))),
         np.linalg.inv(jacobian),
-    )  # fmt: skip
+    )
 
 
 def fly(

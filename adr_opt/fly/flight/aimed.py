@@ -81,11 +81,7 @@ def true_state(
 
 
 def following(
-    orbit: Orbit,
-    oblateness_m2: float,
-    time_s: float,
-    length_m: float,
-    decay_m_per_day: float = 0.0,
+    orbit: Orbit, oblateness_m2: float, time_s: float, length_m: float, decay_m_per_day: float = 0.0
 ) -> Array:
     """State of the point that follows a body on its orbit, slightly delayed, (6,)."""
     speed = math.hypot(*true_state(orbit, oblateness_m2, time_s, decay_m_per_day)[3:])
@@ -178,11 +174,16 @@ class Aim:
         start = _led(origin, self._lead_in, start_s, oblateness, self._decays[0])
         goal = following(target, oblateness, standoff_s, rule.standoff_m, self._decays[1])
         return MeanCourse(
-            start=start, goal=goal,
-            start_s=start_s, end_s=standoff_s, angle=self._angles[0],
-            gravity=self._instance.dynamics, lowest_m=EARTH_RADIUS_M + rule.min_altitude_m,
-            highest_m=EARTH_RADIUS_M + rule.max_altitude_m, oblateness_m2=oblateness,
-        )  # fmt: skip
+            start=start,
+            goal=goal,
+            start_s=start_s,
+            end_s=standoff_s,
+            angle=self._angles[0],
+            gravity=self._instance.dynamics,
+            lowest_m=EARTH_RADIUS_M + rule.min_altitude_m,
+            highest_m=EARTH_RADIUS_M + rule.max_altitude_m,
+            oblateness_m2=oblateness,
+        )
 
     def _docking_m_s(self, flown: FlownImpulses) -> float:
         """ΔV of the approach, from the stand-off to the target."""
@@ -191,9 +192,12 @@ class Aim:
         course = MeanCourse(
             start=flown.states[-1],
             goal=true_state(self._target, oblateness, end, self._decays[1]),
-            start_s=begin, end_s=end, angle=self._angles[1],
-            gravity=self._instance.dynamics, oblateness_m2=oblateness,
-        )  # fmt: skip
+            start_s=begin,
+            end_s=end,
+            angle=self._angles[1],
+            gravity=self._instance.dynamics,
+            oblateness_m2=oblateness,
+        )
         return close(course, *with_a_middle(self._approach, self._angles[1])).delta_v_m_s
 
 

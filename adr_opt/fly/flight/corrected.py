@@ -71,12 +71,7 @@ def fly_eccentric(
 
 
 def _corrections(
-    two_body: TwoBody,
-    begin: float,
-    state: State,
-    planned: np.ndarray,
-    goal: State,
-    arrival: float,
+    two_body: TwoBody, begin: float, state: State, planned: np.ndarray, goal: State, arrival: float
 ) -> dict[float, float]:
     """ΔV of the last arc by the time at which a Lambert arc begins: time [s] → [m/s].
 

@@ -68,9 +68,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
         one = _fly_leg(instance, motion, orbits, number, leg, before, eccentric)
         if not is_between_circles(orbits, leg):
             one = replace(
-                one, on_true_orbits=True,
-                true_delta_v_m_s=_true_m_s(instance, orbits, leg, lead_in),
-            )  # fmt: skip
+                one, on_true_orbits=True, true_delta_v_m_s=_true_m_s(instance, orbits, leg, lead_in)
+            )
         flown.append(one)
     taken = {
         one.leg: one.true_delta_v_m_s if one.on_true_orbits else burnt_m_s(leg)
@@ -78,9 +77,12 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     }
     worst = max((leg.miss_m for leg in flown), default=0.0)
     return Flight(
-        worst, tuple(flown), plan_tanks(instance, plan, taken), instance.dynamics,
+        worst,
+        tuple(flown),
+        plan_tanks(instance, plan, taken),
+        instance.dynamics,
         violations=admitted.violations,
-    )  # fmt: skip
+    )
 
 
 def _true_m_s(
@@ -94,11 +96,7 @@ def _true_m_s(
 
 
 def _led(
-    motion: TwoBody,
-    orbits: dict[str, Orbit],
-    number: int,
-    leg: Leg,
-    lead_in: tuple[Burn, ...],
+    motion: TwoBody, orbits: dict[str, Orbit], number: int, leg: Leg, lead_in: tuple[Burn, ...]
 ) -> State | None:
     """State at the end of lead-in burns; None if the leg leaves the orbit of its origin.
 
@@ -130,10 +128,17 @@ def _fly_leg(
 ) -> LegFlight:
     if not leg.traits.has_burns:
         return LegFlight(
-            leg=number, origin=leg.origin, destination=leg.destination, kind=leg.kind,
-            planned_delta_v_m_s=0.0, burns_delta_v_m_s=0.0, miss_m=0.0, relative_speed_m_s=0.0,
-            arrival_miss_m=0.0, eccentric=None,
-        )  # fmt: skip
+            leg=number,
+            origin=leg.origin,
+            destination=leg.destination,
+            kind=leg.kind,
+            planned_delta_v_m_s=0.0,
+            burns_delta_v_m_s=0.0,
+            miss_m=0.0,
+            relative_speed_m_s=0.0,
+            arrival_miss_m=0.0,
+            eccentric=None,
+        )
     target = orbits[leg.destination]
     standoff = None
     try:
@@ -173,7 +178,4 @@ def _behind(state: State, length: float) -> State:
     radius, speed = math.sqrt(position @ position), math.sqrt(velocity @ velocity)
     cosine, sine = math.cos(length / radius), math.sin(length / radius)
     outward, ahead = position / radius, velocity / speed
-    return (
-        radius * (cosine * outward - sine * ahead),
-        speed * (cosine * ahead + sine * outward),
-    )
+    return (radius * (cosine * outward - sine * ahead), speed * (cosine * ahead + sine * outward))

@@ -15,16 +15,19 @@ TIME_TOLERANCE_S = 1e-3
 
 REFINED = Follower(
     "flying",
-    FIRST - {"given connections", "bodies without an orbit"} | CAMPAIGNS | TOURS
+    FIRST - {"given connections", "bodies without an orbit"}
+    | CAMPAIGNS
+    | TOURS
     | {"rules of tours beyond tours", "prizes that fall beyond lists of connections"},
     "its plans have no trajectory",
-)  # fmt: skip
+)
 """Who flies refined plans, and who refines."""
 
 FLOWN = Follower(
-    "flying plans", REFINED.follows - {"low thrust"},
+    "flying plans",
+    REFINED.follows - {"low thrust"},
     "their plans have no burns: refine the plan, and take the refined one",
-)  # fmt: skip
+)
 
 
 def refuse_what_cannot_be_flown(instance: Instance, plan: Plan) -> None:

@@ -63,12 +63,14 @@ class MeanFlight:
         """The record for a plan file."""
         return PlanFlight.model_validate(
             {
-                "how": "mean", "gravity": self.gravity, "legs_sha256": self.plan.legs_sha256,
+                "how": "mean",
+                "gravity": self.gravity,
+                "legs_sha256": self.plan.legs_sha256,
                 "holds": self.holds,
                 "families": families_of(self.plan.legs, self.flown),
                 "tanks": tanks_left(self.tanks),
             }
-        )  # fmt: skip
+        )
 
     def __str__(self) -> str:
         broken = [str(tank) for tank in self.tanks if not tank.holds]

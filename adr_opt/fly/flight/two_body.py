@@ -144,9 +144,16 @@ class TwoBody:
         axes = np.array([x, np.cross(z, x), z])
         try:
             leaving, arriving = self._izzo(
-                self._mu, axes @ start, axes @ end, time_s, 0, True, True, MOST_ITERATIONS,
+                self._mu,
+                axes @ start,
+                axes @ end,
+                time_s,
+                0,
+                True,
+                True,
+                MOST_ITERATIONS,
                 LAMBERT_TOLERANCE,
-            )  # fmt: skip
+            )
         except (ValueError, RuntimeError, AssertionError, ZeroDivisionError) as error:
             raise ArithmeticError(f"no Lambert arc: {error}") from None
         leaving, arriving = axes.T @ leaving, axes.T @ arriving

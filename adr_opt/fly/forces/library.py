@@ -151,9 +151,12 @@ class World:
         brahe = self._brahe
         how = self.integration(_perigee_revolution_s(one.state) / one.steps)
         found = brahe.NumericalOrbitPropagator(
-            self._start + start_s, self._turned(one.state, self._axes), how, one.forces,
+            self._start + start_s,
+            self._turned(one.state, self._axes),
+            how,
+            one.forces,
             control_input=None if one.push is None else one.push.law(start_s, self._axes),
-        )  # fmt: skip
+        )
         found.set_trajectory_mode(brahe.TrajectoryMode.DISABLED)
         return found
 
@@ -174,9 +177,15 @@ class World:
     def _epoch(self, time: datetime) -> Any:
         utc = time.astimezone(UTC)
         return self._brahe.Epoch.from_datetime(
-            utc.year, utc.month, utc.day, utc.hour, utc.minute, float(utc.second),
-            1e3 * utc.microsecond, self._brahe.TimeSystem.UTC,
-        )  # fmt: skip
+            utc.year,
+            utc.month,
+            utc.day,
+            utc.hour,
+            utc.minute,
+            float(utc.second),
+            1e3 * utc.microsecond,
+            self._brahe.TimeSystem.UTC,
+        )
 
     def _to_gcrf(self, frame: Frame) -> Array:
         """Rotation matrix from a frame to GCRF, shape (3, 3)."""

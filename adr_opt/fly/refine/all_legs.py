@@ -193,18 +193,29 @@ def refined_again(
         running: dict[Future[RefinedLeg], int] = {
             (
                 calls.submit(
-                    refine_thrust_leg, instance, cast(TrueBodies, bodies), number, leg,
-                    propelled[number], tows[number],
+                    refine_thrust_leg,
+                    instance,
+                    cast(TrueBodies, bodies),
+                    number,
+                    leg,
+                    propelled[number],
+                    tows[number],
                 )
                 if leg.traits.has_arcs
                 else calls.submit(
-                    refine_leg, instance, bodies, number, leg, freedom, lead_ins.get(number, ()),
+                    refine_leg,
+                    instance,
+                    bodies,
+                    number,
+                    leg,
+                    freedom,
+                    lead_ins.get(number, ()),
                     number in after_launch,
                 )
             ): number
             for number, leg in legs
             if number not in done
-        }  # fmt: skip
+        }
         left = set(running)
         while left:
             ended, left = wait(left, POLL_S, FIRST_COMPLETED)
@@ -215,9 +226,10 @@ def refined_again(
                     continue
                 try:
                     done[number] = calls.result(future).replace(
-                        chaser=whose.get(number), holding_delta_v_m_s=ends.holding.get(number),
+                        chaser=whose.get(number),
+                        holding_delta_v_m_s=ends.holding.get(number),
                         vented_kg=vented_kg.get(number),
-                    )  # fmt: skip
+                    )
                 except ArithmeticError as error:
                     tow = error.name if isinstance(error, NoSpiral) else None
                     missing[number] = Missing(leg=number, reason=str(error), tow=tow)

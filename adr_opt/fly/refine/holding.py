@@ -92,13 +92,16 @@ def beginning(
         for flown, held in routes
     )
     shorter = plan.replace(
-        objective=objective, **proven_of(problem, objective)._asdict(),
-        cost_bound=None, cost_gap=None, cost_status=None,
+        objective=objective,
+        **proven_of(problem, objective)._asdict(),
+        cost_bound=None,
+        cost_gap=None,
+        cost_status=None,
         cost=cost_of_routes(instance, shown),
         routes=shown,
         unvisited=(*plan.unvisited, *dropped),
         notes=(*plan.notes, f"of {len(plan.legs)} legs {said} hold when refined"),
-    )  # fmt: skip
+    )
     renumbered = [
         _towing(instance, refined, shorter, leg.replace(leg=kept.index(leg.leg) + 1))
         for leg in refined.legs

@@ -159,12 +159,7 @@ def residual(course: LegEnds, flown: FlownImpulses) -> tuple[float, float]:
 
 
 def close(
-    course: LegEnds,
-    times: Array,
-    impulses: Array,
-    most: int = MOST_NEWTON,
-    *,
-    evenly: bool = False,
+    course: LegEnds, times: Array, impulses: Array, most: int = MOST_NEWTON, *, evenly: bool = False
 ) -> FlownImpulses:
     """Change impulses as little as necessary to reach the goal.
 

@@ -225,9 +225,13 @@ def solve_refined(  # noqa: PLR0913
     kept_back = mission.with_margin(margin or mission.margin)
     hearing = {name: arguments.pop(name) for name in ("building", "sizing") if name in arguments}
     wanted = RunOptions(
-        time_limit, jobs=planning_jobs, bound=bound, margin=margin, options=options or {},
+        time_limit,
+        jobs=planning_jobs,
+        bound=bound,
+        margin=margin,
+        options=options or {},
         **arguments,
-    )  # fmt: skip
+    )
 
     def over() -> bool:
         return stop is not None and stop.remaining_s() <= 0.0
@@ -246,11 +250,15 @@ def solve_refined(  # noqa: PLR0913
         wrong = troubles(kept_back, refined)
         held.append(
             Round(
-                len(held) + 1, here.connecting.corrections, plan.objective,
-                refined.planned_delta_v_m_s, refined.flown_delta_v_m_s + refined.holding_m_s, wrong,
+                len(held) + 1,
+                here.connecting.corrections,
+                plan.objective,
+                refined.planned_delta_v_m_s,
+                refined.flown_delta_v_m_s + refined.holding_m_s,
+                wrong,
                 refined,
             )
-        )  # fmt: skip
+        )
         told(held[-1])
         best.hear(beginning(kept_back, plan, refined) if wrong else (plan, refined))
         done = not wrong and (len(held) > 1 or not spend_savings)
@@ -288,10 +296,14 @@ def _ended(
         # It may be none of the connections of the last round: their bound is for the notes.
         routes = sequences(mission, plan)
         result = replace(
-            result, objective=plan.objective, upper_bound=math.inf, status=plan.status,
-            sequence=tuple(chain.from_iterable(routes)), routes=routes,
+            result,
+            objective=plan.objective,
+            upper_bound=math.inf,
+            status=plan.status,
+            sequence=tuple(chain.from_iterable(routes)),
+            routes=routes,
             notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
-        )  # fmt: skip
+        )
     over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
     if over:
         worst = max(over, key=lambda tank: tank.planned_delta_v_m_s - tank.budget_m_s)

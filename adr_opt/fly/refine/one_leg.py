@@ -92,10 +92,7 @@ def refine_leg(
     )
     docking = close(last, *with_a_middle(approach, to_target))
     phases = _phases(() if freedom == "free" else before, flown)
-    burns = [
-        *_burns(flown, phases),
-        *_burns(docking, ["approach"] * docking.times.size),
-    ]
+    burns = [*_burns(flown, phases), *_burns(docking, ["approach"] * docking.times.size)]
     misses = residual(course, flown), residual(last, docking)
     return RefinedLeg(
         leg=number,

@@ -155,9 +155,10 @@ def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
     one side of the orbit alone, narrower windows that keep it round cost time in place of ΔV.
     """
     began = np.r_[
-        programme.steered / SCALE, programme.thresholds,
+        programme.steered / SCALE,
+        programme.thresholds,
         (programme.second_s - task.start_s) / SCALE_S,
-    ]  # fmt: skip
+    ]
 
     def made(unknown: Array) -> Programme:
         return Programme(SCALE * unknown[:10], unknown[10:12], task.start_s + SCALE_S * unknown[12])

@@ -153,10 +153,7 @@ def propagate(
     g = (radius * sine + s * axis * versine) * axis / root
     f_dot = -root / (distance * radius) * sine
     g_dot = 1.0 - axis / distance * versine
-    return (
-        f[:, None] * r + g[:, None] * v,
-        f_dot[:, None] * r + g_dot[:, None] * v,
-    )
+    return (f[:, None] * r + g[:, None] * v, f_dot[:, None] * r + g_dot[:, None] * v)
 
 
 def _anomaly_difference(mean: Array, c: float, s: float) -> Array:

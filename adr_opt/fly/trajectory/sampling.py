@@ -214,10 +214,13 @@ def _arcs(
             positions, velocities = drift(position, velocity, times - burn.time_s, oblateness)
             found.append(
                 _arc(
-                    burn.phase, times, positions, velocities,
+                    burn.phase,
+                    times,
+                    positions,
+                    velocities,
                     *secular(position, velocity, oblateness),
                 )
-            )  # fmt: skip
+            )
             position, velocity = positions[-1], velocities[-1]
         found += _stay(instance, leg, step_s)
     except ArithmeticError as error:

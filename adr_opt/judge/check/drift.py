@@ -78,9 +78,11 @@ def cost_with(ends: Ends, radius: float, tilt: float) -> float:
     arcs, turned = arcs_of(ends, radius), tilt / ends.speed
     after = ends.inclination_i + turned
     inclinations = (
-        ends.inclination_i + 0.5 * turned, after, 0.5 * (after + ends.inclination_j),
+        ends.inclination_i + 0.5 * turned,
+        after,
+        0.5 * (after + ends.inclination_j),
         ends.inclination_j,
-    )  # fmt: skip
+    )
     node = ends.node - ends.target_rate * ends.approach
     for arc in range(4):
         rate = ephemeris.node_rate(arcs[arc, 0], inclinations[arc], ends.oblateness)

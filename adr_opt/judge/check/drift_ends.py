@@ -121,10 +121,21 @@ def ends_of(
         for orbit, perigee in zip((origin, destination), perigees, strict=True)
     ]
     return Ends(
-        radius_i, inclination_i, radius_j, inclination_j,
-        speed, sine, math.cos(inclination), span, float(approach), float(node), rate_j,
-        float(ahead), 0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0])),
-        rule.first_leg_fraction, rule.oblateness,
+        radius_i,
+        inclination_i,
+        radius_j,
+        inclination_j,
+        speed,
+        sine,
+        math.cos(inclination),
+        span,
+        float(approach),
+        float(node),
+        rate_j,
+        float(ahead),
+        0.25 * speed * float(np.linalg.norm(vectors[1] - vectors[0])),
+        rule.first_leg_fraction,
+        rule.oblateness,
         Eccentricities(
             (float(vectors[0][0]), float(vectors[0][1])),
             (float(vectors[1][0]), float(vectors[1][1])),
@@ -133,7 +144,7 @@ def ends_of(
                 float(ephemeris.perigee_rate_at(destination, arrival)),
             ),
         ),
-    )  # fmt: skip
+    )
 
 
 def _half_drift(

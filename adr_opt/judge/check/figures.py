@@ -14,11 +14,7 @@ from .violation import DELTA_V_TOLERANCE_M_S, TIME_TOLERANCE_S, Violation
 
 
 def check_costs(
-    delta_v: float,
-    shape: float,
-    number: int,
-    leg: Leg,
-    tolerance: float = DELTA_V_TOLERANCE_M_S,
+    delta_v: float, shape: float, number: int, leg: Leg, tolerance: float = DELTA_V_TOLERANCE_M_S
 ) -> Iterator[Violation]:
     """Check ΔV, and its part for matching eccentricity vectors, against recomputed values [m/s]."""
     if abs(leg.delta_v_m_s - delta_v) > tolerance:

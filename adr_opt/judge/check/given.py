@@ -82,9 +82,10 @@ def _by_function(
     first, last = float(function.departure[0]), float(function.departure[-1])
     if not first - TIME_TOLERANCE_S <= leg.departure_s <= last + TIME_TOLERANCE_S:
         yield Violation(
-            number, "departure",
+            number,
+            "departure",
             f"legs {ends} leave from {first!r} to {last!r}, not at {leg.departure_s!r}",
-        )  # fmt: skip
+        )
         return leg.arrival_s, leg.delta_v_m_s
     # Within the tolerance of a jump either arrival may be meant.
     early, late = (
@@ -94,18 +95,18 @@ def _by_function(
     arrival = _arrival(function, leg.departure_s)
     if not early - TIME_TOLERANCE_S <= leg.arrival_s <= late + TIME_TOLERANCE_S:
         yield Violation(
-            number, "arrival",
+            number,
+            "arrival",
             f"who leaves {ends} at {leg.departure_s!r} arrives at {arrival!r}, not at "
             f"{leg.arrival_s!r}",
-        )  # fmt: skip
+        )
         arrival = leg.arrival_s
     elif abs(arrival - leg.arrival_s) > TIME_TOLERANCE_S:
         arrival = leg.arrival_s
     if abs(leg.delta_v_m_s - function.cost) > DELTA_V_TOLERANCE_M_S:
         yield Violation(
-            number, "cost",
-            f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {function.cost!r}",
-        )  # fmt: skip
+            number, "cost", f"delta_v_m_s = {leg.delta_v_m_s!r}, but it costs {function.cost!r}"
+        )
         return arrival, leg.delta_v_m_s
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")

@@ -149,10 +149,12 @@ def _check_launch(
     if leg.departure_s < free - SLACK_S:
         yield Violation(number, "departure", "leaves before the chaser is ready")
     for name, stated, true in (
-        ("arrival_s", leg.arrival_s, leg.departure_s), ("delta_v_m_s", leg.delta_v_m_s, 0.0),
-        ("burns", len(leg.burns), 0), ("phasing_revolutions", leg.phasing_revolutions, 0),
+        ("arrival_s", leg.arrival_s, leg.departure_s),
+        ("delta_v_m_s", leg.delta_v_m_s, 0.0),
+        ("burns", len(leg.burns), 0),
+        ("phasing_revolutions", leg.phasing_revolutions, 0),
         ("eccentricity_delta_v_m_s", leg.eccentricity_delta_v_m_s, 0.0),
-    ):  # fmt: skip
+    ):
         if stated != true:
             yield Violation(number, "launch", f"{name}: {stated!r}, but a launch has {true!r}")
     return leg.departure_s, 0.0

@@ -16,15 +16,7 @@ from ...kernels.legs.co_elliptic import TransferRule
 from ...problem.drives import Drive, since_j2000_s
 from ...problem.instance import Instance
 from .drift_ends import GOLDEN, Ends, ends_of
-from .low_thrust_form import (
-    WINDOWS_DEG,
-    Steered,
-    laps_at,
-    parts,
-    places_of,
-    settled,
-    shadows_of,
-)
+from .low_thrust_form import WINDOWS_DEG, Steered, laps_at, parts, places_of, settled, shadows_of
 from .low_thrust_windows import steered_in
 
 FloatArray = npt.NDArray[np.float64]
@@ -72,9 +64,14 @@ def least_tilt(
 
 @kernel
 def best_speed(
-    ends: Ends, steered: Steered, times: tuple[float, float], low: float, high: float, about: float,
+    ends: Ends,
+    steered: Steered,
+    times: tuple[float, float],
+    low: float,
+    high: float,
+    about: float,
     far: float,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Speed and change of inclination of the cheapest drift orbit with a free phase [m/s]."""
     step, best, least = (high - low) / SPEEDS, 0, math.inf
     for number in range(SPEEDS + 1):
@@ -207,6 +204,10 @@ def cost_between(
     """ΔV of a low-thrust leg between two times, of the heaviest chaser or one of a mass [m/s]."""
     mass_kg = drive.heaviest_kg if mass_kg is None else mass_kg
     return low_thrust_cost(
-        ends, rule, since_j2000_s(instance.epoch), (drive.thrust_n / mass_kg, drive.exhaust_m_s),
-        departure, arrival,
-    )  # fmt: skip
+        ends,
+        rule,
+        since_j2000_s(instance.epoch),
+        (drive.thrust_n / mass_kg, drive.exhaust_m_s),
+        departure,
+        arrival,
+    )

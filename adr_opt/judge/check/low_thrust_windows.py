@@ -48,11 +48,7 @@ def sun_at(since_j2000: float) -> FloatArray:
     longitude += 1.915 * math.sin(anomaly) + 0.020 * math.sin(2.0 * anomaly)
     along, tilt = math.radians(longitude), math.radians(23.439)
     return np.array(
-        [
-            math.cos(along),
-            math.cos(tilt) * math.sin(along),
-            math.sin(tilt) * math.sin(along),
-        ]
+        [math.cos(along), math.cos(tilt) * math.sin(along), math.sin(tilt) * math.sin(along)]
     )
 
 
@@ -118,17 +114,15 @@ def windows_of(window: float, place: float, middle: float, half: float) -> LitWi
                 )
     single, double = sums / share
     return LitWindows(
-        share / mean, share / (2.0 * math.pi),
-        (float(single[0]), float(single[1])), (float(double[0]), float(double[1])),
-    )  # fmt: skip
+        share / mean,
+        share / (2.0 * math.pi),
+        (float(single[0]), float(single[1])),
+        (float(double[0]), float(double[1])),
+    )
 
 
 def steered_in(
-    window: float,
-    leg: Ends,
-    places: FloatArray,
-    part: float,
-    shadows: tuple[Vector, Vector],
+    window: float, leg: Ends, places: FloatArray, part: float, shadows: tuple[Vector, Vector]
 ) -> tuple[float, Vector, Shape]:
     """κ of a leg, shares of its windows, and what eccentricities ask for.
 

@@ -39,8 +39,9 @@ def check_registered(
         yield Violation(number, "kind", str(error))
         return as_stated
     for name, told, true in (
-        ("departure", leg.departure_s, found.departure), ("arrival", leg.arrival_s, found.arrival),
-    ):  # fmt: skip
+        ("departure", leg.departure_s, found.departure),
+        ("arrival", leg.arrival_s, found.arrival),
+    ):
         if abs(told - true) > TIME_TOLERANCE_S:
             yield Violation(number, name, f"{name}_s = {told!r}, but the nearest is {true!r}")
             return as_stated

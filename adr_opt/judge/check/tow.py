@@ -16,12 +16,7 @@ from ...plan.plan import Burn, Leg
 from ...problem.bodies import Target
 from ...problem.drives import Drive
 from ...problem.instance import Instance
-from .violation import (
-    DELTA_V_TOLERANCE_M_S,
-    MOST_RELEASE_OFF_M,
-    TIME_TOLERANCE_S,
-    Violation,
-)
+from .violation import DELTA_V_TOLERANCE_M_S, MOST_RELEASE_OFF_M, TIME_TOLERANCE_S, Violation
 from .zone_crossings import KEPLER_STEPS, ZonedArc
 
 FloatArray = npt.NDArray[np.float64]
@@ -155,8 +150,9 @@ def check_tow(
     soonest = end + towed.time_s
     last = max(soonest, leg.tow.end_s) if following is None else following.leaves_s
     for name, stated_s, true in (
-        ("start_s", leg.tow.start_s, last - towed.time_s), ("end_s", leg.tow.end_s, last),
-    ):  # fmt: skip
+        ("start_s", leg.tow.start_s, last - towed.time_s),
+        ("end_s", leg.tow.end_s, last),
+    ):
         if abs(stated_s - true) > TIME_TOLERANCE_S:
             yield Violation(number, "tow", f"{name} = {stated_s!r} of the tow, but it is {true!r}")
     if abs(leg.tow.delta_v_m_s - towed.delta_v_m_s) > DELTA_V_TOLERANCE_M_S:

@@ -131,9 +131,12 @@ def _stretches(origin: Orbit, leg: Leg, oblateness: float) -> Iterator[ZonedArc]
         if burn.phase == "approach" or following.time_s < burn.time_s:
             return
         stretch = ZonedArc(
-            position, velocity + np.array(burn.delta_v_m_s), burn.time_s, following.time_s,
+            position,
+            velocity + np.array(burn.delta_v_m_s),
+            burn.time_s,
+            following.time_s,
             oblateness,
-        )  # fmt: skip
+        )
         if not stretch.is_ellipse:
             return
         yield stretch

@@ -20,9 +20,14 @@ from ...sources.ephemerides.message_times import seconds_since
 Array = npt.NDArray[np.float64]
 
 NAMES: dict[str, FrameName] = {
-    "EME2000": "EME2000", "J2000": "EME2000", "GCRF": "GCRF", "ICRF": "ICRF", "TEME": "TEME",
-    "TEMEOFDATE": "TEME", "TEMEOFEPOCH": "TEME",
-}  # fmt: skip
+    "EME2000": "EME2000",
+    "J2000": "EME2000",
+    "GCRF": "GCRF",
+    "ICRF": "ICRF",
+    "TEME": "TEME",
+    "TEMEOFDATE": "TEME",
+    "TEMEOFEPOCH": "TEME",
+}
 """Frames by how messages call them, spaces apart."""
 
 

@@ -144,8 +144,11 @@ def _flown(judge: _Judge) -> tuple[list[_Passed], float, float]:
         course = Course(leg.leg, now, leg.standoff_s, burnt)
         thrust = fly_thrust(judge.instance, leg.thrust, course, state, world.zonals)
         state, now, lowest, shadow_s = (
-            thrust.state, leg.standoff_s, thrust.lowest_m, thrust.shadow_s,
-        )  # fmt: skip
+            thrust.state,
+            leg.standoff_s,
+            thrust.lowest_m,
+            thrust.shadow_s,
+        )
     for burn in leg.burns:
         if not at_standoff and burn.phase == "approach":
             state, low = world.arc(state, now, leg.standoff_s)

@@ -98,11 +98,13 @@ def _check_leg(
     if launched and before is not None:
         vented = before.vented_kg or vented
     for name, stated, true in (
-        ("kind", found.kind, leg.kind), ("origin", found.origin, leg.origin),
-        ("destination", found.destination, leg.destination), ("chaser", found.chaser, chaser),
+        ("kind", found.kind, leg.kind),
+        ("origin", found.origin, leg.origin),
+        ("destination", found.destination, leg.destination),
+        ("chaser", found.chaser, chaser),
         ("vented_kg", found.vented_kg, vented),
         ("after_launch", found.after_launch, True if launched and led is not None else None),
-    ):  # fmt: skip
+    ):
         if stated != true:
             yield Violation(number, "leg", f"{name} = {stated!r}, but in the plan {true!r}")
     if abs(found.planned_delta_v_m_s - leg.delta_v_m_s) > SAME_M_S:
@@ -128,11 +130,13 @@ def _check_phases(found: RefinedLeg, leg: Leg, freedom: Freedom) -> Iterator[Vio
     stated = [burn.phase for burn in found.burns]
     begun = stated.index("approach") if "approach" in stated else len(stated)
     true = [
-        "approach" if at >= begun
-        else "transfer" if freedom == "free"
+        "approach"
+        if at >= begun
+        else "transfer"
+        if freedom == "free"
         else planned.get(burn.time_s, "transfer")
         for at, burn in enumerate(found.burns)
-    ]  # fmt: skip
+    ]
     if stated != true:
         yield Violation(found.leg, "leg", f"phases are {stated}, but should be {true}")
 

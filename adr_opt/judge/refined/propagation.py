@@ -34,8 +34,13 @@ for _array in (BEFORE, WEIGHTS):
 def rates_of(elements: Array, zonals: Array, rates: Array) -> None:
     """Rates of change of the elements."""
     p, f, g, h, k, longitude = (
-        elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
-    )  # fmt: skip
+        elements[0],
+        elements[1],
+        elements[2],
+        elements[3],
+        elements[4],
+        elements[5],
+    )
     c, s = math.cos(longitude), math.sin(longitude)
     w = 1.0 + f * c + g * s
     r = p / w

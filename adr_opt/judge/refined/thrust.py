@@ -226,8 +226,13 @@ def _steps(elements: Array, duration: float) -> int:
 def _push(elements: Array, steering: Array, acceleration: float, rates: Array) -> None:
     """Add to the rates of elements what a thrust does to them [m/s²]."""
     p, f, g, h, k, longitude = (
-        elements[0], elements[1], elements[2], elements[3], elements[4], elements[5],
-    )  # fmt: skip
+        elements[0],
+        elements[1],
+        elements[2],
+        elements[3],
+        elements[4],
+        elements[5],
+    )
     c, s = math.cos(longitude), math.sin(longitude)
     latitude = longitude - math.atan2(k, h)
     cosine, sine = math.cos(latitude), math.sin(latitude)

@@ -54,10 +54,7 @@ def check_refined(instance: AnyInstance, plan: Plan, refined: RefinedPlan) -> tu
         The instance sets what this does not follow.
     """
     instance = followed(instance, FOLLOWS)
-    foreign = (
-        *check_identity(instance, plan, refined),
-        *check_ephemerides(instance, refined),
-    )
+    foreign = (*check_identity(instance, plan, refined), *check_ephemerides(instance, refined))
     return foreign or tuple(_violations(instance, plan, refined))
 
 

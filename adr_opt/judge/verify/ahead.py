@@ -275,9 +275,13 @@ def _sweep(legs, code, terms, tops, image, bits, best, second):
                     landed_second = _served(landed_second, image[j, kits], other_desk)
                 top = tops[kits] if is_station[j] else -1
                 put(
-                    best[kits, step, i], second[kits, step, i], landed, landed_second,
-                    Onward(cost[leg], top, code[j] - toll[leg], came_from), packing,
-                )  # fmt: skip
+                    best[kits, step, i],
+                    second[kits, step, i],
+                    landed,
+                    landed_second,
+                    Onward(cost[leg], top, code[j] - toll[leg], came_from),
+                    packing,
+                )
 
 
 def most_slots(slot_bytes: float) -> float:
@@ -286,10 +290,7 @@ def most_slots(slot_bytes: float) -> float:
 
 
 def look_ahead(
-    legs: Legs,
-    gain: Sequence[Fraction],
-    slot_m_s: float,
-    per_m_s: float = 0.0,
+    legs: Legs, gain: Sequence[Fraction], slot_m_s: float, per_m_s: float = 0.0
 ) -> Ahead:
     """Compute upper bounds on what can still be collected, for given gains.
 

@@ -128,13 +128,15 @@ def _walk_alone(
     (chaser,) = instance.chasers
     worths, least = worths_of(instance, certificate), _least_worth(instance, certificate, cost)
     answer = walks_reach(
-        legs_of(instance, chaser, connecting), _counts(instance, certificate, cost, chaser),
+        legs_of(instance, chaser, connecting),
+        _counts(instance, certificate, cost, chaser),
         remembered(instance, cost.neighbourhoods),
-        Fraction(cost.per_prize) * least - Fraction(cost.bound)
+        Fraction(cost.per_prize) * least
+        - Fraction(cost.bound)
         - _spent(instance, chaser, connecting),
         certificate.delta_v_slot_m_s,
         paying=Paying(instance.time_m_s_per_s, worths, least),
-    )  # fmt: skip
+    )
     said = f"a walk that is worth enough may cost less than {cost.bound:g} m/s"
     wrong = f"{said}, but the certificate says that none does"
     return (wrong if answer.reached else None), answer.labels
@@ -155,11 +157,14 @@ def _walks_together(
     for walks in cost.walks:
         for chaser, own in finders_of(instance, walks.chasers, connecting):
             answer = walks_reach(
-                legs_of(instance, chaser, own), _counts(instance, certificate, cost, chaser),
+                legs_of(instance, chaser, own),
+                _counts(instance, certificate, cost, chaser),
                 remembered(instance, walks.neighbourhoods),
                 max(Fraction(walks.most), Fraction(0)) - _spent(instance, chaser, own),
-                certificate.delta_v_slot_m_s, cuts, Paying(instance.time_m_s_per_s),
-            )  # fmt: skip
+                certificate.delta_v_slot_m_s,
+                cuts,
+                Paying(instance.time_m_s_per_s),
+            )
             labels += answer.labels
             if answer.reached:
                 said = f"a walk of {chaser.name!r} comes to {walks.most:g} m/s less what it costs"

@@ -140,9 +140,13 @@ def _least_m_s(instance: Instance) -> FloatArray:
     radius, high = elements.radii(rows, EPOCH_S), EARTH_RADIUS_M + settings.max_altitude_m
     inclination, node = elements.inclinations(rows, EPOCH_S), elements.nodes(rows, EPOCH_S)
     normal = np.stack(
-        [np.sin(inclination) * np.sin(node), -np.sin(inclination) * np.cos(node),
-         np.cos(inclination)], axis=1
-    )  # fmt: skip
+        [
+            np.sin(inclination) * np.sin(node),
+            -np.sin(inclination) * np.cos(node),
+            np.cos(inclination),
+        ],
+        axis=1,
+    )
     slowest = np.sqrt(2.0 * MU_M3_S2 * radius / (high * (high + radius)))
     least = 0.5 * settings.standoff_m * np.sqrt(MU_M3_S2 / radius**3)
     for body in range(len(rows)):

@@ -226,9 +226,11 @@ def _is_dominated_at(kept, tolls, place, label):
             beyond, own = ~memory[0], memories[0]
             for k in range(begin, end):
                 found |= (
-                    (lefts[k] >= left) & (values[k] >= value) & (counts[k] <= visits)
+                    (lefts[k] >= left)
+                    & (values[k] >= value)
+                    & (counts[k] <= visits)
                     & (own[k] & beyond == 0)
-                )  # fmt: skip
+                )
         else:
             for k in range(begin, end):
                 if lefts[k] >= left and values[k] >= value and counts[k] <= visits:
@@ -473,9 +475,13 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
             label = ready[cursor[2]]
             body, kits = labels.body[label], labels.kits[label]
             own = Compared(
-                labels.left[label], labels.value[label], labels.worth[label],
-                labels.visits[label], labels.memory[label], labels.odd[label],
-            )  # fmt: skip
+                labels.left[label],
+                labels.value[label],
+                labels.worth[label],
+                labels.visits[label],
+                labels.memory[label],
+                labels.odd[label],
+            )
             if not _is_dominated(cargo, tolls, kept, body, kits, own):
                 ends = legs.terms.may_end[body] and not is_unused(cargo, kits)
                 if ends and _is_asked_for(question, own, labels.time[label]):

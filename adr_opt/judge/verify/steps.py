@@ -184,14 +184,22 @@ def _sweep(legs, behind, i, came_from, terms, values, high, low):
             if top >= 0:
                 full = top if is_station[j] else -1
                 put(
-                    own, other, landed, landed_second, Onward(cost, full, code[j], came_from),
+                    own,
+                    other,
+                    landed,
+                    landed_second,
+                    Onward(cost, full, code[j], came_from),
                     packing,
-                )  # fmt: skip
+                )
             else:
                 put(
-                    own, other, landed, landed_second,
-                    Onward(0, -1, code[j] - cost * toll, came_from), packing,
-                )  # fmt: skip
+                    own,
+                    other,
+                    landed,
+                    landed_second,
+                    Onward(0, -1, code[j] - cost * toll, came_from),
+                    packing,
+                )
     return behind
 
 
@@ -259,9 +267,12 @@ def most_in_steps(
     best[:, steps] = np.where(terms.may_end, mask, counting.never)[:, None]
     second[:, steps] = counting.never
     step_terms = StepTerms(
-        code, kind(toll << bits), terms.is_station, slots - 1 if worth_per_m_s is None else -1,
+        code,
+        kind(toll << bits),
+        terms.is_station,
+        slots - 1 if worth_per_m_s is None else -1,
         Packing(mask, kind(counting.never)),
-    )  # fmt: skip
+    )
     values = StepValues(best, second)
     behind = [each.size for each in legs]
     high = steps
@@ -306,9 +317,7 @@ def _find_room(size: float) -> None:
 
 
 def _legs(
-    terms: Terms,
-    connecting: ConnectionFinder,
-    grid: StepGrid,
+    terms: Terms, connecting: ConnectionFinder, grid: StepGrid
 ) -> tuple[list[npt.NDArray[np.int64]], int]:
     """Legs of each body in order of departure, and the least number of steps.
 

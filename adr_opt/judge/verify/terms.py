@@ -108,9 +108,22 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         in_time &= np.arange(bodies) >= first_target
         starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
     return Terms(
-        home, may_follow, begin, last, opens, closes, service, tows,
-        np.arange(bodies) < stations, may_end, starts, ready, cargo, begun, most,
-    )  # fmt: skip
+        home,
+        may_follow,
+        begin,
+        last,
+        opens,
+        closes,
+        service,
+        tows,
+        np.arange(bodies) < stations,
+        may_end,
+        starts,
+        ready,
+        cargo,
+        begun,
+        most,
+    )
 
 
 def flown_from(

@@ -142,9 +142,16 @@ def verify(
     reasons += priced.reasons
     objective = None if plan is None else plan.objective
     return Verdict(
-        tuple(reasons), bound, objective, labels + priced.labels, sampled.connections,
-        sampled.departures, legs, difference, priced.bound,
-    )  # fmt: skip
+        tuple(reasons),
+        bound,
+        objective,
+        labels + priced.labels,
+        sampled.connections,
+        sampled.departures,
+        legs,
+        difference,
+        priced.bound,
+    )
 
 
 def _of_former_model(instance: Instance, certificate: Certificate) -> list[str]:

@@ -203,8 +203,11 @@ def _kept_room(places: int, words: tuple[int, int], size: int) -> KeptLabels:
     """Storage for labels kept for comparison."""
     visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
     return KeptLabels(
-        np.zeros(places, dtype=np.int64), np.empty((places, size)),
-        np.empty((places, size), dtype=np.int64), np.empty((places, size), dtype=np.int64),
-        visits, came_from,
+        np.zeros(places, dtype=np.int64),
+        np.empty((places, size)),
+        np.empty((places, size), dtype=np.int64),
+        np.empty((places, size), dtype=np.int64),
+        visits,
+        came_from,
         *(np.empty((places, each, size), dtype=np.int64) for each in words),
-    )  # fmt: skip
+    )

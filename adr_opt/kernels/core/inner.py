@@ -74,9 +74,13 @@ class OuterCompiler(Compiler):
 
 
 def rebuilt(
-    target: Any, code: tuple[str, str, bytes], description: Any, env: Any, signature: Any,
+    target: Any,
+    code: tuple[str, str, bytes],
+    description: Any,
+    env: Any,
+    signature: Any,
     *more: Any,
-) -> Any:  # fmt: skip
+) -> Any:
     """Inner function, restored from the parts that ``CompileResult._reduce`` gives.
 
     Parameters
@@ -94,9 +98,16 @@ def rebuilt(
     library._final_module = llvm.parse_bitcode(code[2])
     library._finalize_final_module()
     return compile_result(
-        typing_context=target.typing_context, target_context=target,
+        typing_context=target.typing_context,
+        target_context=target,
         entry_point=target.get_executable(library, description, env),
-        type_annotation=annotation, signature=signature, objectmode=objectmode, lifted=lifted,
-        fndesc=description, library=library, environment=env, reload_init=reload_init,
+        type_annotation=annotation,
+        signature=signature,
+        objectmode=objectmode,
+        lifted=lifted,
+        fndesc=description,
+        library=library,
+        environment=env,
+        reload_init=reload_init,
         referenced_envs=envs,
-    )  # fmt: skip
+    )

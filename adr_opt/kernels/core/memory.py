@@ -64,9 +64,10 @@ def _fetch(_, array, indices):
         address = builder.gep(builder.bitcast(view.data, byte), [place])
         flag = ir.IntType(32)
         ask = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(ir.VoidType(), [byte, flag, flag, flag]),
+            builder.module,
+            ir.FunctionType(ir.VoidType(), [byte, flag, flag, flag]),
             "llvm.prefetch.p0i8",
-        )  # fmt: skip
+        )
         # For reading, to be kept in all caches, data.
         builder.call(ask, [address, flag(0), flag(3), flag(1)])
         return context.get_dummy_value()

@@ -129,10 +129,13 @@ def state_of(episodes, e):
     return State(
         np.int64(episodes.body[e]),
         Resources(
-            episodes.time[e], episodes.left[e], np.int64(episodes.since[e]),
-            np.int64(episodes.serviced[e]), np.int64(0),
+            episodes.time[e],
+            episodes.left[e],
+            np.int64(episodes.since[e]),
+            np.int64(episodes.serviced[e]),
+            np.int64(0),
         ),
-    )  # fmt: skip
+    )
 
 
 @inlined

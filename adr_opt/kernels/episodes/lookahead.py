@@ -201,9 +201,15 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
             for chain in range(chains):
                 mark += 1
                 worth, collected, end, rest = greedy_chain(
-                    rules, outlook, state, visited, move, gains,
-                    ChainRule(1.0 / _WORTH[chain], _FORESIGHT[chain]), Stamps(stamp, mark),
-                )  # fmt: skip
+                    rules,
+                    outlook,
+                    state,
+                    visited,
+                    move,
+                    gains,
+                    ChainRule(1.0 / _WORTH[chain], _FORESIGHT[chain]),
+                    Stamps(stamp, mark),
+                )
                 left_s = rules.duration - end
                 seen[2 * chain] = clip(worth * PER_TEN, 0.0, LIMIT)
                 seen[2 * chain + 1] = clip(left_s * PER_HOUR * PER_TEN, 0.0, LIMIT)

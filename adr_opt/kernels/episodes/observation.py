@@ -68,12 +68,36 @@ MOVE_FIELDS = (
 )
 
 (
-    LEGAL, IS_STATION, IS_OPEN, NEEDED, NEEDED_OF_LEFT, TAKEN, TAKEN_OF_LEFT, COST, LEFT_AFTER,
-    TIME_AFTER, BACK, LEFT_AFTER_BACK, SAFE, BACK_TIME, NEXT_NEEDED, NEXT_TAKEN, NEXT_COST,
-    SECOND_COST, NEAR_OPEN, NEAR_ANGLE, RADIUS_FROM_CHASER, INCLINATION_FROM_CHASER,
-    RAAN_FROM_CHASER, ANGLE_FROM_CHASER, RADIUS_FROM_HOME, INCLINATION_FROM_HOME, RAAN_FROM_HOME,
-    ANGLE_FROM_HOME, PHASE,
-) = range(len(MOVE_FIELDS))  # fmt: skip
+    LEGAL,
+    IS_STATION,
+    IS_OPEN,
+    NEEDED,
+    NEEDED_OF_LEFT,
+    TAKEN,
+    TAKEN_OF_LEFT,
+    COST,
+    LEFT_AFTER,
+    TIME_AFTER,
+    BACK,
+    LEFT_AFTER_BACK,
+    SAFE,
+    BACK_TIME,
+    NEXT_NEEDED,
+    NEXT_TAKEN,
+    NEXT_COST,
+    SECOND_COST,
+    NEAR_OPEN,
+    NEAR_ANGLE,
+    RADIUS_FROM_CHASER,
+    INCLINATION_FROM_CHASER,
+    RAAN_FROM_CHASER,
+    ANGLE_FROM_CHASER,
+    RADIUS_FROM_HOME,
+    INCLINATION_FROM_HOME,
+    RAAN_FROM_HOME,
+    ANGLE_FROM_HOME,
+    PHASE,
+) = range(len(MOVE_FIELDS))
 # Columns of the moves, in the order of their names.
 
 PRIZE_FIELD = "prize [mean prizes of the field]"
@@ -100,10 +124,23 @@ MISSION_FIELDS = (
 )
 
 (
-    LEFT, LEFT_OF_BUDGET, BUDGET, TIME, TIME_OF_DURATION, DURATION, OPEN_SHARE, OPEN_TARGETS,
-    LEGAL_SHARE, DOCKED, EARNED, CHASER_RADIUS, CHASER_INCLINATION, CHASER_RAAN, HOME_REACHABLE,
+    LEFT,
+    LEFT_OF_BUDGET,
+    BUDGET,
+    TIME,
+    TIME_OF_DURATION,
+    DURATION,
+    OPEN_SHARE,
+    OPEN_TARGETS,
+    LEGAL_SHARE,
+    DOCKED,
+    EARNED,
+    CHASER_RADIUS,
+    CHASER_INCLINATION,
+    CHASER_RAAN,
+    HOME_REACHABLE,
     TIME_PER_TARGET,
-) = range(len(MISSION_FIELDS))  # fmt: skip
+) = range(len(MISSION_FIELDS))
 # Columns of the mission, in the order of their names.
 
 DEGREES = 180.0 / math.pi
@@ -344,9 +381,15 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
                 out[row, column] = 0.0
         legal[e] = count
         _write_mission(
-            mission[e], rules, home, orbit, now, left, remaining,
+            mission[e],
+            rules,
+            home,
+            orbit,
+            now,
+            left,
+            remaining,
             BodyCounts(bodies, unvisited, count),
-        )  # fmt: skip
+        )
         mission[e, DOCKED] = 1.0 if body == HOME else 0.0
         mission[e, EARNED] = 1.0 if since > 0 else 0.0
         mission[e, HOME_REACHABLE] = 1.0 if station_reachable else 0.0

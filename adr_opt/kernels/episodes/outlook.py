@@ -101,9 +101,11 @@ def fill(bodies, table, service, outlook):
         for j in range(count):
             other = bodies[j]
             _, _, theta = relative_node(
-                inclination_at(one, EPOCH_S), node_at(one, EPOCH_S),
-                inclination_at(other, EPOCH_S), node_at(other, EPOCH_S),
-            )  # fmt: skip
+                inclination_at(one, EPOCH_S),
+                node_at(one, EPOCH_S),
+                inclination_at(other, EPOCH_S),
+                node_at(other, EPOCH_S),
+            )
             outlook.angle[i, j] = theta
     stacked_timetables.fill_column(table, HOME, outlook.home)
     costs, items = np.empty(NEAR), np.empty(NEAR, dtype=np.int64)

@@ -10,16 +10,7 @@ from ..core.compile import inlined, kernel
 from ..core.draws import delay_at, lognormal_at
 from ..core.memory import borrowed
 from .episodes import SERVICE, clip, rules_of, state_of
-from .observation import (
-    LEGAL,
-    LIMIT,
-    NEEDED,
-    PER_HOUR,
-    PER_KM_S,
-    PER_TEN,
-    PRIZE,
-    observe_transfer,
-)
+from .observation import LEGAL, LIMIT, NEEDED, PER_HOUR, PER_KM_S, PER_TEN, PRIZE, observe_transfer
 from .outlook import HOME
 from .worlds import (
     ALL_TRIES_S,
@@ -48,9 +39,9 @@ WORLD_FIELDS = (
     "mean time of the stay with all tries [10 h]",
 )
 
-(
-    WORTH, IS_GONE, SUCCEEDS, MEAN_NEEDED, SPREAD_NEEDED, HOLDS, MEAN_TRY, LATE_TRY, MEAN_STAY,
-) = range(PRIZE + 1, PRIZE + 1 + len(WORLD_FIELDS))  # fmt: skip
+(WORTH, IS_GONE, SUCCEEDS, MEAN_NEEDED, SPREAD_NEEDED, HOLDS, MEAN_TRY, LATE_TRY, MEAN_STAY) = (
+    range(PRIZE + 1, PRIZE + 1 + len(WORLD_FIELDS))
+)
 # Columns of the moves, in the order of their names.
 
 LATE_SHARE = 0.9

@@ -36,9 +36,20 @@ SIGMA, LEAST, MOST, MEAN, DEVIATION = range(5)
 """Columns of :attr:`WorldTables.factors`."""
 
 (
-    SUCCESS, TRIES, GONE_CHANCE, STAY_SIGMA, STAY_LEAST, STAY_MOST, DELAY_CHANCE, DELAY_MEAN,
-    DELAY_MOST, CAUGHT, MEAN_S, LATE_S, ALL_TRIES_S,
-) = range(13)  # fmt: skip
+    SUCCESS,
+    TRIES,
+    GONE_CHANCE,
+    STAY_SIGMA,
+    STAY_LEAST,
+    STAY_MOST,
+    DELAY_CHANCE,
+    DELAY_MEAN,
+    DELAY_MOST,
+    CAUGHT,
+    MEAN_S,
+    LATE_S,
+    ALL_TRIES_S,
+) = range(13)
 """Columns of :attr:`WorldTables.models`; the last four are there to be observed."""
 
 NOTHING_LEFT_M_S = -SLACK_M_S
@@ -173,12 +184,16 @@ def _tried(worlds, e, slot, target, begins, planned, duration):
     what, keys = tables.models[slot, worlds.states.model[e], target], tables.target_keys[slot]
     took = planned * lognormal_at(
         uniform_at(state, keys[target, SERVICE_KEY]),
-        what[STAY_SIGMA], what[STAY_LEAST], what[STAY_MOST],
-    )  # fmt: skip
+        what[STAY_SIGMA],
+        what[STAY_LEAST],
+        what[STAY_MOST],
+    )
     took += delay_at(
         uniform_at(state, keys[target, DELAY_KEY]),
-        what[DELAY_CHANCE], what[DELAY_MEAN], what[DELAY_MOST],
-    )  # fmt: skip
+        what[DELAY_CHANCE],
+        what[DELAY_MEAN],
+        what[DELAY_MOST],
+    )
     end = begins
     most = int(what[TRIES])
     for attempt in range(most):

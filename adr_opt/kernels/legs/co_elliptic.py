@@ -349,9 +349,13 @@ def phasing_radius(pair, rule, revolutions, time):
     r = pair.reference + d
     for _ in range(8):
         t0, t1, t2 = flight_time(
-            pair.radius_i, pair.radius_j, pair.widening_i, pair.widening_j,
-            rule.first_leg_fraction, r,
-        )  # fmt: skip
+            pair.radius_i,
+            pair.radius_j,
+            pair.widening_i,
+            pair.widening_j,
+            rule.first_leg_fraction,
+            r,
+        )
         if revolutions > 0:
             p0, p1, p2 = lap_time(r, pair.widening_j)
             t0 += k * p0

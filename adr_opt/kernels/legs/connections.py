@@ -114,9 +114,15 @@ def _lay_out(pair, rule, curves, begin, size, duration, grid):
         for row in range(max(int(least / lap - 1e-6), 0), min(int(most / lap + 1e-6) + 1, rows)):
             in_time = int(max((last - row * lap - start) / half_period, -1.0)) + 1 - begin
             phasing.lower(
-                pair, rule, curves, k, grid.time[row], max(min(in_time, size), 0),
-                grid.cost[row], grid.revolutions[row],
-            )  # fmt: skip
+                pair,
+                rule,
+                curves,
+                k,
+                grid.time[row],
+                max(min(in_time, size), 0),
+                grid.cost[row],
+                grid.revolutions[row],
+            )
 
 
 @kernel
@@ -174,9 +180,13 @@ def _sift(pair, rule, sieve, grid, e, known, kept):
                 rule.zones, grid.departure[e], grid.departure[e] + grid.time[row, e] + approach
             ):
                 grid.cost[row, e], grid.revolutions[row, e] = _cheapest_open(
-                    pair, rule, grid.revolutions[row, e], grid.departure[e], grid.time[row, e],
+                    pair,
+                    rule,
+                    grid.revolutions[row, e],
+                    grid.departure[e],
+                    grid.time[row, e],
                     cheapest - resolution,
-                )  # fmt: skip
+                )
             if grid.cost[row, e] < math.inf:
                 cheapest = known[crossing] = grid.cost[row, e]
                 kept[count] = row
@@ -215,9 +225,12 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
     rows = int((longest - pair.shortest) / lap + 1e-6) + 1
     size = min(events, BLOCK)
     grid = CrossingGrid(
-        np.empty(size), np.empty(size, np.int64),
-        np.empty((rows, size)), np.empty((rows, size)), np.empty((rows, size), np.int64),
-    )  # fmt: skip
+        np.empty(size),
+        np.empty(size, np.int64),
+        np.empty((rows, size)),
+        np.empty((rows, size)),
+        np.empty((rows, size), np.int64),
+    )
     known = np.empty(int(max(duration - first, 0.0) / lap * 2.0) + 2 * rows + 8)
     for crossing in range(known.size):
         known[crossing] = math.inf
@@ -241,9 +254,13 @@ def of_pair(orbit_i, orbit_j, extra_delta_v, rule, duration, resolution):
                 costs[at], laps[at] = grid.cost[kept[c], e], grid.revolutions[kept[c], e]
                 crossings[at] = grid.crossing[e] + 2 * kept[c]
     return ConnectionArrays(
-        ending(departures, at), ending(arrivals, at), ending(costs, at), ending(laps, at),
-        ending(crossings, at), filled(room - at, SHORT),
-    )  # fmt: skip
+        ending(departures, at),
+        ending(arrivals, at),
+        ending(costs, at),
+        ending(laps, at),
+        ending(crossings, at),
+        filled(room - at, SHORT),
+    )
 
 
 @kernel

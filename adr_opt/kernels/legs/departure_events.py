@@ -46,7 +46,13 @@ def listed_at(event, departure):
 @inlined
 def least_speed(pair, rule):
     """Lower bound on speed at the turn, which costs at least that times the sine [m/s]."""
-    return (1.0 - 1e-9) * pair.speed_i * math.sqrt(
-        2.0 * pair.radius_i * pair.radius_i
-        / (rule.max_radius * (pair.radius_i + rule.max_radius))
-    )  # fmt: skip
+    return (
+        (1.0 - 1e-9)
+        * pair.speed_i
+        * math.sqrt(
+            2.0
+            * pair.radius_i
+            * pair.radius_i
+            / (rule.max_radius * (pair.radius_i + rule.max_radius))
+        )
+    )

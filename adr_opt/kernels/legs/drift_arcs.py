@@ -94,9 +94,18 @@ def coast(pair, span, radius):
     slope = -rate * longer - 1.5 * motion * (1.0 + pulled * (7.0 / 3.0)) * drifting * inverse
     phase = 3.0 * math.pi - square * (node_out + node_back + node_end) + rate * drifting
     return Coast(
-        drifting, -node_out, -pull * motion * drifting, -node_back, -node_end, phase, slope,
-        longer, per_out, per_back, per_end,
-    )  # fmt: skip
+        drifting,
+        -node_out,
+        -pull * motion * drifting,
+        -node_back,
+        -node_end,
+        phase,
+        slope,
+        longer,
+        per_out,
+        per_back,
+        per_end,
+    )
 
 
 @inlined
@@ -118,5 +127,10 @@ def moved(arcs, radius, step):
         arcs.node_drift * scale,
         arcs.node_back * (1.0 + twice * arcs.per_back),
         arcs.node_end * (1.0 + twice * arcs.per_end),
-        arcs.phase, arcs.phase_slope, arcs.longer, arcs.per_out, arcs.per_back, arcs.per_end,
-    )  # fmt: skip
+        arcs.phase,
+        arcs.phase_slope,
+        arcs.longer,
+        arcs.per_out,
+        arcs.per_back,
+        arcs.per_end,
+    )

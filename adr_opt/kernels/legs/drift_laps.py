@@ -85,9 +85,7 @@ def node_series(pair, task, arcs):
     p1 = -arcs.node_drift * s - 0.5 * (arcs.node_out * s + arcs.node_back * linear.sine)
     p2 = -0.5 * arcs.node_drift * c - 0.125 * (arcs.node_out * c + arcs.node_back * pair.cosine)
     p3 = arcs.node_drift * s / 6.0 + (arcs.node_out * s + arcs.node_back * linear.sine) / 48.0
-    return NodeSeries(
-        p0, p1, p2, p3, arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0
-    )  # fmt: skip
+    return NodeSeries(p0, p1, p2, p3, arcs.node_drift * c / 24.0, -arcs.node_drift * s / 120.0)
 
 
 @inlined

@@ -110,9 +110,13 @@ def short_ones(orbit_i, orbit_j, extra_delta_v, rule, times, duration, resolutio
     _by_departure(found.departure, found.arrival, order)
     arrival = chosen(found.arrival, order, size)
     return ConnectionArrays(
-        chosen(found.departure, order, size), arrival, chosen(found.delta_v, order, size),
-        chosen(found.revolutions, order, size), ranks(arrival), filled(size, SHORT),
-    )  # fmt: skip
+        chosen(found.departure, order, size),
+        arrival,
+        chosen(found.delta_v, order, size),
+        chosen(found.revolutions, order, size),
+        ranks(arrival),
+        filled(size, SHORT),
+    )
 
 
 @kernel

@@ -51,9 +51,20 @@ LANES = 8
 """Number of lanes in the widest vectors."""
 
 (
-    BASE, SINE, COSINE, ACROSS_I, ALONG_I, ACROSS_J, ALONG_J, TURN,
-    MATCHING, MATCHING_1, MATCHING_2, EARLIEST, ERROR,
-) = range(13)  # fmt: skip
+    BASE,
+    SINE,
+    COSINE,
+    ACROSS_I,
+    ALONG_I,
+    ACROSS_J,
+    ALONG_J,
+    TURN,
+    MATCHING,
+    MATCHING_1,
+    MATCHING_2,
+    EARLIEST,
+    ERROR,
+) = range(13)
 COST, REVOLUTIONS, LEFT, MET = range(4)
 
 
@@ -312,9 +323,14 @@ def lay_out(pair, grid, numbers, bases, rows):
             grid.found[row, e] = math.inf
     sines = 2.0 * math.sin(pair.inclination_i) * math.sin(pair.inclination_j)
     motion = _Motion(
-        pair.rate_i, pair.rate_j, math.cos(pair.inclination_i), math.cos(pair.inclination_j),
-        pair.lag_rate, sines, pair.fixed_delta_v,
-    )  # fmt: skip
+        pair.rate_i,
+        pair.rate_j,
+        math.cos(pair.inclination_i),
+        math.cos(pair.inclination_j),
+        pair.lag_rate,
+        sines,
+        pair.fixed_delta_v,
+    )
     for k in range(grid.curves.shape[0]):
         low = pair.shortest + k * pair.shortest_lap
         high = pair.longest + k * pair.longest_lap
@@ -329,8 +345,11 @@ def lay_out(pair, grid, numbers, bases, rows):
                 # Whole vectors: the rest of a loop that is none would take as long as all of it.
                 begin = begin // LANES * LANES
                 _lower(
-                    grid.facts[begin:], grid.curves[k], grid.found[row, begin:],
+                    grid.facts[begin:],
+                    grid.curves[k],
+                    grid.found[row, begin:],
                     (end - begin + LANES - 1) // LANES * LANES,
-                    _Laps(float(k), row * lap, low, high), motion,
-                )  # fmt: skip
+                    _Laps(float(k), row * lap, low, high),
+                    motion,
+                )
             row += 1

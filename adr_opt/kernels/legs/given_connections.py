@@ -77,6 +77,10 @@ def sifted(departure, arrival, cost, latest, resolution):
     count = order.size
     lands = chosen(arrival, order, count)
     return ConnectionArrays(
-        chosen(departure, order, count), lands, chosen(cost, order, count), filled(count, 0),
-        ranks(lands), filled(count, GIVEN),
-    )  # fmt: skip
+        chosen(departure, order, count),
+        lands,
+        chosen(cost, order, count),
+        filled(count, 0),
+        ranks(lands),
+        filled(count, GIVEN),
+    )

@@ -60,18 +60,49 @@ def weighted(pair, turn):
     """
     of = pair.linear
     linear = LinearPair(
-        turn * of.speed, of.sine, of.lag, of.lag_rate, of.lag_by_departure, of.climb,
-        turn * of.tilt, turn * of.by_radius, of.by_inclination, of.radius_i, of.radius_j,
-        of.least_climb, of.most_climb, of.eccentricity_i, of.eccentricity_j, of.perigee_lag,
+        turn * of.speed,
+        of.sine,
+        of.lag,
+        of.lag_rate,
+        of.lag_by_departure,
+        of.climb,
+        turn * of.tilt,
+        turn * of.by_radius,
+        of.by_inclination,
+        of.radius_i,
+        of.radius_j,
+        of.least_climb,
+        of.most_climb,
+        of.eccentricity_i,
+        of.eccentricity_j,
+        of.perigee_lag,
         of.perigee_lag_rate,
-    )  # fmt: skip
+    )
     return DriftPair(
-        linear, pair.speed_i, pair.climb, pair.least_climb, pair.most_climb, pair.inclination_i,
-        pair.inclination_j, pair.cosine, pair.cosine_i, pair.sine_i, pair.cosine_j,
-        pair.node_rate_i, pair.node_rate_j, pair.latitude, pair.latitude_rate_i,
-        pair.latitude_rate_j, pair.lead, pair.approach, pair.half, pair.fraction, pair.oblateness,
-        pair.acceleration_i, pair.acceleration_j,
-    )  # fmt: skip
+        linear,
+        pair.speed_i,
+        pair.climb,
+        pair.least_climb,
+        pair.most_climb,
+        pair.inclination_i,
+        pair.inclination_j,
+        pair.cosine,
+        pair.cosine_i,
+        pair.sine_i,
+        pair.cosine_j,
+        pair.node_rate_i,
+        pair.node_rate_j,
+        pair.latitude,
+        pair.latitude_rate_i,
+        pair.latitude_rate_j,
+        pair.lead,
+        pair.approach,
+        pair.half,
+        pair.fraction,
+        pair.oblateness,
+        pair.acceleration_i,
+        pair.acceleration_j,
+    )
 
 
 @inlined

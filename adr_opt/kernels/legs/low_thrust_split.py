@@ -26,14 +26,7 @@ from ..core.compile import inlined
 from .drift_arcs import node_at
 from .drift_free import Rest, first_guess, least_turns, with_bowl
 from .drift_laps import tilt_at
-from .low_thrust_arcs import (
-    ArcTimes,
-    arc_times,
-    beside_ramps,
-    chord,
-    longitude_gained,
-    node_series,
-)
+from .low_thrust_arcs import ArcTimes, arc_times, beside_ramps, chord, longitude_gained, node_series
 
 MOST_ROUNDS = 60
 """Maximum number of rounds in which times of thrust converge."""

@@ -70,10 +70,14 @@ def prepare(orbit_i, orbit_j, rule, since_j2000, time):
     node_j, _ = ephemeris.node_tangent(orbit_j, time)
     perigee_i, perigee_rate_i = ephemeris.perigee_tangent(orbit_i, time)
     return LowThrustPair(
-        drift_pair.prepare(orbit_i, orbit_j, rule, time), node_i, node_j,
-        rate_i - ephemeris.coasting_node_rate_at(orbit_i, time), since_j2000, perigee_i,
+        drift_pair.prepare(orbit_i, orbit_j, rule, time),
+        node_i,
+        node_j,
+        rate_i - ephemeris.coasting_node_rate_at(orbit_i, time),
+        since_j2000,
+        perigee_i,
         perigee_rate_i,
-    )  # fmt: skip
+    )
 
 
 class Lit(NamedTuple):
@@ -199,9 +203,14 @@ def places(pair, task, departure, arrival):
             linear.radius_j, drift.inclination_j, node_j, pair.since_j2000 + late
         )
     return Places(
-        first, second, share, shadow_i, shadow_j, drift.climb,
+        first,
+        second,
+        share,
+        shadow_i,
+        shadow_j,
+        drift.climb,
         _shapes(pair, (first, second, share), (shadow_i, shadow_j), task.span, arrival),
-    )  # fmt: skip
+    )
 
 
 @inlined
@@ -236,11 +245,12 @@ def _shapes(pair, thrust, dark, span, arrival):
     one = room(dark[0], turn_i, share)
     other = room(dark[1], turn_j, 1.0 - share)
     return Shapes(
-        linear.speed * x, linear.speed * y,
+        linear.speed * x,
+        linear.speed * y,
         (math.cos(first + turn_i), math.sin(first + turn_i)),
         (math.cos(second + turn_j), math.sin(second + turn_j)),
         Metric(one.xx + other.xx, one.xy + other.xy, one.yy + other.yy),
-    )  # fmt: skip
+    )
 
 
 @inlined

@@ -62,9 +62,13 @@ def curves_of(pair, rule):
     for n in range(NODES):
         r = radius[n] = middle + half * POINTS[n]
         flight[n] = co_elliptic.flight_time(
-            pair.radius_i, pair.radius_j, pair.widening_i, pair.widening_j,
-            rule.first_leg_fraction, r,
-        )[0]  # fmt: skip
+            pair.radius_i,
+            pair.radius_j,
+            pair.widening_i,
+            pair.widening_j,
+            rule.first_leg_fraction,
+            r,
+        )[0]
         lap[n] = co_elliptic.lap_time(r, pair.widening_j)[0]
         direct[0, n], direct[1, n], direct[2, n], direct[3, n] = co_elliptic.burn_parts(
             pair, rule, 0, r
@@ -163,9 +167,15 @@ def lower(pair, rule, curves, k, times, size, cost, revolutions):
     if curves.time.shape[0] > 0:
         price = _Price(pair.turn, pair.matching, pair.fixed_delta_v)
         _lower(
-            times, size, _Laps(k, low, high), curves.time[k], curves.coefficients[k], price,
-            cost, revolutions,
-        )  # fmt: skip
+            times,
+            size,
+            _Laps(k, low, high),
+            curves.time[k],
+            curves.coefficients[k],
+            price,
+            cost,
+            revolutions,
+        )
         return
     for t in range(size):
         if low <= times[t] <= high:

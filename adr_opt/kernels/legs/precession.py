@@ -214,12 +214,15 @@ def fixed_point(pair, rule, half_turns, revolutions, departure, stand_off, alpha
     if steps > MOST_STEPS or not low <= time <= high:
         return FixedPoint(departure, stand_off, r, turn, math.inf, steps)
     return FixedPoint(
-        departure, stand_off, r, turn,
+        departure,
+        stand_off,
+        r,
+        turn,
         co_elliptic.turned_delta_v(
             pair, rule, revolutions, r, turn, eccentricity.matching(pair, departure)
         ),
         steps,
-    )  # fmt: skip
+    )
 
 
 @inlined

@@ -223,9 +223,11 @@ def _sift(pair, rule, curves, grid, placed, limits, sifted, count):
         if decays:
             # Laps grow shorter, and are counted from the first one.
             met = co_elliptic.time_at(
-                pair.latitude_j, pair.rate_j, pair.acceleration_j,
+                pair.latitude_j,
+                pair.rate_j,
+                pair.acceleration_j,
                 turned + rule.standoff / pair.radius_j + TURN_RAD * row,
-            )  # fmt: skip
+            )
         if met - event > latest:
             break
         below = cheapest - resolution
@@ -325,9 +327,12 @@ def short(pair, rule, duration, spacing, most, leave_by, resolution):
         in_time = duration - numbers[begin, 0] - approach - pair.shortest + 2.0 * BAND_S
         if not decays:
             fixed_points.lay_out(
-                pair, grid, numbers[begin:end], bases[begin:end],
+                pair,
+                grid,
+                numbers[begin:end],
+                bases[begin:end],
                 min(int(max(in_time, 0.0) / lap + 1e-6) + 1, rows),
-            )  # fmt: skip
+            )
         for e in range(end - 1, begin - 1, -1):
             theta = numbers[e, 4]
             sure = curves.time.shape[0] > 0 and FLAT_RAD <= theta <= math.pi - FLAT_RAD

@@ -6,13 +6,29 @@ Known in this room alone: others ask :mod:`.ephemeris` for the elements of a bod
 """
 
 ORBIT_COLUMNS = (
-    "radius", "inclination", "raan", "argument_of_latitude", "raan_rate", "latitude_rate",
-    "eccentricity", "perigee", "perigee_rate", "latitude_acceleration",
-)  # fmt: skip
+    "radius",
+    "inclination",
+    "raan",
+    "argument_of_latitude",
+    "raan_rate",
+    "latitude_rate",
+    "eccentricity",
+    "perigee",
+    "perigee_rate",
+    "latitude_acceleration",
+)
 (
-    RADIUS, INCLINATION, RAAN, ARGUMENT_OF_LATITUDE, RAAN_RATE, LATITUDE_RATE,
-    ECCENTRICITY, PERIGEE, PERIGEE_RATE, LATITUDE_ACCELERATION,
-) = range(10)  # fmt: skip
+    RADIUS,
+    INCLINATION,
+    RAAN,
+    ARGUMENT_OF_LATITUDE,
+    RAAN_RATE,
+    LATITUDE_RATE,
+    ECCENTRICITY,
+    PERIGEE,
+    PERIGEE_RATE,
+    LATITUDE_ACCELERATION,
+) = range(10)
 
 COASTING_RAAN_RATE = len(ORBIT_COLUMNS)
 """Extra column in rows of bodies at departure: node rate of the chaser afterwards, if it leaves

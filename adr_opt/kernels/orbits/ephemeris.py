@@ -132,10 +132,17 @@ def body_row(
         radius_m, eccentricity, inclination, oblateness_m2
     )
     return (
-        radius_m, inclination, node, latitude, node_rate, perigee_rate + anomaly_rate,
-        eccentricity, perigee, perigee_rate,
+        radius_m,
+        inclination,
+        node,
+        latitude,
+        node_rate,
+        perigee_rate + anomaly_rate,
+        eccentricity,
+        perigee,
+        perigee_rate,
         1.5 * anomaly_rate / radius_m * (decay_m_per_day / DAY_S),
-    )  # fmt: skip
+    )
 
 
 @inlined

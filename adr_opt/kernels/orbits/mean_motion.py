@@ -79,13 +79,21 @@ def rates(state, oblateness, slopes):
     nx, ny, nz = hx / h, hy / h, hz / h
     cube = radius * radius * radius
     of_inverse = (
-        -2.0 * x / cube, -2.0 * y / cube, -2.0 * z / cube,
-        -2.0 * u / MU_M3_S2, -2.0 * v / MU_M3_S2, -2.0 * w / MU_M3_S2,
-    )  # fmt: skip
+        -2.0 * x / cube,
+        -2.0 * y / cube,
+        -2.0 * z / cube,
+        -2.0 * u / MU_M3_S2,
+        -2.0 * v / MU_M3_S2,
+        -2.0 * w / MU_M3_S2,
+    )
     of_h = (
-        v * nz - w * ny, w * nx - u * nz, u * ny - v * nx,
-        ny * z - nz * y, nz * x - nx * z, nx * y - ny * x,
-    )  # fmt: skip
+        v * nz - w * ny,
+        w * nx - u * nz,
+        u * ny - v * nx,
+        ny * z - nz * y,
+        nz * x - nx * z,
+        nx * y - ny * x,
+    )
     of_hz = (v, -u, 0.0, -y, x, 0.0)
     for rate in range(3):
         for axis in range(6):
@@ -237,9 +245,13 @@ def derivative(state, duration, oblateness):
     fall = -MU_M3_S2 / (radius * radius * radius * n)
     by_anomaly = (u / n, v / n, w / n, fall * x, fall * y, fall * z)
     by_apsis = (
-        ny * z - nz * y, nz * x - nx * z, nx * y - ny * x,
-        ny * w - nz * v, nz * u - nx * w, nx * v - ny * u,
-    )  # fmt: skip
+        ny * z - nz * y,
+        nz * x - nx * z,
+        nx * y - ny * x,
+        ny * w - nz * v,
+        nz * u - nx * w,
+        nx * v - ny * u,
+    )
     by_node = (-y, x, 0.0, -v, u, 0.0)
     for i in range(6):
         for j in range(6):

@@ -44,9 +44,7 @@ def sun_direction(since_j2000):
     longitude = LONGITUDE_RAD + LONGITUDE_RATE_RAD_S * since_j2000
     longitude += CENTRE_RAD * math.sin(anomaly) + CENTRE_TWICE_RAD * math.sin(2.0 * anomaly)
     sine = math.sin(longitude)
-    return (
-        math.cos(longitude), math.cos(OBLIQUITY_RAD) * sine, math.sin(OBLIQUITY_RAD) * sine,
-    )  # fmt: skip
+    return (math.cos(longitude), math.cos(OBLIQUITY_RAD) * sine, math.sin(OBLIQUITY_RAD) * sine)
 
 
 @inlined

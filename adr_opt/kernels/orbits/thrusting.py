@@ -389,10 +389,15 @@ def elements_of(state, time):
     ez = (u * my - v * mx) / MU_M3_S2 - z / r
     return np.array(
         [
-            square / MU_M3_S2, ex * x1 + ey * y1 + ez * z1, ex * x2 + ey * y2 + ez * z2, h, k, time,
+            square / MU_M3_S2,
+            ex * x1 + ey * y1 + ez * z1,
+            ex * x2 + ey * y2 + ez * z2,
+            h,
+            k,
+            time,
             math.atan2(x * x2 + y * y2 + z * z2, x * x1 + y * y1 + z * z1),
         ]
-    )  # fmt: skip
+    )
 
 
 @kernel

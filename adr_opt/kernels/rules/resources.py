@@ -116,18 +116,24 @@ def dominates(one, other, loads):
 def columns(shape):
     """Storage for the resources of many routes: an array for each field."""
     return Resources(
-        np.empty(shape), np.empty(shape), np.empty(shape, np.int32), np.empty(shape, np.int32),
+        np.empty(shape),
+        np.empty(shape),
         np.empty(shape, np.int32),
-    )  # fmt: skip
+        np.empty(shape, np.int32),
+        np.empty(shape, np.int32),
+    )
 
 
 @inlined
 def at(held, place):
     """The resources at an index of such columns."""
     return Resources(
-        held.time[place], held.left[place], np.int64(held.since[place]),
-        np.int64(held.serviced[place]), np.int64(held.kits[place]),
-    )  # fmt: skip
+        held.time[place],
+        held.left[place],
+        np.int64(held.since[place]),
+        np.int64(held.serviced[place]),
+        np.int64(held.kits[place]),
+    )
 
 
 @inlined

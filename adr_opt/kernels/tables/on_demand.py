@@ -275,9 +275,12 @@ def shortest_sortie(source, stations, first_target):
     for s in range(stations):
         for j in range(first_target, source.arriving.shape[0]):
             pair = co_elliptic.prepare(
-                source.leaving[s], source.arriving[j], source.extra_delta_v[s, j], source.rule,
+                source.leaving[s],
+                source.arriving[j],
+                source.extra_delta_v[s, j],
+                source.rule,
                 EPOCH_S,
-            )  # fmt: skip
+            )
             approach = source.rule.approach_revolutions * TURN_RAD / pair.rate_j
             shortest = min(shortest, pair.shortest + approach + source.limits.service[j])
     return shortest

@@ -82,9 +82,14 @@ def listed_in(tables: Table, slot: int, i: int, j: int) -> tuple[np.ndarray, np.
 def in_slot(tables, slot):
     """One of the stacked tables."""
     return Table(
-        tables.first[slot], tables.spacing[slot], tables.total[slot], tables.entries[slot],
-        tables.departure[slot], tables.slot[slot], None,
-    )  # fmt: skip
+        tables.first[slot],
+        tables.spacing[slot],
+        tables.total[slot],
+        tables.entries[slot],
+        tables.departure[slot],
+        tables.slot[slot],
+        None,
+    )
 
 
 @inlined

@@ -17,15 +17,7 @@ from ...kernels.episodes import episodes as kernels
 from ...mission.mission import Mission
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ...problem.uncertainty import Uncertainty
-from ..episodes import (
-    AnyUncertainty,
-    Board,
-    Observation,
-    allowed,
-    models_of,
-    new_episodes,
-    start,
-)
+from ..episodes import AnyUncertainty, Board, Observation, allowed, models_of, new_episodes, start
 from .drawn import DrawnFields, OwnField, PlayedFields, shared
 from .fields import PUBLISHED, Alone, AnyFields, Fields, fields_of
 from .plain import SpecHolder

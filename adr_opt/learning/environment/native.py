@@ -71,9 +71,15 @@ class MissionVectorEnv(SpecHolder, gymnasium.vector.VectorEnv[Observation, Any, 
                 'pictures; make them with vectorization_mode="sync"'
             )
         self.missions = MissionVecEnv(
-            num_envs, fields, instance=instance, observation=observation, slots=pool,
-            threads=threads, seed=pool_seed, uncertainty=uncertainty,
-        )  # fmt: skip
+            num_envs,
+            fields,
+            instance=instance,
+            observation=observation,
+            slots=pool,
+            threads=threads,
+            seed=pool_seed,
+            uncertainty=uncertainty,
+        )
         self.num_envs, self.render_mode = num_envs, None
         self.single_observation_space = self.missions.observation_space
         self.single_action_space = self.missions.action_space

@@ -16,8 +16,13 @@ Array = npt.NDArray[np.float32]
 Observation = dict[str, Array] | Array
 
 OBSERVATIONS = (
-    "transfer", "lookahead", "published", "transfer-prizes", "lookahead-prizes", "transfer-worlds"
-)  # fmt: skip
+    "transfer",
+    "lookahead",
+    "published",
+    "transfer-prizes",
+    "lookahead-prizes",
+    "transfer-worlds",
+)
 """``transfer`` is the fastest, ``lookahead`` has more information and takes longer, ``published``
 is for comparison with the study. These hide prizes; the next two show them, and are otherwise the
 first two. ``transfer-worlds`` is ``transfer-prizes`` with what uncertain worlds may make of a

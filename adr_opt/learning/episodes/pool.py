@@ -140,9 +140,19 @@ class FieldPool:
 
 FOLLOWS = Follower(
     "the environment with its policies",
-    FIRST - {"bodies without an orbit", "prizes that fall", "number of stations", "start orbits",
-             "launches", "late availability", "ends", "most targets", "tanks not full"},
-)  # fmt: skip
+    FIRST
+    - {
+        "bodies without an orbit",
+        "prizes that fall",
+        "number of stations",
+        "start orbits",
+        "launches",
+        "late availability",
+        "ends",
+        "most targets",
+        "tanks not full",
+    },
+)
 """Episodes begin at the only station, at t = 0, may service any number of targets, know no kits and
 no tows, and may end anywhere. Windows, prizes and zones are as they are."""
 

@@ -141,9 +141,11 @@ class UncertainPool:
             if body == HOME:
                 continue
             keys[body, : kernels.FIRST_TRY_KEY] = [
-                draw_key("leg", name, 1), draw_key("service", name, 1),
-                draw_key("service-delay", name, 1), draw_key("gone", name),
-            ]  # fmt: skip
+                draw_key("leg", name, 1),
+                draw_key("service", name, 1),
+                draw_key("service-delay", name, 1),
+                draw_key("gone", name),
+            ]
             for attempt in range(keys.shape[1] - kernels.FIRST_TRY_KEY):
                 key = draw_key("capture", name, attempt + 1)
                 keys[body, kernels.FIRST_TRY_KEY + attempt] = key
@@ -165,10 +167,12 @@ class UncertainPool:
                 known = {
                     (departure, arrival): family
                     for departure, arrival, family in zip(
-                        found.departure.tolist(), found.arrival.tolist(), found.family.tolist(),
+                        found.departure.tolist(),
+                        found.arrival.tolist(),
+                        found.family.tolist(),
                         strict=True,
                     )
-                }  # fmt: skip
+                }
                 families[i, : departures.size, j] = [
                     known[each] for each in zip(departures.tolist(), arrivals.tolist(), strict=True)
                 ]
@@ -185,9 +189,7 @@ def _stay_row(model: Uncertainty, target: str | None, planned_s: float) -> tuple
     """A row of :attr:`.worlds.WorldTables.models`; ``target`` is None for the station."""
     if target is None:
         return 1.0, 1.0, 0.0, *CERTAIN, 0.0, 0.0, 0.0, 1.0, planned_s, planned_s, planned_s
-    success, tries, gone = (
-        model.success_of(target), model.tries_of(target), model.gone_of(target)
-    )  # fmt: skip
+    success, tries, gone = (model.success_of(target), model.tries_of(target), model.gone_of(target))
     stay = model.service_of(target)
     factor, delay, mean_s = CERTAIN, (0.0, 0.0, 0.0), planned_s
     if stay.factor is not None:
@@ -199,9 +201,16 @@ def _stay_row(model: Uncertainty, target: str | None, planned_s: float) -> tuple
     failed = (1.0 - success) ** tries
     mean_tries = tries if success == 0.0 else (1.0 - failed) / success
     return (
-        success, tries, gone, *factor, *delay, (1.0 - gone) * (1.0 - failed), mean_s,
-        world_view.late_try(planned_s, factor, delay), (1.0 - gone) * mean_tries * mean_s,
-    )  # fmt: skip
+        success,
+        tries,
+        gone,
+        *factor,
+        *delay,
+        (1.0 - gone) * (1.0 - failed),
+        mean_s,
+        world_view.late_try(planned_s, factor, delay),
+        (1.0 - gone) * mean_tries * mean_s,
+    )
 
 
 def new_worlds(pool: UncertainPool, count: int) -> kernels.Worlds:

@@ -22,9 +22,13 @@ MISSION_FEATURES = 15
 
 
 def features(
-    standing: Standing, choices: Choices, onward: OnwardLegs, places: OrbitPlaces,
-    worths: FloatArray, required: BoolArray,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    standing: Standing,
+    choices: Choices,
+    onward: OnwardLegs,
+    places: OrbitPlaces,
+    worths: FloatArray,
+    required: BoolArray,
+) -> tuple[FloatArray, FloatArray]:
     """What the policy sees.
 
     Parameters
@@ -45,11 +49,18 @@ def features(
     legs, mission = np.zeros((choices.bodies.size, LEG_FEATURES)), np.empty(MISSION_FEATURES)
     tank, clock = standing.tank_ahead, standing.time_ahead
     here = (
-        int(standing.body), float(standing.time), float(standing.end), float(standing.left),
-        float(standing.full), int(standing.since), standing.stations, standing.chasers,
-        tank is not None, 0.0 if tank is None else float(tank),
+        int(standing.body),
+        float(standing.time),
+        float(standing.end),
+        float(standing.left),
+        float(standing.full),
+        int(standing.since),
+        standing.stations,
+        standing.chasers,
+        tank is not None,
+        0.0 if tank is None else float(tank),
         0.0 if clock is None else float(clock),
-    )  # fmt: skip
+    )
     around = places.points, *places.neighbours_of(choices.bodies)
     write_features(here, choices, onward, around, worths, required, legs, mission)
     return legs, mission

@@ -56,9 +56,13 @@ def unknown(legs: int) -> OnwardLegs:
 
 
 def onward(
-    choices: Choices, places: OrbitPlaces, worths: FloatArray, end_s: float, stations: int,
+    choices: Choices,
+    places: OrbitPlaces,
+    worths: FloatArray,
+    end_s: float,
+    stations: int,
     connecting: Connecting,
-) -> OnwardLegs:  # fmt: skip
+) -> OnwardLegs:
     """Legs after the cheapest legs, computed by a function.
 
     Parameters
@@ -81,9 +85,10 @@ def onward(
     if legs.size:
         per_leg = there.shape[1]
         delta_v, arrival = connecting(
-            np.repeat(choices.bodies[legs], per_leg), np.repeat(choices.free[legs], per_leg),
+            np.repeat(choices.bodies[legs], per_leg),
+            np.repeat(choices.free[legs], per_leg),
             there.ravel(),
-        )  # fmt: skip
+        )
         _write_onward(choices, legs, there, delta_v, arrival, worths, end_s, found)
     return found
 

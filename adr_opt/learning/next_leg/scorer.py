@@ -61,10 +61,17 @@ def shapes(width: int) -> dict[str, tuple[int, ...]]:
     """Shapes of all layers."""
     square = (width, width)
     return {
-        "leg": (width, LEG_FEATURES), "mission": (width, MISSION_FEATURES), "bias": (width,),
-        "inner": square, "inner_bias": (width,), "own": square, "mean": square, "most": square,
-        "head_bias": (width,), "out": (width,),
-    }  # fmt: skip
+        "leg": (width, LEG_FEATURES),
+        "mission": (width, MISSION_FEATURES),
+        "bias": (width,),
+        "inner": square,
+        "inner_bias": (width,),
+        "own": square,
+        "mean": square,
+        "most": square,
+        "head_bias": (width,),
+        "out": (width,),
+    }
 
 
 class LegScorer:

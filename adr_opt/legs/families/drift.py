@@ -30,9 +30,8 @@ class DriftLegs(LegFamily):
         if ends.times is None or ends.times.longest < ends.times.step:
             return found
         made: ConnectionArrays = drifting_connections.with_drifts(
-            ends.leaving, ends.arriving, ends.rule, ends.times, ends.latest_s, resolution_m_s,
-            found,
-        )  # fmt: skip
+            ends.leaving, ends.arriving, ends.rule, ends.times, ends.latest_s, resolution_m_s, found
+        )
         return made
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:

@@ -199,13 +199,7 @@ class Drifting:
             np.array([met + self._approach for met, _ in mets]),
         )
         ways = [
-            CrossingPair(
-                start,
-                met,
-                parity,
-                other,
-                Split(*(float(value) for value in found[s, m])),
-            )
+            CrossingPair(start, met, parity, other, Split(*(float(value) for value in found[s, m])))
             for s, (start, parity) in enumerate(starts)
             for m, (met, other) in enumerate(mets)
             if math.isfinite(found[s, m, 0]) and self._allowed(self._radius(found[s, m, 1]))
@@ -344,11 +338,18 @@ class Drifting:
         return self._burns(
             (ri, radius, rc, rj),
             (start, start + out, left, left + back, met),
-            (home, first.middle.carried(home.raan), drifting.carried(home.raan), at_left,
-             half_1, half_2, there),
+            (
+                home,
+                first.middle.carried(home.raan),
+                drifting.carried(home.raan),
+                at_left,
+                half_1,
+                half_2,
+                there,
+            ),
             (first.before + math.pi * parity, last.before + math.pi * half_turns),
             (out_shift, back_shift, end_shift),
-        )  # fmt: skip
+        )
 
     def _burns(
         self,

@@ -49,9 +49,14 @@ class LowThrustLegs(LegFamily):
         if ends.relaxed:
             resolution_m_s *= FINER
         legs = low_thrust_grid.of_pair(
-            pair, thrust, ends.times, ends.latest_s, resolution_m_s, ends.relaxed,
+            pair,
+            thrust,
+            ends.times,
+            ends.latest_s,
+            resolution_m_s,
+            ends.relaxed,
             low_thrust_grid.NONE_KNOWN,
-        )  # fmt: skip
+        )
         delta_v = legs.delta_v
         if ends.relaxed:  # also of the legs that are left out, as they save no more than that
             delta_v = np.maximum(delta_v - resolution_m_s, 0.0)
@@ -72,17 +77,25 @@ class LowThrustLegs(LegFamily):
         known = heavier.departure / step, heavier.arrival / step
         leaves, lands = (np.rint(each).astype(np.int32) for each in known)
         legs = low_thrust_grid.of_pair(
-            pair, thrust, times, ends.latest_s, resolution_m_s, False,
+            pair,
+            thrust,
+            times,
+            ends.latest_s,
+            resolution_m_s,
+            False,
             (leaves, lands, heavier.delta_v),
-        )  # fmt: skip
+        )
         return self._arrays(legs, step, legs.delta_v)
 
     def _arrays(self, legs: LongTransfers, step: float, delta_v: FloatArray) -> ConnectionArrays:
         """Legs on the grid as connections."""
         return of_family(
-            self.number, legs.departure * step, legs.arrival * step, delta_v,
+            self.number,
+            legs.departure * step,
+            legs.arrival * step,
+            delta_v,
             np.full(legs.departure.size, -1, dtype=np.int8),
-        )  # fmt: skip
+        )
 
     def flown(self, ends: PairEnds, stated: StatedLeg) -> FlownLeg:
         return self._flown(ends, stated, None)
@@ -127,8 +140,14 @@ def _arcs(drift: DriftPair, leg: LowThrustLeg, stated: StatedLeg) -> tuple[Thrus
         by_node = turn * linear.speed * linear.sine
         made.append(
             ThrustArc(
-                start, end, delta_v, leg.window, place, climb, tilt / (turn * linear.speed),
+                start,
+                end,
+                delta_v,
+                leg.window,
+                place,
+                climb,
+                tilt / (turn * linear.speed),
                 along / by_node if by_node > 0.0 else 0.0,
             )
-        )  # fmt: skip
+        )
     return made[0], made[1]

@@ -54,8 +54,9 @@ class CrewOptions(NamedTuple):
         check_positive(launches=self.launches, launch_separation=self.launch_separation)
         check_not_negative(launch_every=self.launch_every, service_days=self.service_days)
         for option, value in (
-            ("--launch-every", self.launch_every), ("--launch-separation", self.launch_separation)
-        ):  # fmt: skip
+            ("--launch-every", self.launch_every),
+            ("--launch-separation", self.launch_separation),
+        ):
             if value is not None and self.launches is None:
                 raise InputError(f"{option}: nothing is launched; say how often with --launches")
         fitting = self.fitting

@@ -54,9 +54,12 @@ class MissionOptions(NamedTuple):
                 f"--duration-days = {days:g}: must be at most {LARGEST_DURATION_S / DAY_S:g}"
             )
         transfer = transfer_of(
-            self.dynamics, self.drift_step_days, self.max_drift_days, self.departure_spacing_days,
+            self.dynamics,
+            self.drift_step_days,
+            self.max_drift_days,
+            self.departure_spacing_days,
             self.resolution,
-        )  # fmt: skip
+        )
         if thrust and (self.dynamics != "j2" or self.max_drift_days == 0.0):
             raise InputError(
                 "--thrust: such transfers drift; leave --dynamics j2 and --max-drift-days"
@@ -64,9 +67,12 @@ class MissionOptions(NamedTuple):
         if fitted_by is not None and self.dynamics != "j2":
             raise InputError(f"{fitted_by}: orbits are fitted under J2; leave --dynamics j2")
         return MissionOutline(
-            epoch=None if self.epoch is None else parse_epoch(self.epoch), duration_s=DAY_S * days,
-            dynamics=self.dynamics, transfer=transfer, refuelling=not self.no_refuelling,
-        )  # fmt: skip
+            epoch=None if self.epoch is None else parse_epoch(self.epoch),
+            duration_s=DAY_S * days,
+            dynamics=self.dynamics,
+            transfer=transfer,
+            refuelling=not self.no_refuelling,
+        )
 
 
 def transfer_of(
@@ -93,8 +99,9 @@ def transfer_of(
             raise InputError(f"{option} = {value:g}: must be a number of at least {least:g}")
     if dynamics != "j2":
         for option, value in (
-            ("--drift-step-days", drift_step_days), ("--max-drift-days", max_drift_days)
-        ):  # fmt: skip
+            ("--drift-step-days", drift_step_days),
+            ("--max-drift-days", max_drift_days),
+        ):
             if value:
                 raise InputError(
                     f"{option} = {value:g}: no plane drifts in two-body motion; leave it out, or "

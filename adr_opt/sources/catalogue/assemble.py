@@ -239,8 +239,11 @@ def to_instance(
     crew, refuelling = crew or Crew(), mission.refuelling
     fields, falling = end_windows(
         filled(asked, targets, records, crew, by_criticality=demands.by_criticality),
-        targets, host, epoch, mission.duration_s,
-    )  # fmt: skip
+        targets,
+        host,
+        epoch,
+        mission.duration_s,
+    )
     instance = _instance(
         replace(mission, name=mission.name or _default_name(targets, len(rows)), epoch=epoch),
         Station(name=home, object_id=host.designator if host else None) if refuelling else None,

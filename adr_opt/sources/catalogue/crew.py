@@ -122,10 +122,15 @@ class Crew:
             The last launch comes after the mission.
         """
         one = Chaser(
-            name=free_name(bodies), start=home, tank=self.tank, kits=self.kits,
-            kit_mass_kg=self.kit_mass_kg, expense=self.expense, thrust_n=self.thrust_n,
+            name=free_name(bodies),
+            start=home,
+            tank=self.tank,
+            kits=self.kits,
+            kit_mass_kg=self.kit_mass_kg,
+            expense=self.expense,
+            thrust_n=self.thrust_n,
             duty_cycle=self.duty_cycle,
-        )  # fmt: skip
+        )
         if self.launches == 0:
             return (one,)
         last_s = (self.launches - 1) * max(self.apart_s, self.separation_s or 0.0)

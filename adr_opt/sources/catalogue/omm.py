@@ -34,10 +34,21 @@ USER_DEFINED = ("DECAY_DATE", "EPOCH_MICROSECONDS", "RCS_SIZE")
 """Fields of Space-Track's own: user-defined in XML and KVN, plain keys in JSON and CSV."""
 
 FIELDS = frozenset(UNITS) | {
-    "OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "MEAN_ELEMENT_THEORY",
-    "EPOCH", "ECCENTRICITY", "NORAD_CAT_ID", "ELEMENT_SET_NO", "REV_AT_EPOCH", "EPHEMERIS_TYPE",
-    "CLASSIFICATION_TYPE", *USER_DEFINED,
-}  # fmt: skip
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME",
+    "TIME_SYSTEM",
+    "MEAN_ELEMENT_THEORY",
+    "EPOCH",
+    "ECCENTRICITY",
+    "NORAD_CAT_ID",
+    "ELEMENT_SET_NO",
+    "REV_AT_EPOCH",
+    "EPHEMERIS_TYPE",
+    "CLASSIFICATION_TYPE",
+    *USER_DEFINED,
+}
 
 SIZES = ("SMALL", "MEDIUM", "LARGE")
 """Classes of the radar cross-section: below 0.1 m², up to 1 m², above."""

@@ -50,12 +50,15 @@ def overview(records: Sequence[ElementSet]) -> Overview:
     columns = np.array(
         [
             (
-                record.mean_motion_rev_day, record.eccentricity, record.inclination_deg,
-                record.raan_deg, (epoch - record.epoch).total_seconds(),
+                record.mean_motion_rev_day,
+                record.eccentricity,
+                record.inclination_deg,
+                record.raan_deg,
+                (epoch - record.epoch).total_seconds(),
             )
             for record in records
         ]
-    )  # fmt: skip
+    )
     motion, eccentricity, inclination_deg, raan_deg, elapsed_s = columns.T
     rate = motion * 2.0 * np.pi / DAY_S
     axis = np.cbrt(MU_M3_S2 / rate**2)

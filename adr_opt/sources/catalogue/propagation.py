@@ -22,9 +22,13 @@ from ...common.records import LARGEST_LENGTH_M
 from .records import Dropped, ElementSet
 
 ELEMENTS = (
-    "semi_major_axis_m", "eccentricity", "inclination", "raan", "argument_of_perigee",
+    "semi_major_axis_m",
+    "eccentricity",
+    "inclination",
+    "raan",
+    "argument_of_perigee",
     "mean_anomaly",
-)  # fmt: skip
+)
 """Columns of mean elements; angles in radians."""
 
 LARGEST_DAYS = 3653.0

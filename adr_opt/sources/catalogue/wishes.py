@@ -30,10 +30,7 @@ from .records import shown
 OBJECT = ("object", "number", "name")
 COLUMNS = ("prize", "required", "window", "mass", "removal", "prize_until")
 
-WORDS = {
-    **dict.fromkeys(("yes", "true", "1"), True),
-    **dict.fromkeys(("no", "false", "0"), False),
-}
+WORDS = {**dict.fromkeys(("yes", "true", "1"), True), **dict.fromkeys(("no", "false", "0"), False)}
 
 
 @dataclass(frozen=True)

@@ -48,9 +48,13 @@ class ByTable:
     """
 
     def __init__(
-        self, body: str, segments: Sequence[MessageSegment], epoch: datetime, frame: Frame,
+        self,
+        body: str,
+        segments: Sequence[MessageSegment],
+        epoch: datetime,
+        frame: Frame,
         axes: TurningAxes,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.body, self._epoch, self._frame, self._axes = body, epoch, frame, axes
         self._frames = {id(segment): frame_of(segment, epoch) for segment in segments}
         self._coverage = Coverage(body, segments, epoch)

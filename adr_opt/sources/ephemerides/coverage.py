@@ -144,10 +144,13 @@ def _spans(segments: Iterable[MessageSegment], epoch: datetime) -> Iterator[Span
     for segment in segments:
         system = segment.says("TIME_SYSTEM", "")
         bounds = [
-            [segment.fields[key] for key in (f"{end}_TIME", f"USEABLE_{end}_TIME")
-             if segment.fields.get(key)]
+            [
+                segment.fields[key]
+                for key in (f"{end}_TIME", f"USEABLE_{end}_TIME")
+                if segment.fields.get(key)
+            ]
             for end in ("START", "STOP")
-        ]  # fmt: skip
+        ]
         earliest, latest = (seconds_since(epoch, one, system, segment.where) for one in bounds)
         labels, states = segment.states()
         knots = seconds_since(epoch, labels, system, segment.where)

@@ -60,9 +60,15 @@ def read_elements(content: bytes, source: str) -> dict[str, ElementSet]:
 def json_schema() -> dict[str, Any]:
     """The JSON Schema of the file; of a record only the keywords that none may lack."""
     needed = {
-        "MEAN_MOTION", "ECCENTRICITY", "INCLINATION", "RA_OF_ASC_NODE", "ARG_OF_PERICENTER",
-        "MEAN_ANOMALY", "EPOCH", "BSTAR",
-    }  # fmt: skip
+        "MEAN_MOTION",
+        "ECCENTRICITY",
+        "INCLINATION",
+        "RA_OF_ASC_NODE",
+        "ARG_OF_PERICENTER",
+        "MEAN_ANOMALY",
+        "EPOCH",
+        "BSTAR",
+    }
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "ElementsFile",

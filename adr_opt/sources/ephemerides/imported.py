@@ -76,9 +76,7 @@ class WithEphemerides:
 
 
 def with_ephemerides(
-    made: Imported,
-    out: str | os.PathLike[str],
-    messages: Sequence[str | os.PathLike[str]] = (),
+    made: Imported, out: str | os.PathLike[str], messages: Sequence[str | os.PathLike[str]] = ()
 ) -> WithEphemerides:
     """An imported instance with ephemerides, on orbits fitted to them.
 
@@ -109,14 +107,17 @@ def with_ephemerides(
         contents = {f"{Path(out).stem}.elements.json": to_text(made.records).encode()}
     files = tuple(contents)
     reference = EphemeridesFile(
-        kind=kind, file=files[0] if len(files) == 1 else files,
-        sha256=digest_of(contents.values()),
-    )  # fmt: skip
+        kind=kind, file=files[0] if len(files) == 1 else files, sha256=digest_of(contents.values())
+    )
     assert instance.frame is not None  # catalogues are in TEME
     known = of_contents(
-        kind, contents, {body: record.designator for body, record in made.records.items()},
-        epoch=instance.epoch, frame=instance.frame, name=instance.name,
-    )  # fmt: skip
+        kind,
+        contents,
+        {body: record.designator for body, record in made.records.items()},
+        epoch=instance.epoch,
+        frame=instance.frame,
+        name=instance.name,
+    )
     on_fits, left = _fitted(instance, made, known)
     on_fits = on_fits.replace(ephemerides=reference).beside(Path(out).parent)
     warnings = tuple(said for said in made.warnings if not said.startswith(LEFT_OUT))

@@ -85,9 +85,12 @@ def left_over(ephemeris: Ephemeris, made: FittedOrbit, duration_s: float) -> Lef
     speed = math.sqrt(MU_M3_S2 / made.orbit.semi_major_axis_m)
     turn = speed * across / made.orbit.semi_major_axis_m
     return LeftOver(
-        ephemeris.body, float(np.linalg.norm(there[0] - position[0])), along, across,
+        ephemeris.body,
+        float(np.linalg.norm(there[0] - position[0])),
+        along,
+        across,
         turn + 2.0 / 3.0 * along / LEG_S,
-    )  # fmt: skip
+    )
 
 
 def summary(found: Sequence[LeftOver]) -> dict[str, Any]:
@@ -97,8 +100,10 @@ def summary(found: Sequence[LeftOver]) -> dict[str, Any]:
         values = [getattr(one, field) for one in found]
         worst = int(np.argmax(values))
         said[field] = {
-            "median": float(np.median(values)), "most": values[worst], "of": found[worst].body,
-        }  # fmt: skip
+            "median": float(np.median(values)),
+            "most": values[worst],
+            "of": found[worst].body,
+        }
     return said
 
 

@@ -50,9 +50,17 @@ def read_itc(text: str, source: str) -> MessageSegment:
     if not rows:
         raise InputError(f"{source}: a Modified ITC ephemeris without a state")
     stated = {end: f"{day}T{time}" for end, day, time in BOUNDS.findall("\n".join(lines[:HEADING]))}
-    return segment_of(source, 1, {
-        "OBJECT_NAME": f"{named[2]} {int(named[1])}", "OBJECT_ID": named[1],
-        "CENTER_NAME": "EARTH", "REF_FRAME": "EME2000", "TIME_SYSTEM": "UTC",
-        "START_TIME": stated.get("start", rows[0][1].split()[0]),
-        "STOP_TIME": stated.get("stop", rows[-1][1].split()[0]),
-    }, rows)  # fmt: skip
+    return segment_of(
+        source,
+        1,
+        {
+            "OBJECT_NAME": f"{named[2]} {int(named[1])}",
+            "OBJECT_ID": named[1],
+            "CENTER_NAME": "EARTH",
+            "REF_FRAME": "EME2000",
+            "TIME_SYSTEM": "UTC",
+            "START_TIME": stated.get("start", rows[0][1].split()[0]),
+            "STOP_TIME": stated.get("stop", rows[-1][1].split()[0]),
+        },
+        rows,
+    )

@@ -12,8 +12,15 @@ from ..catalogue.records import shown
 from .ephemeris import Array
 from .interpolation import METHODS, USUAL
 
-NEEDED = ("OBJECT_NAME", "OBJECT_ID", "CENTER_NAME", "REF_FRAME", "TIME_SYSTEM", "START_TIME",
-          "STOP_TIME")  # fmt: skip
+NEEDED = (
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME",
+    "TIME_SYSTEM",
+    "START_TIME",
+    "STOP_TIME",
+)
 """Keywords that the metadata of a segment must have."""
 
 COLUMNS = (7, 10)
@@ -119,11 +126,7 @@ class MessageSegment:
 
 
 def segment_of(
-    source: str,
-    line: int,
-    fields: dict[str, str],
-    rows: Rows,
-    covariance_rows: Sequence[str] = (),
+    source: str, line: int, fields: dict[str, str], rows: Rows, covariance_rows: Sequence[str] = ()
 ) -> MessageSegment:
     """A segment from its parts, if it has the metadata and states that it needs.
 

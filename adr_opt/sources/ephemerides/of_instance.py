@@ -72,9 +72,13 @@ def ephemerides_of(instance: Instance) -> Ephemerides:
     designators = {station.name: station.object_id for station in instance.stations}
     designators |= {target.name: target.object_id for target in instance.targets}
     return of_contents(
-        reference.kind, contents, designators, epoch=instance.epoch, frame=instance.frame,
+        reference.kind,
+        contents,
+        designators,
+        epoch=instance.epoch,
+        frame=instance.frame,
         name=instance.name,
-    )  # fmt: skip
+    )
 
 
 def ephemeris_of(instance: Instance, body: str) -> Ephemeris:

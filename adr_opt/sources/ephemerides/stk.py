@@ -19,10 +19,19 @@ FRAMES = {"J2000": "EME2000", "ICRF": "ICRF", "TEMEOFDATE": "TEME", "TEMEOFEPOCH
 UNITS_KM = {"METERS": 1e-3, "KILOMETERS": 1.0}
 STATES = {"EPHEMERISTIMEPOSVEL": 7, "EPHEMERISTIMEPOSVELACC": 10}
 KEYWORDS = (
-    "SCENARIOEPOCH", "CENTRALBODY", "COORDINATESYSTEM", "COORDINATESYSTEMEPOCH", "DISTANCEUNIT",
-    "INTERPOLATIONMETHOD", "INTERPOLATIONSAMPLESM1", "INTERPOLATIONORDER",
-    "NUMBEROFEPHEMERISPOINTS", "BLOCKINGFACTOR", "MESSAGELEVEL", "COVARIANCEFORMAT",
-)  # fmt: skip
+    "SCENARIOEPOCH",
+    "CENTRALBODY",
+    "COORDINATESYSTEM",
+    "COORDINATESYSTEMEPOCH",
+    "DISTANCEUNIT",
+    "INTERPOLATIONMETHOD",
+    "INTERPOLATIONSAMPLESM1",
+    "INTERPOLATIONORDER",
+    "NUMBEROFEPHEMERISPOINTS",
+    "BLOCKINGFACTOR",
+    "MESSAGELEVEL",
+    "COVARIANCEFORMAT",
+)
 INSTEAD = "convert it to an OEM"
 
 
@@ -75,10 +84,14 @@ def _fields(
     epoch = _epoch(said.get("SCENARIOEPOCH", ""), source)
     name = Path(source).stem
     fields = {
-        "OBJECT_NAME": name, "OBJECT_ID": name, "CENTER_NAME": said.get("CENTRALBODY", "Earth"),
-        "REF_FRAME": FRAMES[frame.upper()], "TIME_SYSTEM": "UTC",
-        "START_TIME": _label(epoch, rows[0][1][0]), "STOP_TIME": _label(epoch, rows[-1][1][0]),
-    }  # fmt: skip
+        "OBJECT_NAME": name,
+        "OBJECT_ID": name,
+        "CENTER_NAME": said.get("CENTRALBODY", "Earth"),
+        "REF_FRAME": FRAMES[frame.upper()],
+        "TIME_SYSTEM": "UTC",
+        "START_TIME": _label(epoch, rows[0][1][0]),
+        "STOP_TIME": _label(epoch, rows[-1][1][0]),
+    }
     if frame.upper() == "TEMEOFEPOCH":
         of_epoch = _epoch(said.get("COORDINATESYSTEMEPOCH", said["SCENARIOEPOCH"]), source)
         fields["REF_FRAME_EPOCH"] = _label(of_epoch, 0.0)

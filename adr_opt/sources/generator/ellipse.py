@@ -41,6 +41,10 @@ def draw_ellipse(
     """
     altitude, inclination = uniform(*altitude_km), uniform(*inclination_deg)
     return rounded(
-        EARTH_RADIUS_M + 1e3 * altitude, uniform(*eccentricity), inclination, uniform(*raan_deg),
-        uniform(0.0, 360.0), uniform(0.0, 360.0),
-    )  # fmt: skip
+        EARTH_RADIUS_M + 1e3 * altitude,
+        uniform(*eccentricity),
+        inclination,
+        uniform(*raan_deg),
+        uniform(0.0, 360.0),
+        uniform(0.0, 360.0),
+    )

@@ -122,9 +122,13 @@ def generate(  # noqa: PLR0913
         keep_out_zones=draw_zones(seed, zones, kind.duration_s),
     )
     return fitted(
-        drawn, tank=tank, kits=kits, kit_mass_kg=kit_mass_kg, towed_kg=towed_kg,
+        drawn,
+        tank=tank,
+        kits=kits,
+        kit_mass_kg=kit_mass_kg,
+        towed_kg=towed_kg,
         disposal_altitude_m=disposal_altitude_m,
-    )  # fmt: skip
+    )
 
 
 def _target(kind: Family, name: str, orbit: Orbit) -> Target:
@@ -142,9 +146,11 @@ def _mission(kind: Family) -> MissionSettings:
     if kind.service_s is None:
         return MissionSettings(duration_s=kind.duration_s)
     return MissionSettings(
-        duration_s=kind.duration_s, service_revolutions=None, service_s=kind.service_s,
+        duration_s=kind.duration_s,
+        service_revolutions=None,
+        service_s=kind.service_s,
         disposal_altitude_m=kind.disposal_altitude_m,
-    )  # fmt: skip
+    )
 
 
 def family_of(name: str) -> str:

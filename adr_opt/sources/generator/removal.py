@@ -49,6 +49,10 @@ def mass_kg(orbit: Orbit) -> float:
 def chaser(number: int) -> Chaser:
     """The chaser with a number from 0, launched a year after its predecessor."""
     return Chaser(
-        name=f"chaser-{number + 1}", start="anywhere", available_s=(APART_S * number, None),
-        tank=TANK, kits=KITS, kit_mass_kg=KIT_MASS_KG,
-    )  # fmt: skip
+        name=f"chaser-{number + 1}",
+        start="anywhere",
+        available_s=(APART_S * number, None),
+        tank=TANK,
+        kits=KITS,
+        kit_mass_kg=KIT_MASS_KG,
+    )

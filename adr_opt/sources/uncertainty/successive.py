@@ -176,9 +176,14 @@ def error_of(growth: ErrorGrowth, mean_motion_rev_day: float, age_days: float) -
     along the track.
     """
     sigmas = [
-        0.0, growth.radial_m, growth.radial_m, growth.across_m, growth.across_m, growth.along_m,
+        0.0,
+        growth.radial_m,
+        growth.radial_m,
+        growth.across_m,
+        growth.across_m,
+        growth.along_m,
         growth.decay_m_per_day,
-    ]  # fmt: skip
+    ]
     aged = np.eye(7)
     aged[0, 6] = -age_days
     aged[5, 6] = 0.75 * math.tau * mean_motion_rev_day * age_days**2

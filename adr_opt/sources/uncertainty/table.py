@@ -29,9 +29,13 @@ SixBySix = Annotated[
 ]
 
 SIGMAS = (
-    "sigma_radial_m", "sigma_along_m", "sigma_across_m",
-    "sigma_radial_m_s", "sigma_along_m_s", "sigma_across_m_s",
-)  # fmt: skip
+    "sigma_radial_m",
+    "sigma_along_m",
+    "sigma_across_m",
+    "sigma_radial_m_s",
+    "sigma_along_m_s",
+    "sigma_across_m_s",
+)
 DECAY = "sigma_decay_m_per_day"
 
 

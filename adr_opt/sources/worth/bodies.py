@@ -55,8 +55,14 @@ DEFAULTS = {
 rocket body like the commonest one, debris near the least that is catalogued."""
 
 TABLE, SATCAT, UNSURE, OMM, FAMILY, BSTAR, DEFAULT = (
-    "table", "satcat", "satcat, uncertain", "element set", "stage family", "B*", "default",
-)  # fmt: skip
+    "table",
+    "satcat",
+    "satcat, uncertain",
+    "element set",
+    "stage family",
+    "B*",
+    "default",
+)
 """Sources of masses, sizes and areas over mass, best first."""
 
 BY_SIZE = "size and mass"

@@ -23,11 +23,28 @@ DIGITS = 5
 """Digits of the largest prize, unless a unit is given."""
 
 DETAILS = (
-    "object", "name", "prize", "unit", "worth_alone", "floor", "kind", "mass_kg", "mass_source",
-    "size_m", "size_source", "area_to_mass_m2_kg", "area_source", "perigee_km", "apogee_km",
-    "inclination_deg", "lifetime_years", "encounters_per_year", "catastrophic_per_year",
-    "worst_partner", "worst_partner_worth",
-)  # fmt: skip
+    "object",
+    "name",
+    "prize",
+    "unit",
+    "worth_alone",
+    "floor",
+    "kind",
+    "mass_kg",
+    "mass_source",
+    "size_m",
+    "size_source",
+    "area_to_mass_m2_kg",
+    "area_source",
+    "perigee_km",
+    "apogee_km",
+    "inclination_deg",
+    "lifetime_years",
+    "encounters_per_year",
+    "catastrophic_per_year",
+    "worst_partner",
+    "worst_partner_worth",
+)
 """Columns of the file of details; worths are in fragment-years, the prize in units."""
 
 
@@ -71,11 +88,13 @@ class RemovalPrizes:
         bodies = self.worth.bodies
         rows = [
             (
-                reference(bodies.records[at]), "0" if self.falling else f"{prize:.0f}",
-                f"{bodies.masses[at]:.6g}", *self._until(place),
+                reference(bodies.records[at]),
+                "0" if self.falling else f"{prize:.0f}",
+                f"{bodies.masses[at]:.6g}",
+                *self._until(place),
             )
             for place, (at, prize) in enumerate(zip(self.candidates, self.prizes, strict=True))
-        ]  # fmt: skip
+        ]
         return _csv(("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows)
 
     def _until(self, place: int) -> tuple[str, ...]:
@@ -99,16 +118,28 @@ class RemovalPrizes:
         record, partner = bodies.records[at], int(worth.partners[at])
         perigee_km, apogee_km = ends_km(record)
         return (
-            reference(record), record.label, f"{self.prizes[place]:.0f}", self.unit_text,
-            f"{worth.alone[at]:.8g}", f"{self.floors[place]:.8g}", bodies.kinds[at],
-            f"{bodies.masses[at]:.6g}", bodies.mass_sources[at], f"{bodies.sizes[at]:.4g}",
-            bodies.size_sources[at], f"{bodies.areas[at]:.4g}", bodies.area_sources[at],
-            f"{perigee_km:.1f}", f"{apogee_km:.1f}", f"{record.inclination_deg:.3f}",
-            f"{worth.lives[at]:.4g}", f"{worth.encounters[at]:.5g}",
+            reference(record),
+            record.label,
+            f"{self.prizes[place]:.0f}",
+            self.unit_text,
+            f"{worth.alone[at]:.8g}",
+            f"{self.floors[place]:.8g}",
+            bodies.kinds[at],
+            f"{bodies.masses[at]:.6g}",
+            bodies.mass_sources[at],
+            f"{bodies.sizes[at]:.4g}",
+            bodies.size_sources[at],
+            f"{bodies.areas[at]:.4g}",
+            bodies.area_sources[at],
+            f"{perigee_km:.1f}",
+            f"{apogee_km:.1f}",
+            f"{record.inclination_deg:.3f}",
+            f"{worth.lives[at]:.4g}",
+            f"{worth.encounters[at]:.5g}",
             f"{worth.catastrophic[at]:.5g}",
             "" if partner < 0 else bodies.records[partner].label,
             f"{worth.partner_worths[at]:.5g}",
-        )  # fmt: skip
+        )
 
 
 def usual_unit(largest: float) -> float:

@@ -17,9 +17,18 @@ from ...common.files import read_text
 from ..catalogue.records import shown
 
 COLUMNS = (
-    "Satcat", "Piece", "Type", "Mass", "MassFlag", "DryMass", "DryFlag", "Length", "LFlag",
-    "Diameter", "DFlag",
-)  # fmt: skip
+    "Satcat",
+    "Piece",
+    "Type",
+    "Mass",
+    "MassFlag",
+    "DryMass",
+    "DryFlag",
+    "Length",
+    "LFlag",
+    "Diameter",
+    "DFlag",
+)
 
 UNKNOWN = ("", "-")
 

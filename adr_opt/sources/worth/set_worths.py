@@ -78,9 +78,14 @@ class SetWorths:
         """
         at = self._places(names)
         return SetWorths(
-            tuple(names), self.alone[at], self.pairs[np.ix_(at, at)], self.prize_unit, self.total,
-            self.years, tuple(self.references[place] for place in at) if self.references else (),
-        )  # fmt: skip
+            tuple(names),
+            self.alone[at],
+            self.pairs[np.ix_(at, at)],
+            self.prize_unit,
+            self.total,
+            self.years,
+            tuple(self.references[place] for place in at) if self.references else (),
+        )
 
     def _places(self, names: Iterable[str]) -> list[int]:
         places = {name: at for at, name in enumerate(self.names)}

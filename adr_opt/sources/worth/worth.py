@@ -13,13 +13,7 @@ from ...common.errors import InputError
 from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
 from .air import ACTIVITIES, FLOAT
 from .bodies import Bodies
-from .breakup import (
-    ALTITUDE_STEP_M,
-    CATASTROPHIC_J_KG,
-    FRAGMENTS,
-    KINDS,
-    fragment_years,
-)
+from .breakup import ALTITUDE_STEP_M, CATASTROPHIC_J_KG, FRAGMENTS, KINDS, fragment_years
 from .lifetimes import LOWEST_M, YEAR_S, lifetimes
 from .pairs import INDICES, Show, shared, totals, with_one
 from .speeds import mean_speeds
@@ -184,25 +178,46 @@ def worth_of(
         *(
             np.ascontiguousarray(column[order])
             for column in (
-                bodies.shells, bodies.tilts, 0.5 * bodies.sizes, bodies.masses, lives, fragments,
+                bodies.shells,
+                bodies.tilts,
+                0.5 * bodies.sizes,
+                bodies.masses,
+                lives,
+                fragments,
                 cells,
             )
         )
-    )  # fmt: skip
+    )
     table, exposure = fragment_years(years, activity, since_years)
     tables = CollisionTables(
-        mean_speeds(), table, EARTH_RADIUS_M + LOWEST_M, ALTITUDE_STEP_M, exposure, FRAGMENTS,
-        CATASTROPHIC_J_KG, YEAR_S,
-    )  # fmt: skip
+        mean_speeds(),
+        table,
+        EARTH_RADIUS_M + LOWEST_M,
+        ALTITUDE_STEP_M,
+        exposure,
+        FRAGMENTS,
+        CATASTROPHIC_J_KG,
+        YEAR_S,
+    )
     found = totals(objects, tables, LEVELS * TILTS, jobs, show)
     sums, partners = np.empty_like(found.sums), np.empty_like(found.partners)
     sums[order] = found.sums
     partners[order] = np.where(found.partners < 0, -1, order[found.partners])
     return RemovalWorth(
-        bodies=bodies, years=years, activity=activity, alone=sums[:, 0], encounters=sums[:, 1],
-        catastrophic=sums[:, 2], partners=partners, partner_worths=sums[:, 3], lives=lives,
-        cells=found.cells, _objects=objects, _tables=tables, _order=order,
-    )  # fmt: skip
+        bodies=bodies,
+        years=years,
+        activity=activity,
+        alone=sums[:, 0],
+        encounters=sums[:, 1],
+        catastrophic=sums[:, 2],
+        partners=partners,
+        partner_worths=sums[:, 3],
+        lives=lives,
+        cells=found.cells,
+        _objects=objects,
+        _tables=tables,
+        _order=order,
+    )
 
 
 def check_years(years: float) -> None:

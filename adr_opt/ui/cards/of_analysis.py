@@ -32,22 +32,34 @@ def of_tradeoff(made: Tradeoff) -> Card:
         f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in made.axes
     )
     facts = (
-        varied, counted(len(made.points), "point"), f"{made.proven} proven",
+        varied,
+        counted(len(made.points), "point"),
+        f"{made.proven} proven",
         f"{made.runtime_s:.3g} s",
-    )  # fmt: skip
+    )
     drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
     rows = [
         (
             *(f"{point.value(kind):g}" for kind in drives),
-            f"{point.delta_v_m_s:,.6g}", days(point.duration_s), *_prizes(point), f"{point.visits}",
-            f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–", point.status,
+            f"{point.delta_v_m_s:,.6g}",
+            days(point.duration_s),
+            *_prizes(point),
+            f"{point.visits}",
+            f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
+            point.status,
         )
         for point in made.points
-    ]  # fmt: skip
+    ]
     heads = (
         *(DRIVES[kind] for kind in drives),
-        "ΔV m/s", "days", "prize", "at most", "visits", "cost", "status",
-    )  # fmt: skip
+        "ΔV m/s",
+        "days",
+        "prize",
+        "at most",
+        "visits",
+        "cost",
+        "status",
+    )
     return Card(
         "Tradeoff", f"of {made.instance.name!r}", facts, (), (CardTable(heads, rows, texts=0),)
     )
@@ -99,32 +111,45 @@ def of_comparison(made: Comparison) -> Card:
     """The card of a comparison of plans."""
     rows = [
         (
-            side.name, side.method, side.status, f"{side.objective:g}", f"{side.visits}",
-            f"{side.delta_v_m_s:,.1f}", days(side.end_s), f"{side.violations}",
+            side.name,
+            side.method,
+            side.status,
+            f"{side.objective:g}",
+            f"{side.visits}",
+            f"{side.delta_v_m_s:,.1f}",
+            days(side.end_s),
+            f"{side.violations}",
         )
         for side in made.sides
-    ]  # fmt: skip
+    ]
     heads = ("plan", "method", "status", "prize", "visits", "ΔV m/s", "ends day", "violations")
     return Card(
-        "Comparison", f"on {made.instance.name!r}", (counted(len(made.sides), "plan"),), (),
+        "Comparison",
+        f"on {made.instance.name!r}",
+        (counted(len(made.sides), "plan"),),
+        (),
         (CardTable(heads, rows, texts=3),),
-    )  # fmt: skip
+    )
 
 
 def of_replanned(made: Replanned) -> Card:
     """The card of a replanned rest of a mission."""
     facts = [
         f"prize {made.prize_before:g} before, {made.prize_after:g} now",
-        f"{counted(made.kept, 'leg')} kept", f"{made.runtime_s:.3g} s",
-    ]  # fmt: skip
+        f"{counted(made.kept, 'leg')} kept",
+        f"{made.runtime_s:.3g} s",
+    ]
     details = [
         (what, ", ".join(names))
         for what, names in (
-            ("gained", made.gained), ("dropped", made.dropped), ("lost", made.lost),
-            ("missed", made.missed), ("given up", made.given_up),
+            ("gained", made.gained),
+            ("dropped", made.dropped),
+            ("lost", made.lost),
+            ("missed", made.missed),
+            ("given up", made.given_up),
         )
         if names
-    ]  # fmt: skip
+    ]
     details += [("note", note) for note in made.notes]
     tables = () if made.plan is None else (legs_table(made.plan.routes),)
     return Card("Replanned", f"on {made.instance.name!r}", tuple(facts), tuple(details), tables)

@@ -45,5 +45,5 @@ def of_given(given: Given) -> Card:
         counted(int(given.departure.size), "connection"),
         counted(len(given.names), "body", "bodies"),
         f"sha256 {given.sha256[:12]}…",
-    )  # fmt: skip
+    )
     return Card("Given", "", facts)

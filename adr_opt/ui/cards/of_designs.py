@@ -18,9 +18,11 @@ def of_study(study: DesignStudy) -> Card:
         f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in study.axes
     )
     facts = (
-        varied, f"{len(study.points)} of {counted(study.wanted, 'design')}",
-        f"{len(study.front)} on the front", f"{study.runtime_s:.3g} s",
-    )  # fmt: skip
+        varied,
+        f"{len(study.points)} of {counted(study.wanted, 'design')}",
+        f"{len(study.front)} on the front",
+        f"{study.runtime_s:.3g} s",
+    )
     front = study.front
     rows = [
         (point.design.title, *_worths(point), _millions(point), "yes" if at in front else "")
@@ -34,9 +36,11 @@ def of_point(point: DesignPoint) -> Card:
     """The card of a point."""
     _, worth, bound = _worths(point)
     facts = (
-        f"{worth} avoided of at most {bound}", f"{_millions(point)} million euros",
-        counted(point.launches, "launch", "launches"), counted(point.removals, "removal"),
-    )  # fmt: skip
+        f"{worth} avoided of at most {bound}",
+        f"{_millions(point)} million euros",
+        counted(point.launches, "launch", "launches"),
+        counted(point.removals, "removal"),
+    )
     return Card("DesignPoint", f"at {point.design.title}", facts)
 
 

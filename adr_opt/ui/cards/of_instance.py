@@ -58,9 +58,12 @@ def of_instance(instance: Instance) -> Card:
     rows = [_chaser(chaser) for chaser in instance.chasers]
     heads = ("chaser", "start", "end", "tank m/s", "there from day", "kits")
     return Card(
-        "Instance", repr(instance.name), facts_of(instance), tuple(details),
+        "Instance",
+        repr(instance.name),
+        facts_of(instance),
+        tuple(details),
         (CardTable(heads, rows, texts=3),),
-    )  # fmt: skip
+    )
 
 
 def _cost_of(instance: Instance) -> str:
@@ -77,9 +80,13 @@ def _chaser(chaser: Chaser) -> tuple[str, ...]:
     end = chaser.end.station if isinstance(chaser.end, AtStation) else "anywhere"
     by_mass = " (by mass)" if isinstance(chaser.tank, TankByMass) else ""
     return (
-        chaser.name, start, end, f"{chaser.tank.delta_v_m_s:,.1f}{by_mass}",
-        days(chaser.available_s[0]), "–" if chaser.kits is None else f"{chaser.kits}",
-    )  # fmt: skip
+        chaser.name,
+        start,
+        end,
+        f"{chaser.tank.delta_v_m_s:,.1f}{by_mass}",
+        days(chaser.available_s[0]),
+        "–" if chaser.kits is None else f"{chaser.kits}",
+    )
 
 
 def of_problem(problem: Mission | Problem) -> Card:

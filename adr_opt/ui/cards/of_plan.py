@@ -31,11 +31,17 @@ def legs_table(routes: tuple[Route, ...]) -> CardTable:
             number += 1
             rows.append(
                 (
-                    route.chaser, leg.origin, leg.destination, f"{number}", days(leg.leaves_s),
-                    days(leg.arrival_s), days(leg.done_s), f"{leg.spent_m_s:,.1f}",
+                    route.chaser,
+                    leg.origin,
+                    leg.destination,
+                    f"{number}",
+                    days(leg.leaves_s),
+                    days(leg.arrival_s),
+                    days(leg.done_s),
+                    f"{leg.spent_m_s:,.1f}",
                     f"{leg.delta_v_left_m_s:,.1f}",
                 )
-            )  # fmt: skip
+            )
     table = CardTable(HEADS, rows, texts=3)
     if len(routes) > 1:
         return table
@@ -55,8 +61,10 @@ def certified(plan: Plan) -> tuple[str, ...]:
 
 def details_of(plan: Plan) -> tuple[tuple[str, str], ...]:
     """Further details of a plan, for pages."""
-    details = [("order" if len(plan.routes) < 2 else route.chaser, order_words(names) or "stays")
-               for route, names in zip(plan.routes, plan.orders.values(), strict=True)]  # fmt: skip
+    details = [
+        ("order" if len(plan.routes) < 2 else route.chaser, order_words(names) or "stays")
+        for route, names in zip(plan.routes, plan.orders.values(), strict=True)
+    ]
     if plan.cost_bound is not None:
         details.append(("cost", f"{plan.cost:,.6g} of at least {plan.cost_bound:,.6g}"))
     left_out = plan.unvisited
@@ -86,9 +94,12 @@ def of_route(route: Route) -> Card:
 def of_leg(leg: Leg) -> Card:
     """The card of a leg; on a page, with its burns."""
     facts = [
-        leg.kind, f"leaves on day {days(leg.leaves_s)}", f"arrives on day {days(leg.arrival_s)}",
-        f"{leg.spent_m_s:,.1f} m/s", f"{leg.delta_v_left_m_s:,.1f} m/s left",
-    ]  # fmt: skip
+        leg.kind,
+        f"leaves on day {days(leg.leaves_s)}",
+        f"arrives on day {days(leg.arrival_s)}",
+        f"{leg.spent_m_s:,.1f} m/s",
+        f"{leg.delta_v_left_m_s:,.1f} m/s left",
+    ]
     if leg.removal_burns:
         facts.append("with a tow")
     burns = [(burn.phase, f"{burn.time_s:,.1f}", f"{burn.size_m_s:,.3f}") for burn in leg.all_burns]

@@ -16,20 +16,26 @@ if TYPE_CHECKING:
 def of_refined(refined: RefinedPlan) -> Card:
     """The card of a refined plan; on a page, with planned and flown legs."""
     facts: tuple[str, ...] = (
-        refined.status, counted(len(refined.legs), "leg"),
+        refined.status,
+        counted(len(refined.legs), "leg"),
         f"planned {refined.planned_delta_v_m_s:,.1f} m/s",
-        f"flown {refined.flown_delta_v_m_s:,.1f} m/s", refined.gravity,
-    )  # fmt: skip
+        f"flown {refined.flown_delta_v_m_s:,.1f} m/s",
+        refined.gravity,
+    )
     if refined.ephemerides is not None:
         facts = (*facts, "onto ephemerides", f"holding {refined.holding_m_s:,.1f} m/s")
     rows = [
         (
-            leg.origin, leg.destination, f"{leg.leg}", days(leg.arrival_s),
-            f"{leg.planned_delta_v_m_s:,.1f}", f"{leg.flown_delta_v_m_s:,.1f}",
+            leg.origin,
+            leg.destination,
+            f"{leg.leg}",
+            days(leg.arrival_s),
+            f"{leg.planned_delta_v_m_s:,.1f}",
+            f"{leg.flown_delta_v_m_s:,.1f}",
             f"{leg.residual_m:.1e}",
         )
         for leg in refined.legs
-    ]  # fmt: skip
+    ]
     heads = ("from", "to", "leg", "arrives day", "planned m/s", "flown m/s", "off m")
     details = tuple((f"leg {one.leg} is missing", one.reason) for one in refined.missing)
     said = f"for {refined.instance.name!r}"

@@ -31,7 +31,7 @@ def of_matrices(matrices: Matrices) -> Card:
         counted(len(matrices.departures), "departure"),
         counted(len(matrices.names), "body", "bodies"),
         matrices.choice,
-    ]  # fmt: skip
+    ]
     reached = np.isfinite(matrices.delta_v) & (matrices.duration > 0.0)
     details = []
     if reached.any():

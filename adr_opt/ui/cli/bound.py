@@ -57,9 +57,15 @@ def command(
     instance = load(instance_path)
     start = None if start_path is None else Plan.load(start_path)
     check_certificate(
-        certificate_path, instance, method, None, instance_path, start_path, margin=margin,
+        certificate_path,
+        instance,
+        method,
+        None,
+        instance_path,
+        start_path,
+        margin=margin,
         group=BOUNDS,
-    )  # fmt: skip
+    )
 
     given = front.RunOptions(
         time_limit, seed, start, jobs=jobs, iterations=iterations, margin=margin, options=options

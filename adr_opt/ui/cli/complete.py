@@ -17,9 +17,19 @@ VARIABLE = "_ADR_OPT_COMPLETE"
 Complete = Callable[[click.Context, click.Parameter, str], list[Any]]
 
 FAMILIES = (
-    "tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "cloud", "large", "sso",
-    "rocket-bodies", "removal", "electric", "fragment-cloud",
-)  # fmt: skip
+    "tiny",
+    "nominal",
+    "reduced-time",
+    "reduced-fuel",
+    "campaign",
+    "cloud",
+    "large",
+    "sso",
+    "rocket-bodies",
+    "removal",
+    "electric",
+    "fragment-cloud",
+)
 """Families of the generator, which takes a second to import."""
 
 

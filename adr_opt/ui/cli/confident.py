@@ -80,11 +80,20 @@ def run_confident(
     confidence, uncertainty = asked.confidence, Uncertainty.load(asked.uncertainty_path)
     result = work(
         lambda stop, progress: robust(
-            instance, uncertainty, confidence, method, time_limit=given.time_limit,
-            seed=given.seed, bound=given.bound, jobs=given.jobs, stop=stop, progress=progress,
+            instance,
+            uncertainty,
+            confidence,
+            method,
+            time_limit=given.time_limit,
+            seed=given.seed,
+            bound=given.bound,
+            jobs=given.jobs,
+            stop=stop,
+            progress=progress,
             **given.options,
         ),
-        live=wanted(as_json, quiet), quiet=quiet,
-    ).result  # fmt: skip
+        live=wanted(as_json, quiet),
+        quiet=quiet,
+    ).result
     say_notes(result, quiet)
     return result

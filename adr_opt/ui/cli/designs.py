@@ -87,10 +87,19 @@ def study(
 
     def run(stop: Stop) -> DesignStudy:
         return design_study(
-            instance, axes, worths=worths, prices=CampaignPrices(*costs), method=settings.method,
-            time_limit=settings.time_limit, seed=settings.seed, jobs=settings.jobs,
-            cluster=settings.cluster, path=outputs.results, stop=stop, told=told,
-        )  # fmt: skip
+            instance,
+            axes,
+            worths=worths,
+            prices=CampaignPrices(*costs),
+            method=settings.method,
+            time_limit=settings.time_limit,
+            seed=settings.seed,
+            jobs=settings.jobs,
+            cluster=settings.cluster,
+            path=outputs.results,
+            stop=stop,
+            told=told,
+        )
 
     with counting_bar(wanted(as_json, quiet), "designs") as show:
         made = work(lambda stop, progress: run(stop), live=False, quiet=quiet)

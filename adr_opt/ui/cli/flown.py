@@ -83,15 +83,13 @@ def refined_plan(instance: Instance, looped: RefinedResult) -> RefinedResult:
     taken |= {leg.leg: leg.flown_delta_v_m_s for leg in refined.legs}
     record = PlanFlight.model_validate(
         {
-            "how": "refined", "gravity": refined.gravity, "legs_sha256": plan.legs_sha256,
+            "how": "refined",
+            "gravity": refined.gravity,
+            "legs_sha256": plan.legs_sha256,
             "holds": looped.holds,
             "families": families_of(plan.legs, taken),
             "tanks": tanks_left(tanks_of(instance, refined)),
         }
-    )  # fmt: skip
-    plan = plan.replace(flown=record)
-    return replace(
-        looped,
-        result=replace(looped.result, plan=plan),
-        refined=refined.made_of(plan),
     )
+    plan = plan.replace(flown=record)
+    return replace(looped, result=replace(looped.result, plan=plan), refined=refined.made_of(plan))

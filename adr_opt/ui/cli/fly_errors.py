@@ -131,10 +131,7 @@ class Sampling(NamedTuple):
         say(f"wrote {self.out_uncertainty}", unless=quiet)
 
     def fly(
-        self,
-        admitted: Admitted[RefinedPlan],
-        targets: Mapping[str, TargetError] | None,
-        show: Show,
+        self, admitted: Admitted[RefinedPlan], targets: Mapping[str, TargetError] | None, show: Show
     ) -> Dispersion:
         """Fly the requested number of times, with errors of where targets are."""
         from ...fly.dispersion import FlightErrors, sample_flights
@@ -149,10 +146,15 @@ class Sampling(NamedTuple):
         errors = FlightErrors(**{name: value for name, value in said.items() if value is not None})
         said_too = {"seed": self.seed, "corrections": self.corrections}
         return sample_flights(
-            admitted.instance, admitted, self.samples, errors, report=show, targets=targets,
+            admitted.instance,
+            admitted,
+            self.samples,
+            errors,
+            report=show,
+            targets=targets,
             known_before_s=self.known_before,
             **{name: value for name, value in said_too.items() if value is not None},
-        )  # fmt: skip
+        )
 
 
 error_options = take.together(

@@ -56,10 +56,18 @@ def command(
         by_mass=usual is not None and isinstance(usual.tank, TankByMass),
     )
     instance = generate(
-        family, seed, targets=targets, zones=zones, chasers=chasers, stations=stations,
-        tank=fitting.tank(), kits=fitting.kits, kit_mass_kg=fitting.kit_mass,
-        towed_kg=fitting.tow, disposal_altitude_m=fitting.disposal_altitude_m,
-    )  # fmt: skip
+        family,
+        seed,
+        targets=targets,
+        zones=zones,
+        chasers=chasers,
+        stations=stations,
+        tank=fitting.tank(),
+        kits=fitting.kits,
+        kit_mass_kg=fitting.kit_mass,
+        towed_kg=fitting.tow,
+        disposal_altitude_m=fitting.disposal_altitude_m,
+    )
     text = instance.to_json()
     if out is not None:
         write_text(out, text)

@@ -135,9 +135,15 @@ def command(
     )
     fitted_by = "--oem" if messages else "--ephemerides" if ephemerides else None
     mission = MissionOptions(
-        epoch_text, duration_days, dynamics, no_refuelling, drift_step_days, max_drift_days,
-        departure_spacing_days, resolution,
-    ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)  # fmt: skip
+        epoch_text,
+        duration_days,
+        dynamics,
+        no_refuelling,
+        drift_step_days,
+        max_drift_days,
+        departure_spacing_days,
+        resolution,
+    ).outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by)
     with naming_options(), busy_bar(wanted(as_json, quiet), "reading objects"):
         found = catalogue.read(files, skip_bad=skip_bad)
         made = catalogue.to_instance(

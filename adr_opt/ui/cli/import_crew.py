@@ -35,10 +35,7 @@ crew_options = take.together(
         "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
     take.many(
-        "--deadline",
-        "OBJECT=DAYS",
-        "Latest end of its service; repeatable.",
-        name="deadlines",
+        "--deadline", "OBJECT=DAYS", "Latest end of its service; repeatable.", name="deadlines"
     ),
     take.many(
         "--require",
@@ -50,10 +47,7 @@ crew_options = take.together(
         "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
     ),
     take.many(
-        "--exclude",
-        "OBJECT[,OBJECT...]",
-        "Not to be a target; repeatable.",
-        name="excluded",
+        "--exclude", "OBJECT[,OBJECT...]", "Not to be a target; repeatable.", name="excluded"
     ),
     take.file(
         "--prizes",

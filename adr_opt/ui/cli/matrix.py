@@ -102,9 +102,14 @@ def command(
         else:
             departures = _departures(instance, every_s, at_s)
             write_matrix(
-                instance, out, departures, quantity=quantity, scale=scale, choose=choose,
+                instance,
+                out,
+                departures,
+                quantity=quantity,
+                scale=scale,
+                choose=choose,
                 building=building,
-            )  # fmt: skip
+            )
             what = counted(departures.size, "ready time")
     if not is_whole:
         written |= {"quantity": quantity, "choose": choose, "departures_s": departures.tolist()}

@@ -75,9 +75,16 @@ def command(
     bar = counting_bar(wanted(as_json, quiet), "refining legs")
     with about(plan_path), signals_to(stopped.set), bar as show:
         refined = refine(
-            admitted.instance, admitted, gravity=gravity, freedom=freedom, jobs=jobs,
-            cluster=cluster, enough=stopped.is_set, report=show, ephemerides=ephemerides,
-        )  # fmt: skip
+            admitted.instance,
+            admitted,
+            gravity=gravity,
+            freedom=freedom,
+            jobs=jobs,
+            cluster=cluster,
+            enough=stopped.is_set,
+            report=show,
+            ephemerides=ephemerides,
+        )
     refined.save(out)
     say(f"wrote {out}: {counted(len(refined.legs), 'leg')}, {refined.status}", unless=quiet)
     if as_json:

@@ -75,14 +75,20 @@ def run_refined(
     from ...fly.refine.loop import MOST_ROUNDS, solve_refined
 
     return solve_refined(
-        instance, method, gravity=refining.gravity, freedom=refining.freedom,
+        instance,
+        method,
+        gravity=refining.gravity,
+        freedom=refining.freedom,
         ephemerides=refining.ephemerides,
         rounds=MOST_ROUNDS if refining.rounds is None else refining.rounds,
         spend_savings=refining.spend_savings,
         told=(lambda one: None) if quiet else (lambda one: say(str(one))),
-        progress=progress, building=progress.building, sizing=progress.sizing, stop=stop,
+        progress=progress,
+        building=progress.building,
+        sizing=progress.sizing,
+        stop=stop,
         **vars(wanted),
-    )  # fmt: skip
+    )
 
 
 def save_refined(looped: RefinedResult, path: str | None, quiet: bool) -> None:

@@ -23,11 +23,16 @@ if TYPE_CHECKING:
     from ...common.stop import Stop
 
 NOT_OF_REPLAYS = {
-    "samples": "--samples", "seed": "--seed", "bounds": "--bounds",
-    "bound_method": "--bound-method", "bound_time_limit": "--bound-time-limit",
-    "time_price": "--time-price", "jobs": "--jobs",
-    "cluster": "--cluster", "resume_path": "--resume",
-}  # fmt: skip
+    "samples": "--samples",
+    "seed": "--seed",
+    "bounds": "--bounds",
+    "bound_method": "--bound-method",
+    "bound_time_limit": "--bound-time-limit",
+    "time_price": "--time-price",
+    "jobs": "--jobs",
+    "cluster": "--cluster",
+    "resume_path": "--resume",
+}
 """Options of many rehearsals."""
 
 
@@ -36,16 +41,22 @@ NOT_OF_REPLAYS = {
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
 @take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
 @take.word(
-    "--policy", "NAME", "follow, skip, replan, beam, learned, or an installed one.",
-    default="follow", show_default=True,
-)  # fmt: skip
+    "--policy",
+    "NAME",
+    "follow, skip, replan, beam, learned, or an installed one.",
+    default="follow",
+    show_default=True,
+)
 @take.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")
 @take.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
 @take.word(
-    "--bound-method", "NAME", "Bound to prove with; exact.", default="exact",
+    "--bound-method",
+    "NAME",
+    "Bound to prove with; exact.",
+    default="exact",
     shell_complete=complete.bounds,
-)  # fmt: skip
+)
 @take.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
 @take.number(
     "--time-price",
@@ -128,16 +139,34 @@ def command(
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
         made = rehearse(
-            instance, plan, uncertainty, policy=policy, samples=samples, seed=seed, jobs=jobs,
-            cluster=cluster, path=resume_path, stop=stop, told=show,
-        )  # fmt: skip
+            instance,
+            plan,
+            uncertainty,
+            policy=policy,
+            samples=samples,
+            seed=seed,
+            jobs=jobs,
+            cluster=cluster,
+            path=resume_path,
+            stop=stop,
+            told=show,
+        )
         if not bounds:
             return made, None
         return made, bounding.bounds(
-            instance, uncertainty, samples=bounds, seed=seed, method=bound_method,
-            time_limit=bound_time_limit, time_price=time_price, jobs=jobs, cluster=cluster,
-            path=bounds_path, stop=stop, told=show,
-        )  # fmt: skip
+            instance,
+            uncertainty,
+            samples=bounds,
+            seed=seed,
+            method=bound_method,
+            time_limit=bound_time_limit,
+            time_price=time_price,
+            jobs=jobs,
+            cluster=cluster,
+            path=bounds_path,
+            stop=stop,
+            told=show,
+        )
 
     with counting_bar(wanted(as_json, quiet), "rehearsals and bounds") as show:
         made, bounded = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
@@ -165,9 +194,13 @@ def _refuse_with_replay() -> None:
 
 
 def _replay(
-    setting: Setting, seed: int, out: str | None, out_instance: str | None,
-    as_json: bool, quiet: bool,
-) -> int:  # fmt: skip
+    setting: Setting,
+    seed: int,
+    out: str | None,
+    out_instance: str | None,
+    as_json: bool,
+    quiet: bool,
+) -> int:
     from ...analysis.rehearse.replay import replay
     from ...common.files import write_whole
 

@@ -116,12 +116,25 @@ def command(
     limit = DEFAULT_TIME_LIMIT_S if time_limit is None else time_limit
     made = work(
         lambda stop, progress: replan(
-            instance, admitted, at_s, zones=zones, lost=gone, failed=failed, keep=keep,
-            missed=tried, retry=retry, services_s=took_s, costs_m_s=spent_m_s, method=method,
-            time_limit=limit, seed=seed, stop=stop,
+            instance,
+            admitted,
+            at_s,
+            zones=zones,
+            lost=gone,
+            failed=failed,
+            keep=keep,
+            missed=tried,
+            retry=retry,
+            services_s=took_s,
+            costs_m_s=spent_m_s,
+            method=method,
+            time_limit=limit,
+            seed=seed,
+            stop=stop,
         ),
-        live=False, quiet=quiet,
-    )  # fmt: skip
+        live=False,
+        quiet=quiet,
+    )
     if out_instance is not None:
         made.instance.save(out_instance)
     if out is not None and made.plan is not None:
@@ -276,10 +289,12 @@ def _tell(made: Replanned) -> None:
     emit(summary(made.instance, made.plan))
     tried = tuple(name for name in made.missed if name not in made.given_up)
     for words, names in (
-        ("lost", made.lost), ("missed, and given up", made.given_up),
-        ("missed, and may be tried again", tried), ("left out now", made.dropped),
+        ("lost", made.lost),
+        ("missed, and given up", made.given_up),
+        ("missed, and may be tried again", tried),
+        ("left out now", made.dropped),
         ("visited instead", made.gained),
-    ):  # fmt: skip
+    ):
         if names:
             emit(f"{words}: {counted(len(names), 'target')}: {', '.join(names)}")
     emit(

@@ -128,14 +128,23 @@ def command(
     if any(not pattern.strip() for pattern in exclude):
         raise InputError("--exclude '': give a part of a name or a pattern")
     settings = ScenarioSettings(
-        years=years, every=every, seeds=seeds, targets=targets, worth_years=worth_years,
-        activity=activity, drag=not no_drag, collisions=not no_collisions, explosions=explosions,
-        capture_failure=capture_failure, campaign_failure=campaign_failure,
-        method=method or DEFAULT_METHOD, time_limit_s=time_limit,
+        years=years,
+        every=every,
+        seeds=seeds,
+        targets=targets,
+        worth_years=worth_years,
+        activity=activity,
+        drag=not no_drag,
+        collisions=not no_collisions,
+        explosions=explosions,
+        capture_failure=capture_failure,
+        campaign_failure=campaign_failure,
+        method=method or DEFAULT_METHOD,
+        time_limit_s=time_limit,
         altitude_km=_range(altitude, "--altitude", 1e6),
         inclination_deg=_range(inclination, "--inclination", 180.0),
         shells=parse_shells(shells),
-    )  # fmt: skip
+    )
     names = parse_species(species)
     template = None if campaign_path is None else load(campaign_path)
     launches = () if launches_path is None else read_launches(launches_path)
@@ -254,9 +263,15 @@ def _table(told: dict[str, Any]) -> Table:
     step = math.ceil((len(years) - 1) / (ROWS - 1))
     shown = sorted({*years[::step], years[-1]})
     headings = (
-        "year", "objects without", "with", "fragments without", "with",
-        "catastrophic a year without", "with", "removed",
-    )  # fmt: skip
+        "year",
+        "objects without",
+        "with",
+        "fragments without",
+        "with",
+        "catastrophic a year without",
+        "with",
+        "removed",
+    )
     removed = told["with"]["removed"]["mean"]
     rows = (
         (
@@ -264,13 +279,15 @@ def _table(told: dict[str, Any]) -> Table:
             *(
                 form.format(told[case][name]["mean"][year])
                 for name, form in (
-                    ("objects", "{:.1f}"), ("fragments", "{:.1f}"), ("catastrophic", "{:.3g}")
+                    ("objects", "{:.1f}"),
+                    ("fragments", "{:.1f}"),
+                    ("catastrophic", "{:.3g}"),
                 )
                 for case in ("without", "with")
             ),
             f"{sum(removed[:year]):.1f}",
         )
         for year in shown
-    )  # fmt: skip
+    )
     seeds = told["settings"]["seeds"]
     return number_table(f"means of {counted(seeds, 'future')}", headings, rows)

@@ -110,16 +110,28 @@ def command(
     check_out(out, instance_path)
     refining = Refining(**refining_options)
     check_certificate(
-        certificate_path, instance, method, bound_name, instance_path, start_path, margin=margin,
-        out=out, refine=refining.refine,
-    )  # fmt: skip
+        certificate_path,
+        instance,
+        method,
+        bound_name,
+        instance_path,
+        start_path,
+        margin=margin,
+        out=out,
+        refine=refining.refine,
+    )
     refining.check(instance_path, out)
     confident = Confident(confidence, uncertainty_path)
-    confident.check({
-        "--refine": refining.refine, "--certificate": certificate_path is not None,
-        "--start": start is not None, "--margin": margin > 0.0,
-        "--iterations": iterations is not None, "--memory": memory_gib is not None,
-    })  # fmt: skip
+    confident.check(
+        {
+            "--refine": refining.refine,
+            "--certificate": certificate_path is not None,
+            "--start": start is not None,
+            "--margin": margin > 0.0,
+            "--iterations": iterations is not None,
+            "--memory": memory_gib is not None,
+        }
+    )
     given = front.RunOptions(
         time_limit, seed, start, repair, jobs, iterations, bound_name, margin, memory_gib, options
     )
@@ -130,8 +142,9 @@ def command(
             lambda stop, progress: run_refined(
                 instance, method, refining, progress, quiet, stop=stop, wanted=given
             ),
-            live=wanted(as_json, quiet), quiet=quiet,
-        )  # fmt: skip
+            live=wanted(as_json, quiet),
+            quiet=quiet,
+        )
         result = looped.result
         say_notes(result, quiet)
     elif confidence is not None:
@@ -158,9 +171,12 @@ def command(
     is_kept = out is not None and unsaved is None
     others = _first_trouble(
         *(() if looped is None else (partial(save_refined, looped, refining.refined_out, quiet),)),
-        *(() if certificate_path is None else
-          (partial(save_certificate, certificate_path, instance, result, quiet),)),
-    )  # fmt: skip
+        *(
+            ()
+            if certificate_path is None
+            else (partial(save_certificate, certificate_path, instance, result, quiet),)
+        ),
+    )
     not_written = unsaved or others
     if not quiet and looped is None and problem.has_timetable:
         advice = grid_advice(problem, plan)

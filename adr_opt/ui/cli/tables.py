@@ -63,8 +63,9 @@ def leg_table(
     # As wide as the longest line of each column of numbers, heading included.
     cells = [["leg", *(str(row.number) for row in rows)]]
     cells += [[heading, *(row.texts[at] for row in rows)] for at, heading in enumerate(headings)]
-    taken = sum(max(cell_len(line) for cell in column for line in cell.split("\n"))
-                for column in cells)  # fmt: skip
+    taken = sum(
+        max(cell_len(line) for cell in column for line in cell.split("\n")) for column in cells
+    )
     count = len(cells) + 1
     routes = [ROUTE, *(row.origin + ARROW + row.destination for row in rows)]
     framed = True

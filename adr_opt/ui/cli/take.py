@@ -53,9 +53,7 @@ instance = click.argument("instance_path", metavar="INSTANCE", shell_complete=co
 plan = click.argument("plan_path", metavar="PLAN", shell_complete=complete.files)
 as_json = flag("--json", "Print one JSON object and nothing else.", name="as_json")
 cluster = word(
-    "--cluster",
-    "dask://HOST:PORT",
-    "Use the workers of a Dask scheduler instead of --jobs.",
+    "--cluster", "dask://HOST:PORT", "Use the workers of a Dask scheduler instead of --jobs."
 )
 quiet = flag("--quiet", "No messages and no progress.")
 method = word(

@@ -109,10 +109,16 @@ def command(
         if plot_path is not None:
             check_picture(plot_path)
         return designs.study(
-            instance_path, instance, axes, worth_path, costs,
+            instance_path,
+            instance,
+            axes,
+            worth_path,
+            costs,
             designs.StudySettings(method or front.DEFAULT_METHOD, limit, seed, jobs, cluster),
-            designs.StudyOutputs(out, page_path, plot_path, plans), as_json=as_json, quiet=quiet,
-        )  # fmt: skip
+            designs.StudyOutputs(out, page_path, plot_path, plans),
+            as_json=as_json,
+            quiet=quiet,
+        )
     if plans is not None:
         check_folder(plans, instance_path)
     if frontier_path is not None:
@@ -139,9 +145,17 @@ def command(
 
     def run(stop: Stop) -> tuple[Tradeoff, tuple[Ending, ...]]:
         made = tradeoff(
-            instance, axes, method=method or front.DEFAULT_METHOD, time_limit=limit, seed=seed,
-            jobs=jobs, cluster=cluster, path=out, stop=stop, told=told,
-        )  # fmt: skip
+            instance,
+            axes,
+            method=method or front.DEFAULT_METHOD,
+            time_limit=limit,
+            seed=seed,
+            jobs=jobs,
+            cluster=cluster,
+            path=out,
+            stop=stop,
+            told=told,
+        )
         if frontier_path is None:
             return made, ()
         heard = (lambda text: None) if quiet else say

@@ -106,10 +106,16 @@ def command(
 
         with signals_to(interrupt):
             train(
-                folder, steps=steps, seed=seed, jobs=jobs, device=device,
-                evaluate_every=evaluate_every, checkpoint_s=checkpoint_s, enough=enough,
+                folder,
+                steps=steps,
+                seed=seed,
+                jobs=jobs,
+                device=device,
+                evaluate_every=evaluate_every,
+                checkpoint_s=checkpoint_s,
+                enough=enough,
                 report=report,
-            )  # fmt: skip
+            )
     if stopped.is_set() and not quiet:
         say(f"interrupted: {out} holds a checkpoint; the same command goes on from it")
     if as_json:

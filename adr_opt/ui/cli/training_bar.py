@@ -84,9 +84,12 @@ class TrainingBar:
         )
 
         columns = (
-            BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
-            TimeElapsedColumn(), TextColumn("{task.fields[held]}"),
-        )  # fmt: skip
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[rate]}"),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[held]}"),
+        )
         bar = self._bars.enter_context(Progress(*columns, console=Console(stderr=True)))
         bar.add_task("train", total=self._steps, rate="", held="")
         return bar

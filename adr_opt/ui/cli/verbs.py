@@ -11,10 +11,31 @@ from ...common.errors import InputError
 from ...common.version import __version__
 
 VERBS = (
-    "generate", "worth", "import", "solve", "bound", "check", "verify", "price", "compare",
-    "tradeoff", "replan", "rehearse", "scenario", "fly", "refine", "matrix", "export", "report",
-    "serve", "train", "methods", "warm-up", "doctor", "schema",
-)  # fmt: skip
+    "generate",
+    "worth",
+    "import",
+    "solve",
+    "bound",
+    "check",
+    "verify",
+    "price",
+    "compare",
+    "tradeoff",
+    "replan",
+    "rehearse",
+    "scenario",
+    "fly",
+    "refine",
+    "matrix",
+    "export",
+    "report",
+    "serve",
+    "train",
+    "methods",
+    "warm-up",
+    "doctor",
+    "schema",
+)
 
 
 DEBUG = "--debug"
@@ -52,9 +73,12 @@ class Verbs(click.Group):
 def _debug(*, hidden: bool = False) -> click.Option:
     """The option, before and after a verb; the entry looks for it before anything is parsed."""
     return click.Option(
-        [DEBUG], is_flag=True, expose_value=False, hidden=hidden,
+        [DEBUG],
+        is_flag=True,
+        expose_value=False,
+        hidden=hidden,
         help="Print the traceback of an internal error; also after the verb.",
-    )  # fmt: skip
+    )
 
 
 @click.group(

@@ -17,9 +17,17 @@ MOST_CONNECTIONS = 1_000_000
 
 
 TOLD = (
-    "verified", "upper_bound", "objective", "gap", "labels", "legs", "connections", "departures",
-    "cost_bound", "reasons",
-)  # fmt: skip
+    "verified",
+    "upper_bound",
+    "objective",
+    "gap",
+    "labels",
+    "legs",
+    "connections",
+    "departures",
+    "cost_bound",
+    "reasons",
+)
 """Fields of a verdict printed by --json under the same names."""
 
 
@@ -27,9 +35,11 @@ TOLD = (
 @take.instance
 @click.argument("paths", metavar="[PLAN] CERTIFICATE", nargs=-1, shell_complete=complete.files)
 @click.option(
-    "--connections", type=click.IntRange(0, MOST_CONNECTIONS), metavar="N",
+    "--connections",
+    type=click.IntRange(0, MOST_CONNECTIONS),
+    metavar="N",
     help="Number of connections to fly again by the physics of 'check'; default 1000.",
-)  # fmt: skip
+)
 @click.option("--seed", type=click.IntRange(0), default=0, help="Seed of their choice; default 0.")
 @take.as_json
 def command(
@@ -60,8 +70,9 @@ def command(
         certificate = admit(instance, read).plan
         verdict = attend(
             lambda: verify(instance, plan, certificate, seed=seed, connections=tried),
-            "verifying", live=wanted(as_json, quiet=False),
-        )  # fmt: skip
+            "verifying",
+            live=wanted(as_json, quiet=False),
+        )
     if as_json:
         told = {name: getattr(verdict, name) for name in TOLD}
         emit_json({"instance": instance.name, **told})

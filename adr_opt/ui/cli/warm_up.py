@@ -77,9 +77,12 @@ def _row(method: str, problem: Exception | None = None) -> dict[str, Any]:
     said = None if problem is None else f"left out: {problem}"
     trouble = cache.trouble()
     return {
-        "method": method, "compiling_s": compiling_s(), "problem": said, "trouble": trouble,
+        "method": method,
+        "compiling_s": compiling_s(),
+        "problem": said,
+        "trouble": trouble,
         "files": cache.used(),
-    }  # fmt: skip
+    }
 
 
 def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:

@@ -163,11 +163,18 @@ def run_method(
 
     result = work(
         lambda stop, progress: front.run(
-            group, problem, method, given, stop=stop, progress=progress,
-            building=progress.building, sizing=progress.sizing,
+            group,
+            problem,
+            method,
+            given,
+            stop=stop,
+            progress=progress,
+            building=progress.building,
+            sizing=progress.sizing,
         ),
-        live=wanted(as_json, quiet), quiet=quiet,
-    )  # fmt: skip
+        live=wanted(as_json, quiet),
+        quiet=quiet,
+    )
     say_notes(result, quiet)
     return result
 

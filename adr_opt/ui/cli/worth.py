@@ -110,8 +110,10 @@ def command(
     ]
     prizes = worth.prizes_of(made, candidates, unit, jobs, later=later)
     told = worth.answer(prizes, satcat) | {
-        "path": out, "bad_rows": len(found.dropped), "falling_years": falling or 0,
-    }  # fmt: skip
+        "path": out,
+        "bad_rows": len(found.dropped),
+        "falling_years": falling or 0,
+    }
     page = None if page_path is None else worth_page(prizes, told)
     paired = None if pairs is None else worth.pairs_json(prizes)
     write_text(out, prizes.prizes_csv())
@@ -170,7 +172,10 @@ def _table(told: dict[str, Any]) -> Table:
     table.add_column("reason")
     for each in told["best"]:
         table.add_row(
-            each["name"], f"{each['prize']:.0f}", f"{each['worth_alone']:.4g}",
-            f"{each['floor']:.4g}", each["reason"],
-        )  # fmt: skip
+            each["name"],
+            f"{each['prize']:.0f}",
+            f"{each['worth_alone']:.4g}",
+            f"{each['floor']:.4g}",
+            each["reason"],
+        )
     return table

@@ -77,12 +77,16 @@ def budget_chart(instance: Instance, plan: Plan) -> Chart:
     colours, found = chaser_colours(instance), budgets(instance, plan)
     lines = [
         Line(
-            name=name if several(instance) else LEFT, colour=colours[name], step=True,
-            x=days(course.times_s), y=course.left_m_s, legs=course.legs,
+            name=name if several(instance) else LEFT,
+            colour=colours[name],
+            step=True,
+            x=days(course.times_s),
+            y=course.left_m_s,
+            legs=course.legs,
             of=list(zip(course.legs, course.times_s, strict=True)),
         )
         for name, course in found.items()
-    ]  # fmt: skip
+    ]
     stops = [
         (course.times_s[at], course.left_m_s[at], course.legs[at], colours[name])
         for name, course in found.items()
@@ -91,10 +95,16 @@ def budget_chart(instance: Instance, plan: Plan) -> Chart:
     ]
     times_s, left_m_s, legs, whose = zip(*stops, strict=True) if stops else ((),) * 4
     marks = Marks(
-        name="refuelling", colour=STATION, symbol="triangle-up", size=10.0,
+        name="refuelling",
+        colour=STATION,
+        symbol="triangle-up",
+        size=10.0,
         colours=whose if several(instance) else (),
-        x=days(times_s), y=left_m_s, legs=legs, of=list(zip(legs, times_s, strict=True)),
-    )  # fmt: skip
+        x=days(times_s),
+        y=left_m_s,
+        legs=legs,
+        of=list(zip(legs, times_s, strict=True)),
+    )
     return Chart((*lines, marks), DAYS, ChartAxis(f"{LEFT} [m/s]"))
 
 

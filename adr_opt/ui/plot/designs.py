@@ -28,18 +28,25 @@ def designs_chart(study: DesignStudy) -> Chart:
     links = [Link(f"#{anchor(at)}", f"{at + 1}: {points[at].design.title}") for at in there]
     series = (
         Line(
-            name=FRONT, colour=CHASERS[0], width=2.0, step=True,
+            name=FRONT,
+            colour=CHASERS[0],
+            width=2.0,
+            step=True,
             x=[points[at].euros / MILLION for at in front],
             y=[points[at].worth for at in front],
         ),
         Marks(
-            name=PLANS, colour=CHASERS[0], x=euros, y=[points[at].worth for at in there], of=links,
+            name=PLANS, colour=CHASERS[0], x=euros, y=[points[at].worth for at in there], of=links
         ),
         Marks(
-            name=BOUNDS, colour=CHASERS[1], symbol="circle-open", size=7.0, x=euros,
+            name=BOUNDS,
+            colour=CHASERS[1],
+            symbol="circle-open",
+            size=7.0,
+            x=euros,
             y=[points[at].bound for at in there],
         ),
-    )  # fmt: skip
+    )
     unit = study.rating.unit
     return Chart(
         series, ChartAxis("million euros"), ChartAxis(f"{unit} avoided" if unit else "prize")

@@ -21,13 +21,18 @@ def phase_bars(found: Iterable[Segment], row_of: Callable[[int], int]) -> list[B
         of_phase[segment.phase].append(segment)
     return [
         Bars(
-            name=LABELS[phase], colour=COLOURS[phase], phase=phase, of=bars,
-            legs=[bar.leg for bar in bars], x=days([bar.start_s for bar in bars]),
-            y=[row_of(bar.leg) for bar in bars], lengths=days([bar.duration_s for bar in bars]),
+            name=LABELS[phase],
+            colour=COLOURS[phase],
+            phase=phase,
+            of=bars,
+            legs=[bar.leg for bar in bars],
+            x=days([bar.start_s for bar in bars]),
+            y=[row_of(bar.leg) for bar in bars],
+            lengths=days([bar.duration_s for bar in bars]),
         )
         for phase, bars in of_phase.items()
         if bars
-    ]  # fmt: skip
+    ]
 
 
 def gantt_chart(instance: Instance, plan: Plan, *, headed: bool) -> Chart:

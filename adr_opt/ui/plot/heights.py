@@ -34,12 +34,15 @@ def zones(instance: Instance) -> tuple[Box, ...]:
     """The keep-out zones as boxes."""
     return tuple(
         Box(
-            name="keep-out zone", colour=ZONE, phase="zone", of=(zone,),
+            name="keep-out zone",
+            colour=ZONE,
+            phase="zone",
+            of=(zone,),
             x=(zone.start_s / DAY_S, zone.end_s / DAY_S),
             y=(zone.min_altitude_m / KM_M, zone.max_altitude_m / KM_M),
         )
         for zone in instance.keep_out_zones
-    )  # fmt: skip
+    )
 
 
 def keep_out_zones(ax: Any, instance: Instance) -> Any:

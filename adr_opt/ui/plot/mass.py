@@ -70,12 +70,15 @@ def mass_chart(instance: Instance, plan: Plan) -> Chart:
     colours = chaser_colours(instance)
     lines = [
         Line(
-            name=name, colour=colours[name], x=days([time_s for _, time_s, _ in knots]),
-            y=[mass_kg for _, _, mass_kg in knots], legs=[leg for leg, _, _ in knots],
+            name=name,
+            colour=colours[name],
+            x=days([time_s for _, time_s, _ in knots]),
+            y=[mass_kg for _, _, mass_kg in knots],
+            legs=[leg for leg, _, _ in knots],
             of=[(leg, time_s) for leg, time_s, _ in knots],
         )
         for name, knots in masses(instance, plan).items()
-    ]  # fmt: skip
+    ]
     return Chart(tuple(lines), DAYS, ChartAxis("mass [kg]"))
 
 

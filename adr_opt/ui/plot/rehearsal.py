@@ -49,12 +49,15 @@ def _fan(
     days = (times / DAY_S).tolist()
     lines = [
         Line(
-            name=f"{low:.0%} to {high:.0%} of rehearsals", colour=CHASERS[0], width=0.0, x=days,
+            name=f"{low:.0%} to {high:.0%} of rehearsals",
+            colour=CHASERS[0],
+            width=0.0,
+            x=days,
             y=np.quantile(values, high, axis=0).tolist(),
             below=np.quantile(values, low, axis=0).tolist(),
         )
         for low, high in BANDS
-    ]  # fmt: skip
+    ]
     lines.append(
         Line(name="median", colour=CHASERS[0], x=days, y=np.median(values, axis=0).tolist())
     )

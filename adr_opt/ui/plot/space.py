@@ -63,9 +63,14 @@ def path_lines(
 ) -> list[Line]:
     """Flown arcs in space [km], at most one revolution of each."""
     return strands(
-        instance, plan, tracks, lambda track: in_km(track.around_m).T, width,
-        by_chaser=by_chaser, in_space=True,
-    )  # fmt: skip
+        instance,
+        plan,
+        tracks,
+        lambda track: in_km(track.around_m).T,
+        width,
+        by_chaser=by_chaser,
+        in_space=True,
+    )
 
 
 def _check_three(ax: Any) -> None:

@@ -97,7 +97,12 @@ def _by_phase(found: tuple[DrawnArc, ...], course: Course, width: float) -> Iter
         if arcs:
             x, y, *z = joined([points for _, points in arcs]).T
             yield Line(
-                name=LABELS[phase], colour=COLOURS[phase], phase=phase, width=width,
+                name=LABELS[phase],
+                colour=COLOURS[phase],
+                phase=phase,
+                width=width,
                 legs=[leg for leg, points in arcs for _ in range(len(points) + 1)],
-                x=x, y=y, z=z[0] if z else None,
-            )  # fmt: skip
+                x=x,
+                y=y,
+                z=z[0] if z else None,
+            )

@@ -127,7 +127,9 @@ class _Course:
         for at in range(times.size - 1):
             ends = slice(at, at + 2)
             yield SpiralArc(
-                number, segment.phase, times[ends],
+                number,
+                segment.phase,
+                times[ends],
                 MU_M3_S2 / orbits.speeds[ends] ** 2 - EARTH_RADIUS_M,
                 self._around(segment, at, Circles(*(part[at] for part in orbits))),
                 np.degrees(orbits.nodes[ends]),
@@ -135,7 +137,7 @@ class _Course:
                 orbits.inclinations[ends],
                 None if body is None else elements.latitudes(body, times[ends]),
                 self._window(segment),
-            )  # fmt: skip
+            )
 
     def _around(self, segment: Segment, at: int, circle: Circles) -> Array:
         """Positions at the begin of a piece of a phase, shape (points, 3) [m]."""
@@ -212,10 +214,14 @@ class _Course:
     def _drifted(self, speeds: Array, tilts: Array, times: Array) -> Array:
         """How far the node drifts from the first of the times on, by the trapezoidal rule [rad]."""
         oblateness = self._instance.oblateness_m2
-        rates = np.array([
-            ephemeris.node_rate(MU_M3_S2 / speed**2, tilt, oblateness) if speed > 0.0 else np.nan
-            for speed, tilt in zip(speeds, tilts, strict=True)
-        ])  # fmt: skip
+        rates = np.array(
+            [
+                ephemeris.node_rate(MU_M3_S2 / speed**2, tilt, oblateness)
+                if speed > 0.0
+                else np.nan
+                for speed, tilt in zip(speeds, tilts, strict=True)
+            ]
+        )
         steps = 0.5 * (rates[1:] + rates[:-1]) * np.diff(times)
         return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -237,8 +243,6 @@ def _windows(circle: Circles, arc: LowThrustArc) -> Array:
 def _positions(circle: Circles, latitudes: Array) -> Array:
     speed, tilt, node = circle
     ascending = np.array([np.cos(node), np.sin(node), 0.0])
-    ahead = np.array([
-        -np.sin(node) * np.cos(tilt), np.cos(node) * np.cos(tilt), np.sin(tilt)
-    ])  # fmt: skip
+    ahead = np.array([-np.sin(node) * np.cos(tilt), np.cos(node) * np.cos(tilt), np.sin(tilt)])
     directions: Array = np.outer(np.cos(latitudes), ascending) + np.outer(np.sin(latitudes), ahead)
     return directions * (MU_M3_S2 / speed**2)

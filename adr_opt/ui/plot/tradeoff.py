@@ -31,12 +31,14 @@ def tradeoff_chart(made: Tradeoff, kind: str) -> Chart:
         lines.append(
             Line(
                 name=name if len(rows) > 1 else "plans, and up to the bound",
-                colour=CHASERS[at % len(CHASERS)], width=2.0, dots=True,
+                colour=CHASERS[at % len(CHASERS)],
+                width=2.0,
+                dots=True,
                 x=[point.value(kind) / along.scale for point in there],
                 y=[point.prize for point in there],
                 below=[bound if math.isfinite(bound) else most for bound in bounds],
             )
-        )  # fmt: skip
+        )
     return Chart(tuple(lines), ChartAxis(along.title), ChartAxis("prize"))
 
 

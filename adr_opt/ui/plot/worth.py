@@ -27,9 +27,12 @@ def worth_chart(worth: RemovalWorth) -> Chart:
         first = int(np.argmax(edges >= 300.0))
         lines.append(
             Line(
-                name=kind, colour=colour, step=True,
-                x=edges[first:].tolist(), y=[*sums[first:].tolist(), 0.0],
+                name=kind,
+                colour=colour,
+                step=True,
+                x=edges[first:].tolist(),
+                y=[*sums[first:].tolist(), 0.0],
             )
-        )  # fmt: skip
+        )
     title = f"fragment-years by {STEP_KM:g} km"
     return Chart(tuple(lines), ChartAxis("mean altitude [km]"), ChartAxis(title))

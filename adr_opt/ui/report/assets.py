@@ -22,9 +22,25 @@ def policy(*scripts: str) -> str:
 
 
 ROOMS = (
-    "library", "state", "look", "charts", "access", "time", "spoken", "motion", "sun", "earth",
-    "moving", "view", "ground", "closeup", "files", "burns", "pictures", "main",
-)  # fmt: skip
+    "library",
+    "state",
+    "look",
+    "charts",
+    "access",
+    "time",
+    "spoken",
+    "motion",
+    "sun",
+    "earth",
+    "moving",
+    "view",
+    "ground",
+    "closeup",
+    "files",
+    "burns",
+    "pictures",
+    "main",
+)
 """Parts of the script, in the order of assembly."""
 
 

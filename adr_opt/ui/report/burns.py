@@ -25,9 +25,22 @@ from .text import NOTHING, clock, escape, fixed, in_chart
 PLANNED, REFINED = "planned", "refined"
 
 COLUMNS = (
-    "burns", "chaser", "leg", "origin", "destination", "phase", "time_s", "utc", "delta_v_m_s",
-    "x_m_s", "y_m_s", "z_m_s", "radial_m_s", "along_track_m_s", "cross_track_m_s",
-)  # fmt: skip
+    "burns",
+    "chaser",
+    "leg",
+    "origin",
+    "destination",
+    "phase",
+    "time_s",
+    "utc",
+    "delta_v_m_s",
+    "x_m_s",
+    "y_m_s",
+    "z_m_s",
+    "radial_m_s",
+    "along_track_m_s",
+    "cross_track_m_s",
+)
 """Columns of the CSV file: context of the burn, time, and ΔV in the frame of the elements and in
 that of the chaser; the last three are empty if unknown."""
 
@@ -132,15 +145,21 @@ def of_page(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> di
     return {
         "columns": COLUMNS,
         "rows": [
-            [burn.of, burn.leg, burn.phase, burn.time_s, *burn.delta_v_m_s,
-             *((None, None, None) if burn.local_m_s is None else burn.local_m_s)]
+            [
+                burn.of,
+                burn.leg,
+                burn.phase,
+                burn.time_s,
+                *burn.delta_v_m_s,
+                *((None, None, None) if burn.local_m_s is None else burn.local_m_s),
+            ]
             for burn in burns
         ],
         "legs": [
             [in_chart(name) for name in (whose.get(number, only), leg.origin, leg.destination)]
             for number, leg in enumerate(plan.legs, start=1)
         ],
-    }  # fmt: skip
+    }
 
 
 def section(instance: Instance, plan: Plan, burns: Sequence[ReportedBurn]) -> str:
@@ -182,8 +201,15 @@ def _table(caption: str, instance: Instance, plan: Plan, burns: Sequence[Reporte
         )
         rows.append(row(cells, f'data-of="{burn.leg}"'))
     headings = (
-        ("burn", "n"), *([("chaser", "")] if whose else []), ("leg", "n"), ("phase", ""),
-        ("time", "n"), ("UTC", "n"), ("ΔV m/s", "n"), ("radial", "n"), ("along-track", "n"),
+        ("burn", "n"),
+        *([("chaser", "")] if whose else []),
+        ("leg", "n"),
+        ("phase", ""),
+        ("time", "n"),
+        ("UTC", "n"),
+        ("ΔV m/s", "n"),
+        ("radial", "n"),
+        ("along-track", "n"),
         ("cross-track", "n"),
-    )  # fmt: skip
+    )
     return table(caption, headings, rows)

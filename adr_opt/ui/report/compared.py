@@ -28,15 +28,17 @@ def compared_page(comparison: Comparison) -> str:
     colours = dict(zip(plans, CHASERS * len(plans), strict=False))
     visits = Chart(
         tuple(_visits(instance, plan, name, colours[name]) for name, plan in plans.items()),
-        DAYS, ChartAxis("visits"),
-    )  # fmt: skip
+        DAYS,
+        ChartAxis("visits"),
+    )
     parts = [
         section("Side by side", "", _sides(comparison)),
         section(
-            "Visits against time", "Targets whose service is over.",
+            "Visits against time",
+            "Targets whose service is over.",
             drawn(visits, "Visits of each plan against time"),
         ),
-    ]  # fmt: skip
+    ]
     if not several(instance):
         made = {name: budget_chart(instance, plan) for name, plan in plans.items()}
         lines = (
@@ -46,10 +48,11 @@ def compared_page(comparison: Comparison) -> str:
         left = replace(next(iter(made.values())), series=tuple(lines))
         parts.append(
             section(
-                LEFT, "A step down at every burn, and up at every refuelling.",
+                LEFT,
+                "A step down at every burn, and up at every refuelling.",
                 drawn(left, "ΔV left of each plan"),
             )
-        )  # fmt: skip
+        )
     first = next(iter(plans))
     parts += [
         section(f"{each.name} against {first}", _said(each), _legs(comparison, each))
@@ -67,9 +70,19 @@ def _visits(instance: Instance, plan: Plan, name: str, colour: str) -> Line:
 
 
 FIGURES = (
-    "prize", "bound, stated", "gap, stated", "status, stated", "visits", "required", "ΔV m/s",
-    "cost", "refuellings", "end", "violations", "method",
-)  # fmt: skip
+    "prize",
+    "bound, stated",
+    "gap, stated",
+    "status, stated",
+    "visits",
+    "required",
+    "ΔV m/s",
+    "cost",
+    "refuellings",
+    "end",
+    "violations",
+    "method",
+)
 
 
 def figures(side: Side) -> tuple[str, ...]:
@@ -117,10 +130,17 @@ def _said(difference: Difference) -> str:
 def _legs(comparison: Comparison, difference: Difference) -> str:
     whose = several(comparison.instance)
     headings = (
-        *((("chaser", ""),) if whose else ()), ("destination", ""), ("leg", "n"),
-        ("departs", "n"), ("ΔV m/s", "n"), ("leg there", "n"), ("departs there", "n"),
-        ("ΔV there", "n"), ("more ΔV", "n"), ("difference", ""),
-    )  # fmt: skip
+        *((("chaser", ""),) if whose else ()),
+        ("destination", ""),
+        ("leg", "n"),
+        ("departs", "n"),
+        ("ΔV m/s", "n"),
+        ("leg there", "n"),
+        ("departs there", "n"),
+        ("ΔV there", "n"),
+        ("more ΔV", "n"),
+        ("difference", ""),
+    )
     return table(f"Legs of {difference.name}", headings, _rows(difference, whose))
 
 

@@ -12,9 +12,15 @@ LONGEST_OPTION = 18
 """Length beyond which names are cut in the list of legs, to fit a phone."""
 
 SPEEDS = {
-    1: "×1", 10: "×10", 60: "1 min/s", 600: "10 min/s", 3600: "1 h/s", 21600: "6 h/s",
-    86400: "1 d/s", 1000000: "×10⁶",
-}  # fmt: skip
+    1: "×1",
+    10: "×10",
+    60: "1 min/s",
+    600: "10 min/s",
+    3600: "1 h/s",
+    21600: "6 h/s",
+    86400: "1 d/s",
+    1000000: "×10⁶",
+}
 """How fast time may be played: seconds of the mission a second. The page begins with the slowest
 that plays all of it within twenty minutes."""
 

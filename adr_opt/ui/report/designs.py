@@ -81,9 +81,17 @@ def headings(study: DesignStudy) -> tuple[str, ...]:
 
 
 RESULTS = (
-    "planned", "avoided", "at most", "gap", "M€", "per M€", "launches used", "removals", "front",
+    "planned",
+    "avoided",
+    "at most",
+    "gap",
+    "M€",
+    "per M€",
+    "launches used",
+    "removals",
+    "front",
     "s",
-)  # fmt: skip
+)
 
 
 def cells(study: DesignStudy, at: int) -> tuple[str, ...]:
@@ -149,11 +157,16 @@ def _legs(study: DesignStudy, at: int, point: DesignPoint) -> str:
     """A row for each leg of a plan, with the worth of its target."""
     assert point.plan is not None
     rows = [
-        row(zip(KINDS_OF_LEGS, (*_leg(flown.chaser.name, leg), *_worths(study, point, leg)),
-                strict=False))
+        row(
+            zip(
+                KINDS_OF_LEGS,
+                (*_leg(flown.chaser.name, leg), *_worths(study, point, leg)),
+                strict=False,
+            )
+        )
         for flown in routes_of(point.instance, point.plan)
         for _, leg in flown.legs
-    ]  # fmt: skip
+    ]
     last = ("prize",) if study.rating.worths is None else ("floor", "alone")
     titles = (*LEGS, *last)
     return table(f"Legs of design {at + 1}", list(zip(titles, KINDS_OF_LEGS, strict=False)), rows)
@@ -161,9 +174,13 @@ def _legs(study: DesignStudy, at: int, point: DesignPoint) -> str:
 
 def _leg(chaser: str, leg: Leg) -> tuple[str, ...]:
     return (
-        chaser, leg.destination, leg.kind, fixed(leg.departure_s / DAY_S, 1),
-        fixed(leg.done_s / DAY_S, 1), number(leg.spent_m_s, 1),
-    )  # fmt: skip
+        chaser,
+        leg.destination,
+        leg.kind,
+        fixed(leg.departure_s / DAY_S, 1),
+        fixed(leg.done_s / DAY_S, 1),
+        number(leg.spent_m_s, 1),
+    )
 
 
 def _worths(study: DesignStudy, point: DesignPoint, leg: Leg) -> tuple[str, ...]:

@@ -49,13 +49,19 @@ def complaints(
         return ()
     found = [f"leg {missing.leg} is missing: {missing.reason}" for missing in refined.missing]
     if refined_flight is not None:
-        found += [f"leg {leg.leg} misses by more than {refined_flight.limits}, as another "
-                  "integrator flies it"
-                  for leg in refined_flight.strayed]  # fmt: skip
-        found += [f"leg {leg.leg} states too little ΔV of holding beside its bodies"
-                  for leg in refined_flight.understated]  # fmt: skip
-        found += [f"leg {leg.leg} releases its object on another orbit than that of disposal"
-                  for leg in refined_flight.off_disposal]  # fmt: skip
+        found += [
+            f"leg {leg.leg} misses by more than {refined_flight.limits}, as another "
+            "integrator flies it"
+            for leg in refined_flight.strayed
+        ]
+        found += [
+            f"leg {leg.leg} states too little ΔV of holding beside its bodies"
+            for leg in refined_flight.understated
+        ]
+        found += [
+            f"leg {leg.leg} releases its object on another orbit than that of disposal"
+            for leg in refined_flight.off_disposal
+        ]
     return (*found, *(str(tank) for tank in tanks_of(instance, refined) if not tank.holds))
 
 
@@ -73,9 +79,15 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
         )
     rows = [_leg(leg, is_true) for leg in flight.legs]
     headings = [
-        ("leg", "n"), ("from → to", ""), ("kind", ""), ("planned m/s", "n"), ("burns m/s", "n"),
-        ("miss m", "n"), ("relative m/s", "n"), ("at arrival m", "n"),
-    ]  # fmt: skip
+        ("leg", "n"),
+        ("from → to", ""),
+        ("kind", ""),
+        ("planned m/s", "n"),
+        ("burns m/s", "n"),
+        ("miss m", "n"),
+        ("relative m/s", "n"),
+        ("at arrival m", "n"),
+    ]
     if is_true:
         headings += [("true miss m", "n"), ("aside m/s", "n"), ("corrected m/s", "n")]
     if is_refined:
@@ -86,11 +98,15 @@ def _of_plan(flight: Flight, *, is_refined: bool) -> str:
 
 def _leg(leg: LegFlight, is_true: bool) -> str:
     cells: list[Cell] = [
-        ("n", str(leg.leg)), route_cell(leg.origin, leg.destination), ("", leg.kind),
-        ("n", fixed(leg.planned_delta_v_m_s, 1)), ("n", fixed(leg.burns_delta_v_m_s, 1)),
-        ("n", _small(leg.miss_m)), ("n", _small(leg.relative_speed_m_s)),
+        ("n", str(leg.leg)),
+        route_cell(leg.origin, leg.destination),
+        ("", leg.kind),
+        ("n", fixed(leg.planned_delta_v_m_s, 1)),
+        ("n", fixed(leg.burns_delta_v_m_s, 1)),
+        ("n", _small(leg.miss_m)),
+        ("n", _small(leg.relative_speed_m_s)),
         ("n", _small(leg.arrival_miss_m)),
-    ]  # fmt: skip
+    ]
     if is_true:
         cells += _true(leg.eccentric)
     return row(cells)
@@ -100,10 +116,15 @@ def _true(flown: EccentricFlight | None) -> list[Cell]:
     if flown is None:
         return [("n", NOTHING)] * 3
     return [
-        ("n", _small(flown.true_miss_m)), ("n", fixed(flown.eccentricity_delta_v_m_s, 1)),
-        ("n", "unknown" if flown.correction_delta_v_m_s is None
-         else fixed(flown.correction_delta_v_m_s, 1)),
-    ]  # fmt: skip
+        ("n", _small(flown.true_miss_m)),
+        ("n", fixed(flown.eccentricity_delta_v_m_s, 1)),
+        (
+            "n",
+            "unknown"
+            if flown.correction_delta_v_m_s is None
+            else fixed(flown.correction_delta_v_m_s, 1),
+        ),
+    ]
 
 
 def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight | None) -> str:
@@ -120,25 +141,42 @@ def _of_refined(instance: Instance, refined: RefinedPlan, flight: RefinedFlight 
     for leg in refined.legs:
         off = leg.flown_delta_v_m_s - leg.planned_delta_v_m_s
         cells: list[Cell] = [
-            ("n", str(leg.leg)), route_cell(leg.origin, leg.destination), ("", leg.kind),
-            ("n", fixed(leg.planned_delta_v_m_s, 1)), ("n", fixed(leg.retargeted_delta_v_m_s, 1)),
+            ("n", str(leg.leg)),
+            route_cell(leg.origin, leg.destination),
+            ("", leg.kind),
+            ("n", fixed(leg.planned_delta_v_m_s, 1)),
+            ("n", fixed(leg.retargeted_delta_v_m_s, 1)),
             ("n", fixed(leg.flown_delta_v_m_s, 1)),
-            ("n", ("+" if off > 0.0 else "") + fixed(off, 1)), ("n", str(len(leg.burns))),
-            ("n", fixed(leg.lowest_altitude_m / 1e3, 0)), ("n", _small(leg.residual_m)),
+            ("n", ("+" if off > 0.0 else "") + fixed(off, 1)),
+            ("n", str(len(leg.burns))),
+            ("n", fixed(leg.lowest_altitude_m / 1e3, 0)),
+            ("n", _small(leg.residual_m)),
             ("n", _small(leg.residual_m_s)),
-        ]  # fmt: skip
+        ]
         if flight is not None:
             flown = of_leg.get(leg.leg)
-            cells += [("n", NOTHING)] * 2 if flown is None else [
-                ("n", _small(max(flown.standoff_miss_m, flown.arrival_miss_m))),
-                ("n", _small(max(flown.standoff_miss_m_s, flown.arrival_miss_m_s))),
-            ]  # fmt: skip
+            cells += (
+                [("n", NOTHING)] * 2
+                if flown is None
+                else [
+                    ("n", _small(max(flown.standoff_miss_m, flown.arrival_miss_m))),
+                    ("n", _small(max(flown.standoff_miss_m_s, flown.arrival_miss_m_s))),
+                ]
+            )
         rows.append(row(cells))
     headings = [
-        ("leg", "n"), ("from → to", ""), ("kind", ""), ("planned m/s", "n"),
-        ("own burns m/s, stated", "n"), ("flown m/s", "n"), ("more m/s", "n"), ("burns", "n"),
-        ("lowest km, stated", "n"), ("residual m, stated", "n"), ("residual m/s, stated", "n"),
-    ]  # fmt: skip
+        ("leg", "n"),
+        ("from → to", ""),
+        ("kind", ""),
+        ("planned m/s", "n"),
+        ("own burns m/s, stated", "n"),
+        ("flown m/s", "n"),
+        ("more m/s", "n"),
+        ("burns", "n"),
+        ("lowest km, stated", "n"),
+        ("residual m, stated", "n"),
+        ("residual m/s, stated", "n"),
+    ]
     if flight is not None:
         headings += [("miss m", "n"), ("miss m/s", "n")]
     missing = "".join(
@@ -180,21 +218,35 @@ def _holding(refined: RefinedPlan) -> str:
 def _tanks(tanks: Sequence[TankFlight]) -> str:
     whose = any(tank.chaser for tank in tanks)
     rows = [
-        row([
-            *([("", escape(tank.chaser or NOTHING))] if whose else []),
-            ("n", str(tank.tank)), ("", legs_named(tank.first_leg, tank.last_leg)),
-            ("n", fixed(tank.budget_m_s, 1)), ("n", fixed(tank.planned_delta_v_m_s, 1)),
-            ("n", "unknown" if tank.flown_delta_v_m_s is None
-             else fixed(tank.flown_delta_v_m_s, 1)),
-            ("n", "unknown" if tank.over_m_s is None else fixed(-tank.over_m_s, 1)),
-            ("", "holds" if tank.holds else "<b>breaks</b>"),
-        ])
+        row(
+            [
+                *([("", escape(tank.chaser or NOTHING))] if whose else []),
+                ("n", str(tank.tank)),
+                ("", legs_named(tank.first_leg, tank.last_leg)),
+                ("n", fixed(tank.budget_m_s, 1)),
+                ("n", fixed(tank.planned_delta_v_m_s, 1)),
+                (
+                    "n",
+                    "unknown"
+                    if tank.flown_delta_v_m_s is None
+                    else fixed(tank.flown_delta_v_m_s, 1),
+                ),
+                ("n", "unknown" if tank.over_m_s is None else fixed(-tank.over_m_s, 1)),
+                ("", "holds" if tank.holds else "<b>breaks</b>"),
+            ]
+        )
         for tank in tanks
-    ]  # fmt: skip
+    ]
     headings = (
-        *([("chaser", "")] if whose else []), ("tank", "n"), ("legs", ""), ("of m/s", "n"),
-        ("planned m/s", "n"), ("flown m/s", "n"), ("left m/s", "n"), ("verdict", ""),
-    )  # fmt: skip
+        *([("chaser", "")] if whose else []),
+        ("tank", "n"),
+        ("legs", ""),
+        ("of m/s", "n"),
+        ("planned m/s", "n"),
+        ("flown m/s", "n"),
+        ("left m/s", "n"),
+        ("verdict", ""),
+    )
     return "<h3>Its tanks</h3>" + table("Tanks when flown", headings, rows) if rows else ""
 
 

@@ -29,9 +29,13 @@ from .sun import sun
 from .text import in_chart
 
 ELEMENTS = (
-    ephemeris.radius_at, ephemeris.inclination_at, ephemeris.node_at, ephemeris.node_rate_at,
-    ephemeris.latitude_at, ephemeris.latitude_rate_at,
-)  # fmt: skip
+    ephemeris.radius_at,
+    ephemeris.inclination_at,
+    ephemeris.node_at,
+    ephemeris.node_rate_at,
+    ephemeris.latitude_at,
+    ephemeris.latitude_rate_at,
+)
 """Elements of a body: a circle whose node and argument of latitude advance uniformly."""
 
 KINDS = {"station": STATION, "visited": VISITED, "not visited": UNVISITED}
@@ -105,13 +109,17 @@ def _arcs(flown: Flown, tracks: tuple[Track, ...]) -> list[list[Any]]:
     mine = {number for number, _ in flown.legs}
     return [
         [
-            track.leg, track.phase, float(track.times_s[0]), float(track.times_s[-1]),
+            track.leg,
+            track.phase,
+            float(track.times_s[0]),
+            float(track.times_s[-1]),
             *(float(value) for value in (*track.first_m, *track.first_m_s)),
-            track.pace, track.node_rate_rad_s,
+            track.pace,
+            track.node_rate_rad_s,
         ]
         for track in tracks
         if track.leg in mine
-    ]  # fmt: skip
+    ]
 
 
 def _spirals(instance: Instance, flown: Flown, drawn: tuple[DrawnArc, ...]) -> list[list[Any]]:
@@ -130,6 +138,10 @@ def _spirals(instance: Instance, flown: Flown, drawn: tuple[DrawnArc, ...]) -> l
 def _leg(leg: Leg, chaser: int, at: dict[str, int]) -> dict[str, Any]:
     standoff = next((burn.time_s for burn in leg.burns if burn.phase == "approach"), None)
     return {
-        "chaser": chaser, "to": at.get(leg.destination), "leaves": leg.leaves_s,
-        "standoff": standoff, "docked": leg.docked_s, "launch": leg.traits.from_nowhere,
-    }  # fmt: skip
+        "chaser": chaser,
+        "to": at.get(leg.destination),
+        "leaves": leg.leaves_s,
+        "standoff": standoff,
+        "docked": leg.docked_s,
+        "launch": leg.traits.from_nowhere,
+    }

@@ -111,9 +111,13 @@ def write_report(
     if found.refined is not None:
         tanks = tanks_of(found.admitted.instance, found.refined)
     return Report(
-        os.fspath(path), len(text.encode()), found.admitted.violations, tanks, found.trouble,
+        os.fspath(path),
+        len(text.encode()),
+        found.admitted.violations,
+        tanks,
+        found.trouble,
         found.complaints,
-    )  # fmt: skip
+    )
 
 
 def page(

@@ -42,21 +42,27 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
     """
     parts = [
         section(
-            "Prize over time", "The bands hold the stated shares of all rehearsals.",
+            "Prize over time",
+            "The bands hold the stated shares of all rehearsals.",
             drawn(prize_fan(made), "Prize over time"),
         ),
         section("ΔV over time", "", drawn(delta_v_fan(made), "ΔV over time")),
         section("Distributions", "", _distributions(told)),
-        section("Losses", "Mean number of targets that a rehearsal loses, by reason.",
-                _losses(told)),
+        section(
+            "Losses", "Mean number of targets that a rehearsal loses, by reason.", _losses(told)
+        ),
         section("Targets most often lost", "", _targets(told)),
         section("Tanks", "ΔV left at the end of each tank, in m/s.", _tanks(told)),
-    ]  # fmt: skip
+    ]
     if told.get("bounds"):
         parts.insert(
-            2, section("Bounds on every policy", "Gaps with their 95 % confidence intervals.",
-                       _bounds(told)),
-        )  # fmt: skip
+            2,
+            section(
+                "Bounds on every policy",
+                "Gaps with their 95 % confidence intervals.",
+                _bounds(told),
+            ),
+        )
     under = (
         f"{counted(len(made.outcomes), 'rehearsal')} by {made.policy}, seeds from "
         f"{told['seed']} · planned prize {number(made.plan.objective, 3)}"
@@ -66,9 +72,7 @@ def rehearsed_page(made: Rehearsals, told: Mapping[str, Any]) -> str:
 
 def _distributions(told: Mapping[str, Any]) -> str:
     rows = []
-    for key, name in (
-        ("prize", "prize"), ("last_day", "last day"), ("delta_v_m_s", "ΔV m/s"),
-    ):  # fmt: skip
+    for key, name in (("prize", "prize"), ("last_day", "last day"), ("delta_v_m_s", "ΔV m/s")):
         rows.append(row((("", name), *_summary(told[key]))))
     for key, name in _SHARES.items():
         if told[key] is not None:
@@ -83,9 +87,14 @@ _SHARES = {
 }
 
 _HEADINGS = (
-    ("mean", "n"), ("± standard error", "n"), ("5 %", "n"), ("25 %", "n"), ("median", "n"),
-    ("75 %", "n"), ("95 %", "n"),
-)  # fmt: skip
+    ("mean", "n"),
+    ("± standard error", "n"),
+    ("5 %", "n"),
+    ("25 %", "n"),
+    ("median", "n"),
+    ("75 %", "n"),
+    ("95 %", "n"),
+)
 
 
 def _summary(of: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -107,24 +116,32 @@ def _losses(told: Mapping[str, Any]) -> str:
 
 def _targets(told: Mapping[str, Any]) -> str:
     rows = [
-        row((
-            ("", each["target"]), ("n", f"{fixed(100.0 * each['share'], 1)} %"),
-            ("", REASONS.get(next(iter(each["reasons"])), "")),
-        ))
+        row(
+            (
+                ("", each["target"]),
+                ("n", f"{fixed(100.0 * each['share'], 1)} %"),
+                ("", REASONS.get(next(iter(each["reasons"])), "")),
+            )
+        )
         for each in told["lost_targets"][:MOST_TARGETS]
-    ]  # fmt: skip
+    ]
     headings = (("target", ""), ("lost in", "n"), ("most often because", ""))
     return table("Targets most often lost", headings, rows)
 
 
 def _tanks(told: Mapping[str, Any]) -> str:
     rows = [
-        row((
-            ("", each["chaser"]), ("n", str(each["tank"])), ("n", str(each["flown"])),
-            ("n", _share(each["dry"])), *_summary(each["left_m_s"]),
-        ))
+        row(
+            (
+                ("", each["chaser"]),
+                ("n", str(each["tank"])),
+                ("n", str(each["flown"])),
+                ("n", _share(each["dry"])),
+                *_summary(each["left_m_s"]),
+            )
+        )
         for each in told["tanks"]
-    ]  # fmt: skip
+    ]
     headings = (("chaser", ""), ("tank", "n"), ("flown", "n"), ("ran dry", "n"), *_HEADINGS)
     return table("Tanks", headings, rows)
 
@@ -135,16 +152,28 @@ def _bounds(told: Mapping[str, Any]) -> str:
     for key, name in names.items():
         of, gap = told["bounds"][key], told["gaps"][key]
         rows.append(
-            row((
-                ("", name), ("n", number(of["mean"], 4)),
-                ("n", NOTHING if of["standard_error"] is None else number(of["standard_error"], 3)),
-                ("n", _percent(gap["gap"])),
-                ("n", f"{_percent(gap['low'])} to {_percent(gap['high'])}"),
-            ))
-        )  # fmt: skip
+            row(
+                (
+                    ("", name),
+                    ("n", number(of["mean"], 4)),
+                    (
+                        "n",
+                        NOTHING
+                        if of["standard_error"] is None
+                        else number(of["standard_error"], 3),
+                    ),
+                    ("n", _percent(gap["gap"])),
+                    ("n", f"{_percent(gap['low'])} to {_percent(gap['high'])}"),
+                )
+            )
+        )
     headings = (
-        ("bound", ""), ("mean", "n"), ("± standard error", "n"), ("gap", "n"), ("interval", "n"),
-    )  # fmt: skip
+        ("bound", ""),
+        ("mean", "n"),
+        ("± standard error", "n"),
+        ("gap", "n"),
+        ("interval", "n"),
+    )
     return table("Bounds on every policy", headings, rows)
 
 

@@ -23,14 +23,12 @@ CURVES = (
     ("fragments", "Fragments of drawn events", "fragments of 10 cm and more"),
     ("catastrophic", "Expected catastrophic collisions of pairs", "a year"),
     (
-        "fragment_catastrophic", "Expected catastrophic collisions with fragments of drawn events",
+        "fragment_catastrophic",
+        "Expected catastrophic collisions with fragments of drawn events",
         "a year",
     ),
-    (
-        "expected_fragments_before", "Fragments expected so far",
-        "fragments made, in expectation",
-    ),
-)  # fmt: skip
+    ("expected_fragments_before", "Fragments expected so far", "fragments made, in expectation"),
+)
 """Numbers of a year, titles of their sections and of their axes."""
 
 DIFFERENCES = {
@@ -118,18 +116,28 @@ def _campaigns(told: Mapping[str, Any]) -> tuple[str, str]:
     rows = (
         row(
             (
-                ("n", str(each["year"])), ("n", str(each["flown"])), ("n", str(each["failed"])),
-                ("n", str(each["replanned"])), ("n", str(each["captured"])),
-                ("n", str(each["missed"])), ("n", figure(each["avoided"])),
+                ("n", str(each["year"])),
+                ("n", str(each["flown"])),
+                ("n", str(each["failed"])),
+                ("n", str(each["replanned"])),
+                ("n", str(each["captured"])),
+                ("n", str(each["missed"])),
+                ("n", figure(each["avoided"])),
                 ("", _objects(each["of_first_seed"])),
             )
         )
         for each in flown
-    )  # fmt: skip
+    )
     headings = (
-        ("year", "n"), ("flown", "n"), ("lost", "n"), ("planned anew", "n"), ("captured", "n"),
-        ("missed", "n"), ("fragment-years", "n"), ("of the first seed", ""),
-    )  # fmt: skip
+        ("year", "n"),
+        ("flown", "n"),
+        ("lost", "n"),
+        ("planned anew", "n"),
+        ("captured", "n"),
+        ("missed", "n"),
+        ("fragment-years", "n"),
+        ("of the first seed", ""),
+    )
     note = (
         "Sums over seeds; fragment-years are the floors of what was captured, counted at the year "
         "of the campaign. Of the first seed the objects, in order of time."

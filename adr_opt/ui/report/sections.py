@@ -97,9 +97,11 @@ def verdict(
     if drifts:
         return _drifting(instance, flown, held)
     if isinstance(flown, str):
-        not_flown = "this page has not flown the plan there" if held else (
-            "the plan was not flown on the true ones"
-        )  # fmt: skip
+        not_flown = (
+            "this page has not flown the plan there"
+            if held
+            else ("the plan was not flown on the true ones")
+        )
         return (
             f'<p class="verdict">Checked against the instance: no violations in the model.{held} '
             f"Some orbits are eccentric, and {not_flown}: {escape(flown)}.</p>"
@@ -245,9 +247,12 @@ def headline(found: Facts, refined: RefinedPlan | None = None) -> str:
         ("upper bound", bound, "proven of the model" if bound != NOTHING else "none given"),
         ("gap", gap, "of the upper bound" if gap != NOTHING else "needs a bound"),
         ("ΔV used", number(found.delta_v_m_s, 0), taken),
-        ("duration used", number(days, 2 if days < LONG_DAYS else 1),
-         f"of {in_days(found.duration_s)}"),
-    ]  # fmt: skip
+        (
+            "duration used",
+            number(days, 2 if days < LONG_DAYS else 1),
+            f"of {in_days(found.duration_s)}",
+        ),
+    ]
     if found.stations:
         where = "the station" if found.stations == 1 else counted(found.stations, "station")
         cards.insert(-1, ("refuellings", number(found.refuellings), f"at {where}"))

@@ -77,9 +77,15 @@ def _ground(instance: Instance, plan: Plan) -> str:
         for at, flown in enumerate(routes_of(instance, plan))
     )
     headings = (
-        ("chaser", ""), ("leg", ""), ("phase", ""), ("altitude km", "n"), ("latitude °", "n"),
-        ("longitude °", "n"), ("from its target", "n"), ("Sun", ""),
-    )  # fmt: skip
+        ("chaser", ""),
+        ("leg", ""),
+        ("phase", ""),
+        ("altitude km", "n"),
+        ("latitude °", "n"),
+        ("longitude °", "n"),
+        ("from its target", "n"),
+        ("Sun", ""),
+    )
     return (
         f"<section>\n<h2>Over the ground</h2>\n<p>Where {who} is above the turning Earth at the "
         "time of the slider, with the way of the revolution before it and, dotted, of the next. "

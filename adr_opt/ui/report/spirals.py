@@ -71,9 +71,15 @@ def _line(arc: SpiralArc, latitude: float | None, extra_rad_s: float) -> tuple[f
     ]
     window = [None, None] if arc.window_rad is None else arc.window_rad.tolist()
     line = [
-        arc.leg, arc.phase, float(arc.times_s[0]), float(arc.times_s[-1]),
-        *changes, math.fmod(begin, 2.0 * math.pi), rate, *window,
-    ]  # fmt: skip
+        arc.leg,
+        arc.phase,
+        float(arc.times_s[0]),
+        float(arc.times_s[-1]),
+        *changes,
+        math.fmod(begin, 2.0 * math.pi),
+        rate,
+        *window,
+    ]
     return begin + turned_rad(arc) + rate * duration_s, line
 
 

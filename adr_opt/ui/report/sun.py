@@ -63,7 +63,11 @@ def sun(instance: Instance) -> Sun:
     rate = LONGITUDE_RATE_RAD_S - moved
     turn = 2.0 * math.pi
     return Sun(
-        (LONGITUDE_RAD + rate * since_s) % turn, rate,
-        (ANOMALY_RAD + ANOMALY_RATE_RAD_S * since_s) % turn, ANOMALY_RATE_RAD_S,
-        CENTRE_RAD, CENTRE_TWICE_RAD, OBLIQUITY_RAD,
-    )  # fmt: skip
+        (LONGITUDE_RAD + rate * since_s) % turn,
+        rate,
+        (ANOMALY_RAD + ANOMALY_RATE_RAD_S * since_s) % turn,
+        ANOMALY_RATE_RAD_S,
+        CENTRE_RAD,
+        CENTRE_TWICE_RAD,
+        OBLIQUITY_RAD,
+    )

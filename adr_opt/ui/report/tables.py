@@ -75,8 +75,9 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
     whose = owners(instance, plan)
     targets = {target.name: target for target in instance.targets}
     drifts = instance.nodes_drift
-    lengths = [(leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s)
-               for leg in plan.legs]  # fmt: skip
+    lengths = [
+        (leg.departure_s - leg.ready_s, leg.arrival_s - leg.departure_s) for leg in plan.legs
+    ]
     weighed = any(leg.mass_kg is not None for leg in plan.legs)
     towed = any(leg.tow is not None for leg in plan.legs)
     in_days = any(max(pair) >= LONG_S for pair in lengths)
@@ -110,15 +111,25 @@ def legs(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) -> 
         rows.append(row(cells, f'data-leg="{at}"{" class=refuels" if refuels else ""}'))
     unit = "d" if in_days else "h"
     headings = (
-        ("leg", "n"), *([("chaser", "")] if whose else []), ("from → to", ""), ("ready", "n"),
+        ("leg", "n"),
+        *([("chaser", "")] if whose else []),
+        ("from → to", ""),
+        ("ready", "n"),
         *([("kind", "")] if drifts else []),
-        (f"wait {unit}", "n"), ("departure", "n"), ("laps", "n"), ("ΔV m/s", "n"),
-        *([("burns m/s", "n")] if drifts else []), *([("refined m/s", "n")] if refined else []),
-        (f"flight {unit}", "n"), ("arrival", "n"),
-        ("end", "n"), *([("tow until, m/s", "n")] if towed else []), ("ΔV left m/s", "n"),
+        (f"wait {unit}", "n"),
+        ("departure", "n"),
+        ("laps", "n"),
+        ("ΔV m/s", "n"),
+        *([("burns m/s", "n")] if drifts else []),
+        *([("refined m/s", "n")] if refined else []),
+        (f"flight {unit}", "n"),
+        ("arrival", "n"),
+        ("end", "n"),
+        *([("tow until, m/s", "n")] if towed else []),
+        ("ΔV left m/s", "n"),
         *([("mass kg", "n")] if weighed else []),
         ("prize", "n"),
-    )  # fmt: skip
+    )
     return table("Legs", headings, rows)
 
 
@@ -158,11 +169,17 @@ def chasers(instance: Instance, plan: Plan, refined: RefinedPlan | None = None) 
         )
         rows.append(row(cells))
     headings = (
-        ("chaser", ""), ("starts", ""), ("targets", "n"),
-        *([("refuellings", "n")] if instance.stations else []), ("ΔV m/s", "n"),
-        *([("refined m/s", "n")] if refined else []), ("tank m/s", "n"), ("tank by tank m/s", "n"),
-        ("leaves", "n"), ("done", "n"),
-    )  # fmt: skip
+        ("chaser", ""),
+        ("starts", ""),
+        ("targets", "n"),
+        *([("refuellings", "n")] if instance.stations else []),
+        ("ΔV m/s", "n"),
+        *([("refined m/s", "n")] if refined else []),
+        ("tank m/s", "n"),
+        ("tank by tank m/s", "n"),
+        ("leaves", "n"),
+        ("done", "n"),
+    )
     return table("Chasers", headings, rows)
 
 
@@ -177,9 +194,13 @@ def loads(instance: Instance, plan: Plan) -> str:
     for flown in routes_of(instance, plan):
         load, flies = flown.carried(instance), bool(flown.legs)
         numbers: tuple[str, ...] = (
-            _kg(load.mass_kg), str(load.kits), _kg(load.propellant_kg), _kg(load.used_kg),
-            _kg(load.left_kg), _kg(load.end_mass_kg),
-        )  # fmt: skip
+            _kg(load.mass_kg),
+            str(load.kits),
+            _kg(load.propellant_kg),
+            _kg(load.used_kg),
+            _kg(load.left_kg),
+            _kg(load.end_mass_kg),
+        )
         if by_expense:
             least = _kg(carried_kg(instance, flown.chaser, flown.spent))
             expense = number(expense_of(instance, flown.chaser, flown.spent), 3)
@@ -187,10 +208,15 @@ def loads(instance: Instance, plan: Plan) -> str:
         name = f"<b>{escape(flown.chaser.name)}</b>"
         rows.append(row([("", name), *(("n", text if flies else NOTHING) for text in numbers)]))
     headings = (
-        ("chaser", ""), ("mass at the start kg", "n"), ("kits", "n"), ("propellant kg", "n"),
-        ("used kg", "n"), ("left kg", "n"), ("mass at the end kg", "n"),
+        ("chaser", ""),
+        ("mass at the start kg", "n"),
+        ("kits", "n"),
+        ("propellant kg", "n"),
+        ("used kg", "n"),
+        ("left kg", "n"),
+        ("mass at the end kg", "n"),
         *([("least aboard kg", "n"), ("expense", "n")] if by_expense else []),
-    )  # fmt: skip
+    )
     return table("What chasers carry", headings, rows)
 
 
@@ -220,9 +246,13 @@ def traffic(instance: Instance, plan: Plan) -> str:
         if stay.leg
     ]
     headings = (
-        ("station", ""), ("chaser", ""), ("docks", "n"), ("refuelled", "n"), ("leaves", "n"),
+        ("station", ""),
+        ("chaser", ""),
+        ("docks", "n"),
+        ("refuelled", "n"),
+        ("leaves", "n"),
         ("also there", ""),
-    )  # fmt: skip
+    )
     return table("Station traffic", headings, rows) if rows else "<p>No chaser is at a station.</p>"
 
 
@@ -256,9 +286,13 @@ def unvisited(instance: Instance, plan: Plan) -> str:
         words = ("", f"<b>{escape(entry.target)}</b>"), ("", REASON_TITLES[entry.reason])
         rows.append(row((*words, *(("n", text) for text in (*orbit, prize)))))
     headings = (
-        ("target", ""), ("reason", ""), ("altitude km", "n"), ("inclination °", "n"),
-        ("RAAN °", "n"), ("prize", "n"),
-    )  # fmt: skip
+        ("target", ""),
+        ("reason", ""),
+        ("altitude km", "n"),
+        ("inclination °", "n"),
+        ("RAAN °", "n"),
+        ("prize", "n"),
+    )
     return table("Targets not visited", headings, rows)
 
 

@@ -54,8 +54,9 @@ def thrust_times(instance: Instance, flown: Flown) -> dict[int, ThrustTimes]:
         found[at] = ThrustTimes(
             math.fsum(arc.end_s - arc.start_s for arc in leg.manoeuvres or ()),
             0.0 if leg.tow is None else leg.tow.end_s - leg.tow.start_s,
-            used_kg * s_per_kg, after.removal_kg * s_per_kg,
-        )  # fmt: skip
+            used_kg * s_per_kg,
+            after.removal_kg * s_per_kg,
+        )
     return found
 
 
@@ -74,14 +75,27 @@ def section(instance: Instance, plan: Plan, drawn: tuple[DrawnArc, ...]) -> str:
             chasers.append(_of_chaser(flown, times))
             legs += [_of_leg(flown, at, leg, times[at], heights.get(at)) for at, leg in flown.legs]
     by_chaser = (
-        ("chaser", ""), ("thrust N", "n"), ("arcs d", "n"), ("thrust on d", "n"), ("tows d", "n"),
-        ("tows, thrust on d", "n"), ("flies d", "n"),
-    )  # fmt: skip
+        ("chaser", ""),
+        ("thrust N", "n"),
+        ("arcs d", "n"),
+        ("thrust on d", "n"),
+        ("tows d", "n"),
+        ("tows, thrust on d", "n"),
+        ("flies d", "n"),
+    )
     by_leg = (
-        ("leg", "n"), ("chaser", ""), ("from → to", ""), ("first arc d", "n"), ("drift d", "n"),
-        ("at km", "n"), ("second arc d", "n"), ("windows ±°", "n"), ("thrust on d", "n"),
-        ("tow d", "n"), ("tow, thrust on d", "n"),
-    )  # fmt: skip
+        ("leg", "n"),
+        ("chaser", ""),
+        ("from → to", ""),
+        ("first arc d", "n"),
+        ("drift d", "n"),
+        ("at km", "n"),
+        ("second arc d", "n"),
+        ("windows ±°", "n"),
+        ("thrust on d", "n"),
+        ("tow d", "n"),
+        ("tow, thrust on d", "n"),
+    )
     return (
         f"<section>\n<h2>Thrust</h2>\n<p>{NOTE}</p>\n"
         f"{table('Times of thrust of chasers', by_chaser, chasers)}\n<h3>By leg</h3>\n"
@@ -94,12 +108,14 @@ def _of_chaser(flown: Flown, times: dict[int, ThrustTimes]) -> str:
         math.fsum(column) for column in zip(NO_THRUST, *times.values(), strict=True)
     )
     since_s = flown.legs[0][1].ready_s if flown.legs else 0.0
-    return row([
-        ("", f"<b>{escape(flown.chaser.name)}</b>"),
-        ("n", number(flown.chaser.thrust_n or 0.0, 3)),
-        *(("n", _days(each)) for each in (arcs_s, legs_on_s, tows_s, tows_on_s)),
-        ("n", _days(flown.end_s - since_s)),
-    ])  # fmt: skip
+    return row(
+        [
+            ("", f"<b>{escape(flown.chaser.name)}</b>"),
+            ("n", number(flown.chaser.thrust_n or 0.0, 3)),
+            *(("n", _days(each)) for each in (arcs_s, legs_on_s, tows_s, tows_on_s)),
+            ("n", _days(flown.end_s - since_s)),
+        ]
+    )
 
 
 def _of_leg(flown: Flown, at: int, leg: Leg, times: ThrustTimes, height_m: float | None) -> str:
@@ -108,18 +124,24 @@ def _of_leg(flown: Flown, at: int, leg: Leg, times: ThrustTimes, height_m: float
     if leg.manoeuvres is not None and len(leg.manoeuvres) == 2:
         first, second = leg.manoeuvres
         arcs = [
-            _days(first.end_s - first.start_s), _days(second.start_s - first.end_s),
+            _days(first.end_s - first.start_s),
+            _days(second.start_s - first.end_s),
             NOTHING if height_m is None else fixed(height_m / KM_M, 1),
             _days(second.end_s - second.start_s),
-        ]  # fmt: skip
+        ]
         windows, thrust_on = number(first.window_deg), _days(times.leg_on_s)
     towed = [NOTHING] * 2
     if leg.tow is not None:
         towed = [_days(times.tow_s), _days(times.tow_on_s)]
-    return row([
-        ("n", str(at)), ("", escape(flown.chaser.name)), route_cell(leg.origin, leg.destination),
-        *(("n", text) for text in (*arcs, windows, thrust_on, *towed)),
-    ], f'data-of="{at}"')  # fmt: skip
+    return row(
+        [
+            ("n", str(at)),
+            ("", escape(flown.chaser.name)),
+            route_cell(leg.origin, leg.destination),
+            *(("n", text) for text in (*arcs, windows, thrust_on, *towed)),
+        ],
+        f'data-of="{at}"',
+    )
 
 
 def _days(duration_s: float) -> str:

@@ -113,9 +113,12 @@ FRONTIER_HEADINGS = ("tank m/s", "prize", "last day", "ΔV m/s", "cost")
 def ending_cells(ending: Ending) -> tuple[str, ...]:
     """A plan on the frontier as texts, under :data:`FRONTIER_HEADINGS`."""
     return (
-        number(ending.tank_m_s, 3), number(ending.prize, 3), fixed(ending.last_s / DAY_S, 2),
-        fixed(ending.delta_v_m_s, 1), fixed(ending.cost, 1),
-    )  # fmt: skip
+        number(ending.tank_m_s, 3),
+        number(ending.prize, 3),
+        fixed(ending.last_s / DAY_S, 2),
+        fixed(ending.delta_v_m_s, 1),
+        fixed(ending.cost, 1),
+    )
 
 
 def _frontier_chart(endings: Sequence[Ending]) -> str:
@@ -126,11 +129,14 @@ def _frontier_chart(endings: Sequence[Ending]) -> str:
         name = "plans" if len(tanks) == 1 else named(KINDS["delta-v"], tank_m_s)
         lines.append(
             Line(
-                name=name, colour=CHASERS[at % len(CHASERS)], step=True, dots=True,
+                name=name,
+                colour=CHASERS[at % len(CHASERS)],
+                step=True,
+                dots=True,
                 x=[ending.last_s / DAY_S for ending in own],
                 y=[ending.delta_v_m_s for ending in own],
             )
-        )  # fmt: skip
+        )
     return drawn(Chart(tuple(lines), ChartAxis("last day"), ChartAxis("ΔV [m/s]")), FRONTIER)
 
 

@@ -81,13 +81,15 @@ def _best(best: Iterable[Mapping[str, Any]]) -> str:
     rows = [
         tables.row(
             (
-                ("", f"<b>{escape(each['name'])}</b>"), ("n", number(each["prize"], 0)),
-                ("n", figure(each["worth_alone"])), ("n", figure(each["floor"])),
+                ("", f"<b>{escape(each['name'])}</b>"),
+                ("n", number(each["prize"], 0)),
+                ("n", figure(each["worth_alone"])),
+                ("n", figure(each["floor"])),
                 ("name", f'<div style="min-width:36ch">{escape(each["reason"])}</div>'),
             )
         )
         for each in best
-    ]  # fmt: skip
+    ]
     headings = (("object", ""), ("prize", "n"), ("alone", "n"), ("floor", "n"), ("reason", ""))
     return table("Most worth removing", headings, rows)
 
@@ -97,12 +99,15 @@ def _sets(sets: Iterable[Mapping[str, Any]]) -> str:
         row(
             ("n", text)
             for text in (
-                str(each["size"]), figure(each["worth"]), f"{fixed(100.0 * each['share'], 1)} %",
-                figure(each["sum_alone"]), figure(each["sum_floors"]),
+                str(each["size"]),
+                figure(each["worth"]),
+                f"{fixed(100.0 * each['share'], 1)} %",
+                figure(each["sum_alone"]),
+                figure(each["sum_floors"]),
             )
         )
         for each in sets
-    ]  # fmt: skip
+    ]
     headings = ("objects", "fragment-years avoided", "of all", "sum alone", "sum of floors")
     return table("Removed as a set", [(title, "n") for title in headings], rows)
 

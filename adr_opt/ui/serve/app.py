@@ -105,9 +105,11 @@ def application(
         except OSError as error:
             return JSONResponse({"error": not_written("the archive", error)}, status_code=507)
         return FileResponse(
-            path, media_type="application/zip", filename=f"{desk.name}.zip",
+            path,
+            media_type="application/zip",
+            filename=f"{desk.name}.zip",
             background=BackgroundTask(path.unlink),
-        )  # fmt: skip
+        )
 
     async def page_of_result(request: Request) -> Response:
         try:

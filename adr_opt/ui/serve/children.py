@@ -41,10 +41,11 @@ def started(
     path = os.pathsep.join([str(package), *([known] if known else [])])
     return subprocess.Popen(
         [sys.executable, "-P", "-m", module, *arguments],
-        stdin=subprocess.PIPE, start_new_session=True,
+        stdin=subprocess.PIPE,
+        start_new_session=True,
         env={**os.environ, "PYTHONPATH": path, "PYTHONUNBUFFERED": "1", **(variables or {})},
         **more,
-    )  # fmt: skip
+    )
 
 
 @contextmanager

@@ -176,8 +176,9 @@ async def _refuse(status: int, sentence: str, send: Send) -> None:
     """Refuse a request without reading its body, and end the connection."""
     body = json.dumps({"error": sentence}).encode()
     headers = [
-        (b"content-type", b"application/json"), (b"content-length", str(len(body)).encode()),
+        (b"content-type", b"application/json"),
+        (b"content-length", str(len(body)).encode()),
         (b"connection", b"close"),
-    ]  # fmt: skip
+    ]
     await send({"type": "http.response.start", "status": status, "headers": headers})
     await send({"type": "http.response.body", "body": body})

@@ -102,10 +102,13 @@ class History:
     def base(self) -> Draft:
         """The draft that came as a whole before the current one."""
         return next(
-            (step.draft for step in reversed(self._steps[: self._at + 1])
-             if step.base and step.draft is not None),
+            (
+                step.draft
+                for step in reversed(self._steps[: self._at + 1])
+                if step.base and step.draft is not None
+            ),
             self.draft,
-        )  # fmt: skip
+        )
 
     @property
     def undoes(self) -> str | None:

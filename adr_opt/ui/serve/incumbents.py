@@ -80,9 +80,12 @@ class IncumbentWatch:
             return None
         try:
             return certify_routes(
-                self._problem, self._order.method, routes, seed=self._order.seed,
+                self._problem,
+                self._order.method,
+                routes,
+                seed=self._order.seed,
                 runtime_s=time.monotonic() - self._began,
-            ).plan  # fmt: skip
+            ).plan
         except Exception:  # of these routes; the next ones may do, and the run has its own result
             return None
 

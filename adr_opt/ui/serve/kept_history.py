@@ -21,11 +21,14 @@ def restored(record: ProjectRecord, kept: DraftsKept) -> History:
 
     steps = [
         Step(
-            None, step.words, base=step.base, record=step,
+            None,
+            step.words,
+            base=step.base,
+            record=step,
             load=None if step.draft is None else loading(step.draft, frozenset(step.excluded)),
         )
         for step in record.steps
-    ]  # fmt: skip
+    ]
     return History.of(steps, record.at)
 
 

@@ -103,9 +103,11 @@ class PlannerProcess:
             self._orders[self._count] = _Order(instance, folder, process)
             self._look = Look(self._count, "waiting", limit_s=order.time_limit_s)
             self._tell(
-                "begin", instance=str(folder / "instance.json"), order=asdict(order),
+                "begin",
+                instance=str(folder / "instance.json"),
+                order=asdict(order),
                 known=None if known is None else str(folder / "known.json"),
-            )  # fmt: skip
+            )
             return self._count
 
     def stop(self) -> None:
@@ -140,9 +142,11 @@ class PlannerProcess:
         except OSError as error:
             raise InputError(f"no process to plan in can be started ({error.strerror})") from None
         self._listener = threading.Thread(
-            target=self._listen, args=(self._process, self._count, self._listener),
-            name="planner", daemon=True,
-        )  # fmt: skip
+            target=self._listen,
+            args=(self._process, self._count, self._listener),
+            name="planner",
+            daemon=True,
+        )
         self._listener.start()
         return self._process
 
@@ -236,9 +240,10 @@ class PlannerProcess:
     def _forget(self, process: subprocess.Popen[bytes], last: int) -> None:
         """Remove the files of the runs of a process up to one."""
         ended = [
-            number for number, order in self._orders.items()
+            number
+            for number, order in self._orders.items()
             if order.process is process and number <= last
-        ]  # fmt: skip
+        ]
         for number in ended:
             shutil.rmtree(self._orders.pop(number).folder, ignore_errors=True)
 

@@ -22,11 +22,7 @@ class ProjectKeeper:
         self._at_hand: int | None = None
 
     def keep(
-        self,
-        history: History,
-        shown: ShownPlan,
-        files: tuple[DroppedFile, ...],
-        worth: int | None,
+        self, history: History, shown: ShownPlan, files: tuple[DroppedFile, ...], worth: int | None
     ) -> None:
         """Store a state.
 

@@ -68,12 +68,19 @@ class Server:
         self._server = uvicorn.Server(
             uvicorn.Config(
                 application(desk, token, self.port, self._closing, self._opened),
-                http=connections(), ws="none", loop="asyncio", lifespan="off", log_config=None,
-                access_log=False, server_header=False, proxy_headers=False,
-                limit_concurrency=MOST_KNOWN + MOST_STRANGERS, timeout_keep_alive=KEPT_ALIVE_S,
+                http=connections(),
+                ws="none",
+                loop="asyncio",
+                lifespan="off",
+                log_config=None,
+                access_log=False,
+                server_header=False,
+                proxy_headers=False,
+                limit_concurrency=MOST_KNOWN + MOST_STRANGERS,
+                timeout_keep_alive=KEPT_ALIVE_S,
                 timeout_graceful_shutdown=LAST_ANSWERS_S,
             )
-        )  # fmt: skip
+        )
         # A thread of its own: signals are heard by the main one, for the planner too.
         self._thread = threading.Thread(
             target=self._server.run, kwargs={"sockets": [self._socket]}, name="server", daemon=True

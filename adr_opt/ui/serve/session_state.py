@@ -29,9 +29,16 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
     moves = {"undoes": history.undoes, "redoes": history.redoes}
     if not history.has_mission:
         return {
-            "name": None, **moves, "targets": [], "duration_s": None, "first_duration_s": None,
-            "epoch": None, "chasers": [], "plan": None, "instance": None,
-        }  # fmt: skip
+            "name": None,
+            **moves,
+            "targets": [],
+            "duration_s": None,
+            "first_duration_s": None,
+            "epoch": None,
+            "chasers": [],
+            "plan": None,
+            "instance": None,
+        }
     draft, base = history.draft, history.base.field
     field = draft.field
     visited = set() if shown is None else set(shown[1].destinations)
@@ -42,10 +49,14 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
         **moves,
         "targets": [
             [
-                target.name, target.greatest_prize, target.required,
+                target.name,
+                target.greatest_prize,
+                target.required,
                 target.name in draft.excluded,
                 target.name in visited,
-                list(target.window_s), target.removal, target.mass_kg,
+                list(target.window_s),
+                target.removal,
+                target.mass_kg,
             ]
             for target in field.targets
         ],
@@ -64,7 +75,7 @@ def told(history: History, shown: tuple[Instance, Plan] | None, number: int) -> 
         ],
         "plan": None if shown is None else _of_plan(*shown, draft, number),
         "instance": {name: content.get(name) for name in PARTS},
-    }  # fmt: skip
+    }
 
 
 def _of_plan(instance: Instance, plan: Plan, draft: Draft, number: int) -> dict[str, Any]:

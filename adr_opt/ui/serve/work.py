@@ -99,9 +99,17 @@ class _Run:
         points = tuple(self.points)
         last = points[-1] if points else (0.0, -math.inf, math.inf)
         return Look(
-            self.number, self.phase, self.stop.is_set, self.order.time_limit_s, self.elapsed_s,
-            self.built, last[1], last[2], points, self.said,
-        )  # fmt: skip
+            self.number,
+            self.phase,
+            self.stop.is_set,
+            self.order.time_limit_s,
+            self.elapsed_s,
+            self.built,
+            last[1],
+            last[2],
+            points,
+            self.said,
+        )
 
     def _begin(self) -> None:
         if self.began is None:
@@ -223,6 +231,11 @@ class Work:
         )
         with IncumbentWatch(problem, order, lambda plan: self._found(instance, plan)) as run.watch:
             return front.run(
-                PLANNERS, problem, order.method, wanted, stop=run.stop, progress=run,
+                PLANNERS,
+                problem,
+                order.method,
+                wanted,
+                stop=run.stop,
+                progress=run,
                 building=run.building,
-            )  # fmt: skip
+            )

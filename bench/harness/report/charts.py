@@ -9,9 +9,7 @@ from .published import PUBLISHED
 from .statistics import Mission, field_means
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart; black is for the bound.
-COLOURS = (
-    "#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#0072B2", "#D55E00", "#8C6D1F", "#7F7F7F",
-)  # fmt: skip
+COLOURS = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#0072B2", "#D55E00", "#8C6D1F", "#7F7F7F")
 SYMBOLS = ("circle", "square", "diamond", "triangle-up", "cross", "x", "star", "pentagon")
 LONGEST_LINE = 40
 """Fields up to which points are joined; beyond, lines would hide each other."""
@@ -53,10 +51,15 @@ def visits(section: Section, labels: dict[str, str]) -> Spec:
 def seconds(section: Section, labels: dict[str, str]) -> Spec:
     """Planning time per test case by method, logarithmic, means over iterations."""
     traces = [
-        _trace(number, with_visits(section, method, labels), section.seconds(method),
-               "%{y:.3g} s", ".3g")
+        _trace(
+            number,
+            with_visits(section, method, labels),
+            section.seconds(method),
+            "%{y:.3g} s",
+            ".3g",
+        )
         for number, method in enumerate(section.rows)
-    ]  # fmt: skip
+    ]
     bands: dict[tuple[float, float], Spec] = {}
     for text in PUBLISHED.get(section.suite, ()):
         if text.seconds is not None:
@@ -105,12 +108,21 @@ def _band(limits: tuple[float, float], name: str, section: Section, method: str 
     fill = colour(names.index(method)) if method in names else "#888888"
     return {
         "type": "rect" if limits[1] > limits[0] else "line",
-        "xref": "paper", "x0": 0, "x1": 1, "y0": limits[0], "y1": limits[1], "layer": "below",
-        "fillcolor": fill, "opacity": 0.18 if limits[1] > limits[0] else 0.6,
+        "xref": "paper",
+        "x0": 0,
+        "x1": 1,
+        "y0": limits[0],
+        "y1": limits[1],
+        "layer": "below",
+        "fillcolor": fill,
+        "opacity": 0.18 if limits[1] > limits[0] else 0.6,
         "line": {"width": 0 if limits[1] > limits[0] else 1.5, "color": fill, "dash": "dash"},
-        "label": {"text": name, "textposition": "top right" if limits[1] > limits[0] else "end",
-                  "font": {"size": 10, "color": "#333333"}},
-    }  # fmt: skip
+        "label": {
+            "text": name,
+            "textposition": "top right" if limits[1] > limits[0] else "end",
+            "font": {"size": 10, "color": "#333333"},
+        },
+    }
 
 
 def _layout(title: str, shapes: list[Spec]) -> Spec:
@@ -121,6 +133,8 @@ def _layout(title: str, shapes: list[Spec]) -> Spec:
         "xaxis": {"title": {"text": "test case (field)"}, **axis},
         "yaxis": {"title": {"text": title}, **axis},
         "legend": {"orientation": "h", "y": -0.22, "yanchor": "top", "x": 0},
-        "hovermode": "closest", "plot_bgcolor": "#ffffff", "paper_bgcolor": "#ffffff",
+        "hovermode": "closest",
+        "plot_bgcolor": "#ffffff",
+        "paper_bgcolor": "#ffffff",
         "shapes": shapes,
-    }  # fmt: skip
+    }

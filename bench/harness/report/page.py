@@ -71,11 +71,13 @@ def page(results: Results) -> str:
         "<h1>adr-opt: the published study, again, with bounds</h1>",
         f"<p>{_overview(results)}</p>",
         _failures(results),
-        "<nav>" + "".join(
+        "<nav>"
+        + "".join(
             f'<a href="#{section.stem}">{escape(section.title)}</a>' for section in results.sections
-        ) + '<a href="#machines">Machines, versions, runs</a></nav>',
+        )
+        + '<a href="#machines">Machines, versions, runs</a></nav>',
         f'<div class="card note"><strong>What is calibrated.</strong> {escape(CALIBRATION)}</div>',
-    ]  # fmt: skip
+    ]
     for section in results.sections:
         body.append(f'<h2 id="{section.stem}">{escape(section.title)}</h2>')
         for title, note, spec in (
@@ -145,9 +147,11 @@ def _failures(results: Results) -> str:
 
 def _table(head: list[str], lines: list[list[str]], text_columns: int = 1) -> str:
     def cell(tag: str, number: int, text: str) -> str:
-        return f'<{tag} class="text">{text}</{tag}>' if number < text_columns else (
-            f"<{tag}>{text}</{tag}>"
-        )  # fmt: skip
+        return (
+            f'<{tag} class="text">{text}</{tag}>'
+            if number < text_columns
+            else (f"<{tag}>{text}</{tag}>")
+        )
 
     rows = [
         "<tr>" + "".join(cell("td", number, text) for number, text in enumerate(line)) + "</tr>"
@@ -191,10 +195,21 @@ def _means(section: Section, labels: dict[str, str]) -> str:
     }
     build = sorted(builds.values())[len(builds) // 2] if builds else math.nan
     head = [
-        "method", "visits, mean ± 95 %", "min–max", "gap to bound", "proven optimal",
-        "gap to best known", "time, median", "time, max", "ΔV, km/s", "used, days", "refuellings",
-        "fields", "missions", "failed",
-    ]  # fmt: skip
+        "method",
+        "visits, mean ± 95 %",
+        "min–max",
+        "gap to bound",
+        "proven optimal",
+        "gap to best known",
+        "time, median",
+        "time, max",
+        "ΔV, km/s",
+        "used, days",
+        "refuellings",
+        "fields",
+        "missions",
+        "failed",
+    ]
     return (
         "<h3>Means</h3>"
         '<p class="note">Intervals by Student’s t over fields, each the mean of its iterations. '
@@ -234,9 +249,15 @@ def _beside(section: Section, results: Results) -> str:
         return ""
     ours = "; ".join(sorted({str(row["processor"]) for row, _ in results.machines}))
     head = [
-        "planner", "published visits", "ours, mean ± 95 %", "min–max", "published time",
-        "ours, median", "with the timetable", "faster by (with it)",
-    ]  # fmt: skip
+        "planner",
+        "published visits",
+        "ours, mean ± 95 %",
+        "min–max",
+        "published time",
+        "ours, median",
+        "with the timetable",
+        "faster by (with it)",
+    ]
     return (
         "<h3>Beside the published numbers</h3>"
         f'<p class="note">Published on: {escape(HARDWARE)}. Ours on one core of: {escape(ours)}, '
@@ -286,10 +307,16 @@ def _too_few(together: int) -> str:
 
 def _machines(results: Results) -> str:
     machines = [
-        [escape(str(row["host"])), str(number), escape(str(row["processor"])), str(row["cores"]),
-         escape(str(row["python"])), escape(str(row["versions"]))]
+        [
+            escape(str(row["host"])),
+            str(number),
+            escape(str(row["processor"])),
+            str(row["cores"]),
+            escape(str(row["python"])),
+            escape(str(row["versions"])),
+        ]
         for row, number in results.machines
-    ]  # fmt: skip
+    ]
     runs = []
     for run in results.runs:
         spent = json.loads(run["spent"]) if run["spent"] else {}

@@ -24,10 +24,14 @@ def draw(section: Section, labels: dict[str, str], folder: Path) -> list[Path]:
             values = section.visits(method) if kind == "visits" else section.seconds(method)
             means = field_means(values)
             axes.plot(
-                list(means), list(means.values()), color=colour(number), markersize=4,
-                marker=MARKERS[SYMBOLS[number % len(SYMBOLS)]], linewidth=0.7,
+                list(means),
+                list(means.values()),
+                color=colour(number),
+                markersize=4,
+                marker=MARKERS[SYMBOLS[number % len(SYMBOLS)]],
+                linewidth=0.7,
                 label=labels[method] if kind == "visits" else with_visits(section, method, labels),
-            )  # fmt: skip
+            )
         if kind == "visits" and section.bounds:
             means = field_means({(f, i, 0): bound for (f, i), bound in section.bounds.items()})
             axes.plot(list(means), list(means.values()), "k:", linewidth=1.2, label="proven bound")

@@ -28,11 +28,20 @@ INK, FAINT, PAPER = "#26313d", "#9aa5b1", "#fcfcfa"
 
 # The same bytes for the same drawing.
 STYLE = {
-    "svg.hashsalt": "adr-opt", "svg.fonttype": "path", "figure.facecolor": PAPER,
-    "savefig.facecolor": PAPER, "axes.facecolor": PAPER, "axes.edgecolor": FAINT,
-    "axes.labelcolor": INK, "text.color": INK, "xtick.color": INK, "ytick.color": INK,
-    "axes.spines.top": False, "axes.spines.right": False, "legend.frameon": False,
-}  # fmt: skip
+    "svg.hashsalt": "adr-opt",
+    "svg.fonttype": "path",
+    "figure.facecolor": PAPER,
+    "savefig.facecolor": PAPER,
+    "axes.facecolor": PAPER,
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
 
 
 @dataclass(frozen=True)
@@ -93,20 +102,25 @@ def spots(section: Section) -> list[Spot]:
     """The points of a section, curve by curve, each in order of time."""
     found = []
     bounds = list(section.bounds.values())
-    whole = len(bounds) == len({(row["field"], row["iteration"])
-                                for rows in section.rows.values() for row in rows})  # fmt: skip
+    whole = len(bounds) == len(
+        {(row["field"], row["iteration"]) for rows in section.rows.values() for row in rows}
+    )
     bound = math.fsum(bounds) / len(bounds) if bounds and whole else math.nan
     for method, rows in section.rows.items():
         means = section.means(method)
         cpu = means.with_timetable_cpu_s
         found.append(
             Spot(
-                method, means.fields, means.visits_mean, means.visits_half_width,
+                method,
+                means.fields,
+                means.visits_mean,
+                means.visits_half_width,
                 sum(row["status"] == "optimal" for row in rows if row["outcome"] == "legal"),
                 cpu if math.isfinite(cpu) else means.with_timetable_median_s,
-                means.with_timetable_median_s, bound,
+                means.with_timetable_median_s,
+                bound,
             )
-        )  # fmt: skip
+        )
     return [spot for curve in curves(found).values() for spot in curve]
 
 
@@ -141,14 +155,17 @@ def chart(section: Section, labels: Mapping[str, str]) -> Spec:
         symbol = SYMBOLS[number % len(SYMBOLS)]
         traces.append(
             {
-                "type": "scatter", "mode": "lines+markers", "name": name,
-                "x": [spot.seconds for spot in curve], "y": [spot.visits for spot in curve],
+                "type": "scatter",
+                "mode": "lines+markers",
+                "name": name,
+                "x": [spot.seconds for spot in curve],
+                "y": [spot.visits for spot in curve],
                 "text": [labels.get(spot.method, spot.method) for spot in curve],
                 "line": {"color": _ink(number), "width": 1},
                 "marker": {"color": _ink(number), "symbol": symbol, "size": 8},
                 "hovertemplate": "%{text}: %{y:.2f} visits in %{x:.3g} s<extra></extra>",
             }
-        )  # fmt: skip
+        )
     axis: dict[str, Any] = {"gridcolor": "#e5e7eb", "zeroline": False, "automargin": True}
     return {
         "data": traces,
@@ -158,9 +175,11 @@ def chart(section: Section, labels: Mapping[str, str]) -> Spec:
             "xaxis": {"title": {"text": AXIS}, "type": "log", **axis},
             "yaxis": {"title": {"text": "visits, mean"}, **axis},
             "legend": {"orientation": "h", "y": -0.22, "yanchor": "top", "x": 0},
-            "hovermode": "closest", "plot_bgcolor": "#ffffff", "paper_bgcolor": "#ffffff",
+            "hovermode": "closest",
+            "plot_bgcolor": "#ffffff",
+            "paper_bgcolor": "#ffffff",
         },
-    }  # fmt: skip
+    }
 
 
 def _numbers(found: Mapping[str, list[Spot]]) -> dict[str, int]:
@@ -197,23 +216,35 @@ def draw(found: list[Spot], path: Path, title: str) -> None:
             number = numbers[planner]
             beyond = number >= len(COLOURS)
             axes.plot(
-                [spot.seconds for spot in curve], [spot.visits for spot in curve],
-                label=planner if planner not in named else None, color=_ink(number), linewidth=1.0,
-                marker="v" if beyond else MARKERS[SYMBOLS[number]], markersize=5,
-            )  # fmt: skip
+                [spot.seconds for spot in curve],
+                [spot.visits for spot in curve],
+                label=planner if planner not in named else None,
+                color=_ink(number),
+                linewidth=1.0,
+                marker="v" if beyond else MARKERS[SYMBOLS[number]],
+                markersize=5,
+            )
             named.add(planner)
             for spot, text in zip(curve, words(curve), strict=True):
                 axes.annotate(
-                    text, (spot.seconds, spot.visits), xytext=(4, -9), fontsize=7,
-                    textcoords="offset points", color=_ink(number),
-                )  # fmt: skip
+                    text,
+                    (spot.seconds, spot.visits),
+                    xytext=(4, -9),
+                    fontsize=7,
+                    textcoords="offset points",
+                    color=_ink(number),
+                )
         bounds = {spot.bound for spot in found if math.isfinite(spot.bound)}
         for bound in sorted(bounds)[:1]:
             axes.axhline(bound, color=INK, linestyle=":", linewidth=1.0)
             axes.annotate(
-                f"no plan has more: {bound:.2f}", (0.0, bound), xytext=(4, 4), fontsize=8,
-                xycoords=("axes fraction", "data"), textcoords="offset points",
-            )  # fmt: skip
+                f"no plan has more: {bound:.2f}",
+                (0.0, bound),
+                xytext=(4, 4),
+                fontsize=8,
+                xycoords=("axes fraction", "data"),
+                textcoords="offset points",
+            )
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -230,8 +261,10 @@ def write_table(found: list[Spot], path: Path) -> None:
     table = csv.DictWriter(text, [field.name for field in fields(Spot)], lineterminator="\n")
     table.writeheader()
     for spot in found:
-        row = {name: f"{value:.6g}" if isinstance(value, float) else value
-               for name, value in asdict(spot).items()}  # fmt: skip
+        row = {
+            name: f"{value:.6g}" if isinstance(value, float) else value
+            for name, value in asdict(spot).items()
+        }
         table.writerow(row)
     write_text(path, text.getvalue())
 

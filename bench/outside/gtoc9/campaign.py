@@ -68,11 +68,12 @@ def _missions_of(plan: Plan) -> tuple[Removals, ...]:
         ]
         stops = tuple(
             Stop(
-                int(leg.destination.removeprefix(PREFIX)), FIRST_D + leg.arrival_s / DAY_S,
+                int(leg.destination.removeprefix(PREFIX)),
+                FIRST_D + leg.arrival_s / DAY_S,
                 FIRST_D + then / DAY_S,
             )
             for leg, then in zip(route.legs, leaves, strict=True)
-        )  # fmt: skip
+        )
         if stops:
             found.append(Removals(stops, tuple(leg.delta_v_m_s for leg in route.legs[1:])))
     return tuple(sorted(found, key=lambda mission: mission.begin_d))

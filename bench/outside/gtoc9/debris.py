@@ -52,9 +52,12 @@ def _row(record: FloatArray) -> FloatArray:
     gone = epoch * DAY_S
     return np.array(
         ephemeris.body_row(
-            axis, inclination, raan - node * gone,
+            axis,
+            inclination,
+            raan - node * gone,
             perigee + anomaly - (turning + advancing) * gone,
-            eccentricity=eccentricity, perigee=perigee - turning * gone,
+            eccentricity=eccentricity,
+            perigee=perigee - turning * gone,
             oblateness_m2=OBLATENESS_M2,
         )
-    )  # fmt: skip
+    )

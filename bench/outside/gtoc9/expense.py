@@ -18,9 +18,15 @@ PER_KG2_MEUR = 2e-6
 """Cost per squared kilogram of launched mass beyond the dry mass."""
 
 EXPENSE = TourExpense(
-    LAUNCH_MEUR, 0.0, PER_KG2_MEUR, DRY_KG, KIT_KG, EXHAUST_M_S, MOST_PROPELLANT_KG,
+    LAUNCH_MEUR,
+    0.0,
+    PER_KG2_MEUR,
+    DRY_KG,
+    KIT_KG,
+    EXHAUST_M_S,
+    MOST_PROPELLANT_KG,
     most_missions=123,
-)  # fmt: skip
+)
 
 
 def launched_kg(delta_v_m_s: Sequence[float]) -> float:

@@ -97,9 +97,14 @@ def in_phase(
 
 
 def report_flights(
-    debris_file: Path, campaign: Path, rows: FloatArray, number: int | None, write: Path | None,
-    jobs: int = 2, doing: Doing = silent,
-) -> Iterator[str]:  # fmt: skip
+    debris_file: Path,
+    campaign: Path,
+    rows: FloatArray,
+    number: int | None,
+    write: Path | None,
+    jobs: int = 2,
+    doing: Doing = silent,
+) -> Iterator[str]:
     """Fly a campaign, or one mission of it, and judge it; in Markdown, mission by mission.
 
     Parameters

@@ -40,9 +40,12 @@ def contest(rows: FloatArray, step_d: float) -> Instance:
     epoch = datetime(2000, 1, 1, tzinfo=UTC) + timedelta(days=FIRST_D)
     tank = {"dry_mass_kg": DRY_KG, "propellant_kg": MOST_PROPELLANT_KG, "isp_s": ISP_S}
     chaser = {
-        "start": "anywhere", "tank": tank, "kits": None, "kit_mass_kg": KIT_KG,
+        "start": "anywhere",
+        "tank": tank,
+        "kits": None,
+        "kit_mass_kg": KIT_KG,
         "expense": {"fixed": LAUNCH_MEUR, "per_kg": 0.0, "per_kg_squared": PER_KG2_MEUR},
-    }  # fmt: skip
+    }
     content = {
         "format": "adr-opt-instance/2",
         "name": "gtoc9",
@@ -51,14 +54,18 @@ def contest(rows: FloatArray, step_d: float) -> Instance:
         "stations": [],
         "targets": [
             {
-                "name": f"{PREFIX}{number}", "orbit": _orbit(row), "prize": 1.0, "required": True,
+                "name": f"{PREFIX}{number}",
+                "orbit": _orbit(row),
+                "prize": 1.0,
+                "required": True,
                 "removal": "kit",
             }
             for number, row in enumerate(rows)
         ],
         "chasers": [{"name": f"mission-{number + 1}", **chaser} for number in range(CHASERS)],
         "mission": {
-            "duration_s": (LAST_D - FIRST_D) * DAY_S, "service_s": STAY_D * DAY_S,
+            "duration_s": (LAST_D - FIRST_D) * DAY_S,
+            "service_s": STAY_D * DAY_S,
             "mission_separation_s": APART_D * DAY_S,
         },
         "transfer": {
@@ -69,7 +76,7 @@ def contest(rows: FloatArray, step_d: float) -> Instance:
             "max_leg_s": WITHIN_D * DAY_S,
         },
         "objective": {"cost": "expense"},
-    }  # fmt: skip
+    }
     return instance_of(content)
 
 

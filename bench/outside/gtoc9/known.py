@@ -77,11 +77,7 @@ def judged_again(folder: Path, flown: Path, doing: Doing = silent) -> Iterator[s
     yield from mission_table(missions, read_ephemeris(folder / debris.FILE), rows)
 
 
-def report(
-    folder: Path,
-    step_d: float = STEP_D,
-    doing: Doing = silent,
-) -> Iterator[str]:
+def report(folder: Path, step_d: float = STEP_D, doing: Doing = silent) -> Iterator[str]:
     """The tables, in Markdown, each line as soon as it is known.
 
     Parameters

@@ -117,11 +117,7 @@ def polished(course: LegEnds, times: FloatArray, impulses: FloatArray) -> FlownI
                 "fun": lambda x: missed(x)[0] * weights,
                 "jac": lambda x: missed(x)[1] * scale * weights[:, None],
             },
-            {
-                "type": "ineq",
-                "fun": lambda x: order @ x - APART_S / UNIT_S,
-                "jac": lambda x: order,
-            },
+            {"type": "ineq", "fun": lambda x: order @ x - APART_S / UNIT_S, "jac": lambda x: order},
         ],
         options={"maxiter": STEPS, "ftol": WORTH_M_S},
     ).x

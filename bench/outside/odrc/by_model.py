@@ -77,10 +77,13 @@ def orbit_of(row: FloatArray) -> Orbit:
     axis, eccentricity, *angles = (float(value) for value in row)
     inclination, raan, perigee, anomaly = (math.degrees(angle) for angle in angles)
     return Orbit(
-        semi_major_axis_m=axis, eccentricity=eccentricity, inclination_deg=inclination,
-        raan_deg=raan % 360.0, argument_of_perigee_deg=perigee % 360.0,
+        semi_major_axis_m=axis,
+        eccentricity=eccentricity,
+        inclination_deg=inclination,
+        raan_deg=raan % 360.0,
+        argument_of_perigee_deg=perigee % 360.0,
         true_anomaly_deg=anomaly % 360.0,
-    )  # fmt: skip
+    )
 
 
 def instance_of(bodies: FloatArray, chasers: int, steps: int = STEPS) -> Instance:
@@ -89,24 +92,32 @@ def instance_of(bodies: FloatArray, chasers: int, steps: int = STEPS) -> Instanc
     tank = TankByMass(dry_mass_kg=DRY_KG, propellant_kg=propellant_kg, isp_s=ISP_S)
     step_s = LONGEST_S / steps
     return Instance(
-        name=NAME, epoch=EPOCH, dynamics="j2", stations=(),
+        name=NAME,
+        epoch=EPOCH,
+        dynamics="j2",
+        stations=(),
         targets=tuple(
             Target(name=f"debris-{number:02d}", orbit=orbit_of(row), required=True)
             for number, row in enumerate(bodies[1:])
         ),
         chasers=tuple(
             Chaser(
-                name=f"chaser-{number + 1}", start=InOrbit(orbit=orbit_of(bodies[0])), tank=tank,
-                max_targets=LOAD, thrust_n=THRUST_M_S2 * (DRY_KG + propellant_kg),
+                name=f"chaser-{number + 1}",
+                start=InOrbit(orbit=orbit_of(bodies[0])),
+                tank=tank,
+                max_targets=LOAD,
+                thrust_n=THRUST_M_S2 * (DRY_KG + propellant_kg),
             )
             for number in range(chasers)
         ),
         mission=MissionSettings(duration_s=LONGEST_S, service_s=0.0, refuel_revolutions=0.0),
         transfer=TransferSettings(
-            max_drift_s=LONGEST_S, drift_step_s=step_s, departure_spacing_s=step_s,
+            max_drift_s=LONGEST_S,
+            drift_step_s=step_s,
+            departure_spacing_s=step_s,
             delta_v_resolution_m_s=20.0,
         ),
-    )  # fmt: skip
+    )
 
 
 def plan(bodies: FloatArray, chasers: int, time_limit_s: float, steps: int = STEPS) -> ByModel:
@@ -124,13 +135,14 @@ def plan(bodies: FloatArray, chasers: int, time_limit_s: float, steps: int = STE
         found = flown.get(number)
         legs.append(
             PlannedLeg(
-                leg.origin, leg.destination,
+                leg.origin,
+                leg.destination,
                 float(estimates[number - 1, row.get(leg.origin, 0), row[leg.destination]]),
                 leg.delta_v_m_s,
                 math.nan if found is None else found.flown_delta_v_m_s,
                 math.nan if found is None else max(found.standoff_miss_m, found.arrival_miss_m),
             )
-        )  # fmt: skip
+        )
     return ByModel(made.cost, legs, len(adr_opt.check(instance, made)))
 
 

@@ -52,9 +52,13 @@ def report(
         scored = score(bodies, ours.routes)
         wrong += scored.violations
         row = Row(
-            f"{NAME}, {grid} departures", TOTAL_M_S, published.total_m_s, scored.total_m_s,
-            math.nan if ours.least_m_s is None else ours.least_m_s, ours.time_s,
-        )  # fmt: skip
+            f"{NAME}, {grid} departures",
+            TOTAL_M_S,
+            published.total_m_s,
+            scored.total_m_s,
+            math.nan if ours.least_m_s is None else ours.least_m_s,
+            ours.time_s,
+        )
         yield line(row, ".1f")
     yield from wrong
     yield from _by_model(bodies, doing)

@@ -96,9 +96,13 @@ def _row(path: Path, time_limit_s: float) -> dict[str, Any]:
             raise RuntimeError(f"{roads.name}: {judged} is not the {ours.end:g} of our plan")
         end = judged.end
     return {
-        "tour": list(ours.tour), "end": end, "bound": ours.bound, "labels": ours.labels,
-        "processor_s": ours.processor_s, "time_limit_s": time_limit_s,
-    }  # fmt: skip
+        "tour": list(ours.tour),
+        "end": end,
+        "bound": ours.bound,
+        "labels": ours.labels,
+        "processor_s": ours.processor_s,
+        "time_limit_s": time_limit_s,
+    }
 
 
 def _is_proven(row: dict[str, Any]) -> bool:

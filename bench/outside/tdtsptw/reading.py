@@ -67,10 +67,12 @@ def read_roads(path: Path) -> Roads:
         _floats(each, 2, where, "time_windows") for each in _rows(content, "time_windows", path)
     ]
     places = len(windows)
-    speeds = np.array([
-        _floats(row, len(zones), where, "cluster_speeds")
-        for row in _rows(content, "cluster_speeds", path)
-    ])  # fmt: skip
+    speeds = np.array(
+        [
+            _floats(row, len(zones), where, "cluster_speeds")
+            for row in _rows(content, "cluster_speeds", path)
+        ]
+    )
     if not (speeds > 0.0).all():
         raise InputError(f"{where}: a speed in cluster_speeds is not positive")
     tables = {
@@ -91,9 +93,16 @@ def read_roads(path: Path) -> Roads:
     if (there & ((cluster < 0) | (cluster >= len(speeds)))).any():
         raise InputError(f"{where}: a way is of no cluster")
     return Roads(
-        path.stem, start, end, horizon[1], np.array([*(zone[0] for zone in zones), zones[-1][1]]),
-        speeds, cluster, tables["distances"], *np.array(windows).T,
-    )  # fmt: skip
+        path.stem,
+        start,
+        end,
+        horizon[1],
+        np.array([*(zone[0] for zone in zones), zones[-1][1]]),
+        speeds,
+        cluster,
+        tables["distances"],
+        *np.array(windows).T,
+    )
 
 
 def instance_files(folder: Path) -> list[Path]:

@@ -44,6 +44,12 @@ def cpsat(
         A plan: bodies in order. As much of it as is in the network is given as hints.
     """
     return prove(
-        "cpsat", CpSatModel, mission, seed=seed, stop=stop, progress=progress, start=start,
+        "cpsat",
+        CpSatModel,
+        mission,
+        seed=seed,
+        stop=stop,
+        progress=progress,
+        start=start,
         options=options,
-    )  # fmt: skip
+    )

@@ -116,9 +116,15 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
             new_end = rules.ready
         elif new_length == length and rules.falls is None:
             new_end = time_order(
-                rules, trial, new_length, first, labels, behind, reference,
+                rules,
+                trial,
+                new_length,
+                first,
+                labels,
+                behind,
+                reference,
                 latest - end + PATIENCE_S,
-            )  # fmt: skip
+            )
         else:
             new_end = time_order(
                 rules, trial, new_length, first, labels, order.size, reference, np.inf

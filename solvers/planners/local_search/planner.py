@@ -68,9 +68,8 @@ class LocalSearch:
         worth = max(self.best.objective, self._mean) / rules.duration
         schedule = AnnealingSchedule(worth, hot * self._mean, cold * self._mean, iterations)
         best, _, _, _ = anneal(
-            rules, order, len(visited), self._labels, self._kept, self._weights, schedule,
-            self._rng,
-        )  # fmt: skip
+            rules, order, len(visited), self._labels, self._kept, self._weights, schedule, self._rng
+        )
         return self.best.offer(best)
 
     def recreate(self, width: int, stop: Stop) -> bool:

@@ -107,9 +107,12 @@ class _Player:
             if self.prior is not None and tree.untried[root] == trees.NOT_LISTED:
                 has = tree.resources
                 liked = self.prior.moves(
-                    int(tree.body[root]), float(has.time[root]), float(has.left[root]),
-                    int(has.since[root]), visited,
-                )[: tree.moves.shape[1]]  # fmt: skip
+                    int(tree.body[root]),
+                    float(has.time[root]),
+                    float(has.left[root]),
+                    int(has.since[root]),
+                    visited,
+                )[: tree.moves.shape[1]]
                 # Moves are tried from the end of the list.
                 tree.moves[root, : liked.size] = liked[::-1]
                 tree.untried[root] = liked.size

@@ -36,9 +36,7 @@ class MctsOptions(Options, method="mcts"):
     """Options of the planner ``mcts``, and the settings of a search."""
 
     preset: str = option(
-        "published",
-        "Supplies all options left at −1 or `preset`.",
-        choices=("published", "tuned"),
+        "published", "Supplies all options left at −1 or `preset`.", choices=("published", "tuned")
     )
     simulations: int = option(
         FROM_PRESET, "Number of simulations per step.", least=1, most=1_000_000, unset=ITS_OWN

@@ -134,9 +134,17 @@ def allocate(nodes: int, width: int) -> Tree:
         return np.empty(nodes)
 
     return Tree(
-        integers(), resource_kernels.columns(nodes), numbers(), numbers(), numbers(), numbers(),
-        integers(), integers(), integers(), np.empty((nodes, width), dtype=np.int32),
-    )  # fmt: skip
+        integers(),
+        resource_kernels.columns(nodes),
+        numbers(),
+        numbers(),
+        numbers(),
+        numbers(),
+        integers(),
+        integers(),
+        integers(),
+        np.empty((nodes, width), dtype=np.int32),
+    )
 
 
 def new_record(bodies: int) -> SearchRecord:

@@ -74,6 +74,12 @@ def mip(
         Highspy cannot be loaded.
     """
     return prove(
-        "mip", _model(), mission, seed=seed, stop=stop, progress=progress, start=start,
+        "mip",
+        _model(),
+        mission,
+        seed=seed,
+        stop=stop,
+        progress=progress,
+        start=start,
         options=options,
-    )  # fmt: skip
+    )

@@ -286,9 +286,16 @@ def grow(rules, worth, window, limits):
         rest_worth[index], rest_need[index] = fly_rest(rules, worth, window.rest, body[n], end[n])
     order, onward = order[:count], np.full(count, -1, dtype=np.int64)
     return WindowNetwork(
-        body[order], end[order], delta_v[order], tank[order], rest_worth, rest_need, onward, head,
+        body[order],
+        end[order],
+        delta_v[order],
+        tank[order],
+        rest_worth,
+        rest_need,
+        onward,
+        head,
         tail,
-    )  # fmt: skip
+    )
 
 
 @inlined

@@ -125,9 +125,16 @@ def ortools(
     tell_plan(progress, best.objective, *(order.moves for order in best.orders))
 
     counters: Counter[str] = Counter(
-        windows=0, closed_by_prices=0, full_networks=0, solves=0, solves_completed=0, gains=0,
-        no_gains=0, grounded=0, improved=0,
-    )  # fmt: skip
+        windows=0,
+        closed_by_prices=0,
+        full_networks=0,
+        solves=0,
+        solves_completed=0,
+        gains=0,
+        no_gains=0,
+        grounded=0,
+        improved=0,
+    )
     rng = np.random.default_rng(seed)
     workers = options.jobs or usable_cores()
     enough = False
@@ -142,10 +149,14 @@ def ortools(
 
             def work(choice: WindowChoice, fleet: Fleet = present) -> ReplannedWindows:
                 return replan(
-                    fleet, choice,
-                    time_share=TIME_SHARE, limits=limits, edges=options.edges,
-                    effort=options.effort, remaining_s=stop.remaining_s(),
-                )  # fmt: skip
+                    fleet,
+                    choice,
+                    time_share=TIME_SHARE,
+                    limits=limits,
+                    edges=options.edges,
+                    effort=options.effort,
+                    remaining_s=stop.remaining_s(),
+                )
 
             for done in pool.map(work, batch):
                 counters["windows"] += 1

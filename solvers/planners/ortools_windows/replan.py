@@ -115,9 +115,15 @@ def replan(
     if kept.size > edges:
         kept = np.sort(np.argpartition(-worths, edges)[:edges])
     answer = best_paths(
-        together, worth, kept, goal,
-        unit=unit, seed=choice.seed, effort=effort, remaining_s=remaining_s,
-    )  # fmt: skip
+        together,
+        worth,
+        kept,
+        goal,
+        unit=unit,
+        seed=choice.seed,
+        effort=effort,
+        remaining_s=remaining_s,
+    )
     counters |= {"solves": 1, "solves_completed": int(answer.closed)}
     if answer.paths is None:
         return ReplannedWindows(None, counters)

@@ -31,9 +31,13 @@ def costs(plan: Plan, refined: RefinedPlan | None = None) -> Figure:
 
     ticks = {"dtick": 1} if count <= MOST_TICKS else {}
     return figure(
-        costs_chart(plan, refined), more, barmode="group", showlegend=has_burns(plan),
-        xaxis={"range": [0.4, max(count, 1) + 0.6], **ticks}, yaxis={"rangemode": "tozero"},
-    )  # fmt: skip
+        costs_chart(plan, refined),
+        more,
+        barmode="group",
+        showlegend=has_burns(plan),
+        xaxis={"range": [0.4, max(count, 1) + 0.6], **ticks},
+        yaxis={"rangemode": "tozero"},
+    )
 
 
 def _words(leg: Leg) -> str:

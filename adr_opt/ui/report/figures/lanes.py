@@ -35,9 +35,13 @@ def lanes(instance: Instance, plan: Plan) -> Figure:
 
     chart = _chart(instance, plan)
     return figure(
-        chart, more, xaxis=time_axis(instance, plan), showlegend=several(instance),
-        height=FRAME_PX + LANE_PX * max(len(chart.y.rows or ()), 3), barmode="overlay",
-    )  # fmt: skip
+        chart,
+        more,
+        xaxis=time_axis(instance, plan),
+        showlegend=several(instance),
+        height=FRAME_PX + LANE_PX * max(len(chart.y.rows or ()), 3),
+        barmode="overlay",
+    )
 
 
 def _chart(instance: Instance, plan: Plan) -> Chart:
@@ -56,10 +60,14 @@ def _chart(instance: Instance, plan: Plan) -> Chart:
         if mine:
             bars.append(
                 Bars(
-                    name=name, colour=colour, share=each, of=mine, legs=[stay.leg for stay in mine],
+                    name=name,
+                    colour=colour,
+                    share=each,
+                    of=mine,
+                    legs=[stay.leg for stay in mine],
                     x=days([stay.since_s for stay in mine]),
                     y=[lane[stay.station] + beside for stay in mine],
                     lengths=days([stay.until_s - stay.since_s for stay in mine]),
                 )
-            )  # fmt: skip
+            )
     return Chart(tuple(bars), DAYS, ChartAxis("", rows=names))

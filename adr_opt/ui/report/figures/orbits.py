@@ -76,10 +76,16 @@ def _arrivals(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> M
 
     x, y, z = in_km(np.array([track.around_m[0] for track in docked.values()]))
     return Marks(
-        name="arrivals", colour=COLOURS["service"], size=4.0, x=x, y=y, z=z, legs=list(docked),
+        name="arrivals",
+        colour=COLOURS["service"],
+        size=4.0,
+        x=x,
+        y=y,
+        z=z,
+        legs=list(docked),
         of=[(leg, track.times_s[0]) for leg, track in docked.items()],
         colours=[colour(leg) for leg in docked],
-    )  # fmt: skip
+    )
 
 
 def _rings(line: Line, opacity: float) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from ...plot.mass import mass_chart
 from ...plot.nodes import nodes_chart
 from ...plot.strands import DrawnArc
 from ..text import clock, in_chart, number
-from .parts import (  # fmt: skip
+from .parts import (
     FRAME_PX,
     Figure,
     figure,
@@ -68,9 +68,12 @@ def budget(instance: Instance, plan: Plan) -> Figure:
         return area | said("%{text}<br>%{y:.1f} m/s left", texts)
 
     return figure(
-        budget_chart(instance, plan), more, xaxis=time_axis(instance, plan),
-        yaxis={"rangemode": "tozero"}, **named(instance, True),
-    )  # fmt: skip
+        budget_chart(instance, plan),
+        more,
+        xaxis=time_axis(instance, plan),
+        yaxis={"rangemode": "tozero"},
+        **named(instance, True),
+    )
 
 
 def mass(instance: Instance, plan: Plan) -> Figure:
@@ -96,9 +99,12 @@ def nodes(instance: Instance, plan: Plan, tracks: tuple[DrawnArc, ...]) -> Figur
 
     chart = nodes_chart(instance, plan, tracks, by_chaser=True)
     return figure(
-        chart, more, xaxis=time_axis(instance, plan), yaxis=_range(chart.series),
+        chart,
+        more,
+        xaxis=time_axis(instance, plan),
+        yaxis=_range(chart.series),
         **named(instance, True),
-    )  # fmt: skip
+    )
 
 
 def _range(lines: tuple[Series, ...]) -> dict[str, Any]:
@@ -119,6 +125,9 @@ def gantt(instance: Instance, plan: Plan) -> Figure:
     """
     chart = gantt_chart(instance, plan, headed=True)
     return figure(
-        chart, lambda bars: of_bars(plan, bars), xaxis=time_axis(instance, plan),
-        height=FRAME_PX + ROW_PX * max(len(chart.y.rows or ()), 4), barmode="overlay",
-    )  # fmt: skip
+        chart,
+        lambda bars: of_bars(plan, bars),
+        xaxis=time_axis(instance, plan),
+        height=FRAME_PX + ROW_PX * max(len(chart.y.rows or ()), 4),
+        barmode="overlay",
+    )

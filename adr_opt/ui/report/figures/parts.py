@@ -83,9 +83,16 @@ def trace(one: Series, chart: Chart) -> dict[str, Any]:
 def _shape(box: Box) -> dict[str, Any]:
     (left, right), (low, high) = box.x, box.y
     return {
-        "type": "rect", "layer": "below", "x0": left, "x1": right, "y0": low, "y1": high,
-        "fillcolor": box.colour, "opacity": 0.28, "line": {"width": 1, "color": box.colour},
-    }  # fmt: skip
+        "type": "rect",
+        "layer": "below",
+        "x0": left,
+        "x1": right,
+        "y0": low,
+        "y1": high,
+        "fillcolor": box.colour,
+        "opacity": 0.28,
+        "line": {"width": 1, "color": box.colour},
+    }
 
 
 def _axis(axis: ChartAxis) -> dict[str, Any]:
@@ -96,9 +103,12 @@ def _axis(axis: ChartAxis) -> dict[str, Any]:
     for row in axis.headings:
         ticks[row - 1] = f"<b>{ticks[row - 1]}</b>"
     return {
-        "range": [count + 0.6, 0.4], "fixedrange": True, "showgrid": False,
-        "tickvals": list(range(1, count + 1)), "ticktext": ticks,
-    }  # fmt: skip
+        "range": [count + 0.6, 0.4],
+        "fixedrange": True,
+        "showgrid": False,
+        "tickvals": list(range(1, count + 1)),
+        "ticktext": ticks,
+    }
 
 
 def said(text: str, texts: Sequence[str] | None = None) -> dict[str, Any]:

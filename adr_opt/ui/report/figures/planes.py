@@ -19,9 +19,15 @@ from ..text import in_chart
 from .parts import SILENT, Figure, column, figure, said
 
 SIDES = (
-    "middle right", "top right", "top center", "top left", "middle left", "bottom left",
-    "bottom center", "bottom right",
-)  # fmt: skip
+    "middle right",
+    "top right",
+    "top center",
+    "top left",
+    "middle left",
+    "bottom left",
+    "bottom center",
+    "bottom right",
+)
 """Positions beside a point, from the right around to the left."""
 
 
@@ -73,16 +79,23 @@ def _order(instance: Instance, flown: Flown) -> dict[str, Any]:
     across = raan_deg(instance)[bodies]
     up = np.array([instance.body_orbits[body].inclination_deg for body in bodies])
     shown = [
-        at for at, (leg, body) in enumerate(zip(legs, bodies, strict=True))
+        at
+        for at, (leg, body) in enumerate(zip(legs, bodies, strict=True))
         if leg and body >= instance.first_target
-    ]  # fmt: skip
+    ]
     numbers, sides = [legs[at] for at in shown], _sides(across, up)
     return {
-        "type": "scatter", "mode": "markers+text", "name": "order", "showlegend": False,
-        "x": column(across[shown], 4), "y": column(up[shown], 4),
-        "text": [str(number) for number in numbers], "customdata": numbers,
+        "type": "scatter",
+        "mode": "markers+text",
+        "name": "order",
+        "showlegend": False,
+        "x": column(across[shown], 4),
+        "y": column(up[shown], 4),
+        "text": [str(number) for number in numbers],
+        "customdata": numbers,
         "textposition": [sides[at] for at in shown],
-        "textfont": {"size": 11}, **SILENT,
+        "textfont": {"size": 11},
+        **SILENT,
         # not seen, but texts keep off marks
         "marker": {"size": 9, "color": "rgba(0,0,0,0)"},
-    }  # fmt: skip
+    }

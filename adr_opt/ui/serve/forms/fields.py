@@ -104,9 +104,16 @@ def _told(path: str, kind: str, of: list[str] | None, **more: Any) -> dict[str, 
     name = path.rpartition(".")[2]
     words = WORDS[name]
     return {
-        "path": path, "label": words.label, "unit": unit_of(name), "kind": kind, "least": None,
-        "most": None, "help": words.help, "of": of, **more,
-    }  # fmt: skip
+        "path": path,
+        "label": words.label,
+        "unit": unit_of(name),
+        "kind": kind,
+        "least": None,
+        "most": None,
+        "help": words.help,
+        "of": of,
+        **more,
+    }
 
 
 def _variant(content: Schema) -> str:

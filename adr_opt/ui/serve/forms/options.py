@@ -111,12 +111,16 @@ class JobOption:
     def to_dict(self) -> dict[str, Any]:
         """The option as JSON data, for a field of a form."""
         return {
-            "name": self.name, "label": self.label, "unit": self.unit, "kind": self.kind,
-            "default": self.default, "help": self.help,
+            "name": self.name,
+            "label": self.label,
+            "unit": self.unit,
+            "kind": self.kind,
+            "default": self.default,
+            "help": self.help,
             **({} if self.choices is None else {"choices": list(self.choices())}),
             **({} if math.isinf(self.least) else {"least": self.least}),
             **({} if math.isinf(self.most) else {"most": self.most}),
-        }  # fmt: skip
+        }
 
 
 def words_of(options: Sequence[JobOption], given: dict[str, Value]) -> list[str]:

@@ -13,10 +13,17 @@ class FieldWords(NamedTuple):
 
 
 UNITS = (
-    ("_m_s_per_day", "m/s per day"), ("_m_s", "m/s"), ("_kg_squared", "per kg²"),
-    ("per_kg", "per kg"), ("_kg", "kg"), ("_deg", "°"), ("_revolutions", "revolutions"),
-    ("_m", "m"), ("_s", "s"), ("_n", "N"),
-)  # fmt: skip
+    ("_m_s_per_day", "m/s per day"),
+    ("_m_s", "m/s"),
+    ("_kg_squared", "per kg²"),
+    ("per_kg", "per kg"),
+    ("_kg", "kg"),
+    ("_deg", "°"),
+    ("_revolutions", "revolutions"),
+    ("_m", "m"),
+    ("_s", "s"),
+    ("_n", "N"),
+)
 """Units by the end of a field's name, the first that fits."""
 
 WORDS = {

@@ -93,7 +93,7 @@ class Job:
                 cwd=folder,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-            )  # fmt: skip
+            )
         hearing = threading.Thread(target=self._hear, args=(process,), daemon=True)
         hearing.start()
         assert process.stdout is not None
@@ -138,10 +138,16 @@ class Job:
         if share is None and self._limit_s and self.state == "running":
             share = min(elapsed_s / self._limit_s, 1.0)
         return {
-            "id": self.number, "verb": self.verb, "label": self.label, "state": self.state,
-            "share": 1.0 if self.state == "done" else share, "said": self.said,
-            "elapsed_s": round(elapsed_s, 1), "result": self.result, "stopping": self.stopping,
-        }  # fmt: skip
+            "id": self.number,
+            "verb": self.verb,
+            "label": self.label,
+            "state": self.state,
+            "share": 1.0 if self.state == "done" else share,
+            "said": self.said,
+            "elapsed_s": round(elapsed_s, 1),
+            "result": self.result,
+            "stopping": self.stopping,
+        }
 
     def _hear(self, process: subprocess.Popen[bytes]) -> None:
         """Hear progress and messages until the process ends."""

@@ -70,10 +70,12 @@ class JobQueue:
             self._count += 1
             limit_s = asked.options.get("time_limit_s")
             job = Job(
-                self._count, asked.verb, VERBS[asked.verb].label,
+                self._count,
+                asked.verb,
+                VERBS[asked.verb].label,
                 limit_s if isinstance(limit_s, (int, float)) and asked.verb != "tradeoff" else None,
                 self._changed,
-            )  # fmt: skip
+            )
             self._jobs = _listed([*self._jobs, job])
         place: Path | None = None
         try:
@@ -139,12 +141,18 @@ class JobQueue:
             fields = {"instance_sha256": command.instance_sha256, **figures_of(place, answer)}
             record = results.done(
                 ResultRecord(
-                    number=number, verb=job.verb, label=job.label, made_at=now(),
-                    inputs=command.inputs, command=tuple(command.words), exit_status=status,
+                    number=number,
+                    verb=job.verb,
+                    label=job.label,
+                    made_at=now(),
+                    inputs=command.inputs,
+                    command=tuple(command.words),
+                    exit_status=status,
                     said="\n".join(lines),
-                    page=page if page is not None and (place / page).is_file() else None, **fields,
+                    page=page if page is not None and (place / page).is_file() else None,
+                    **fields,
                 )
-            )  # fmt: skip
+            )
             job.result = record.number
             if job.verb == "worth":
                 self._session.note(worth=record.number)

@@ -59,9 +59,10 @@ class JobVerb:
     def to_dict(self) -> dict[str, Any]:
         """The verb as JSON data, for its button and form."""
         return {
-            "label": self.label, "needs": list(self.needs),
+            "label": self.label,
+            "needs": list(self.needs),
             "options": [option.to_dict() for option in self.options],
-        }  # fmt: skip
+        }
 
 
 def _one_of(*values: str) -> Any:
@@ -85,16 +86,21 @@ NAMES = r"[^\x00-\x1f\x7f]*"
 def _limit(default: float | None, most: float = LONGEST_S) -> JobOption:
     return JobOption(
         "time_limit_s", "--time-limit", "Time limit", "number", "s", default, 0.1, most
-    )  # fmt: skip
+    )
 
 
 VARY = r"[a-z-]+=[0-9eE.,:+-]+"
 VARIED = "give a range as NAME=LOW:HIGH:STEP, or values as NAME=VALUE,VALUE"
 
 ACTIVITY = JobOption(
-    "activity", "--activity", "Activity of the Sun", "choice", default="mean",
-    choices=_one_of("low", "mean", "high"), help="on which the density of the air depends",
-)  # fmt: skip
+    "activity",
+    "--activity",
+    "Activity of the Sun",
+    "choice",
+    default="mean",
+    choices=_one_of("low", "mean", "high"),
+    help="on which the density of the air depends",
+)
 
 
 def _euros(name: str, label: str) -> JobOption:
@@ -103,7 +109,8 @@ def _euros(name: str, label: str) -> JobOption:
 
 VERBS: dict[str, JobVerb] = {
     "bound": JobVerb(
-        "Prove a bound", ("instance",),
+        "Prove a bound",
+        ("instance",),
         (
             BOUND,
             _limit(DEFAULT_BOUND_TIME_LIMIT_S),
@@ -113,51 +120,80 @@ VERBS: dict[str, JobVerb] = {
         (JobOutput("--certificate", "certificate.json.gz", "certificate"),),
     ),
     "refine": JobVerb(
-        "Refine", ("plan",),
+        "Refine",
+        ("plan",),
         (
             JobOption(
-                "gravity", "--gravity", "Gravity", "choice",
+                "gravity",
+                "--gravity",
+                "Gravity",
+                "choice",
                 choices=_one_of("two-body", "j2", "j3", "j4"),
                 help="zonal harmonics up to this one; by default those of the instance",
             ),
             JobOption(
-                "burns", "--burns", "Burns", "choice", choices=_one_of("free", "planned"),
+                "burns",
+                "--burns",
+                "Burns",
+                "choice",
+                choices=_one_of("free", "planned"),
                 help="free: least ΔV at any times; planned: the plan's own, changed little",
             ),
         ),
         (JobOutput("--out", "refined.json"),),
     ),
     "fly": JobVerb(
-        "Fly", ("plan or refined",),
+        "Fly",
+        ("plan or refined",),
         (
             JobOption(
-                "forces", "--forces", "Forces", "choice", choices=_one_of("j2", "full"),
+                "forces",
+                "--forces",
+                "Forces",
+                "choice",
+                choices=_one_of("j2", "full"),
                 help="of a refined plan: its own field, or all forces",
             ),
             JobOption(
-                "samples", "--samples", "Flights with errors", "number", least=1, most=100_000,
-                whole=True, help="of a refined plan",
+                "samples",
+                "--samples",
+                "Flights with errors",
+                "number",
+                least=1,
+                most=100_000,
+                whole=True,
+                help="of a refined plan",
             ),
         ),
     ),
     "check": JobVerb("Check", ("plan",)),
     "verify": JobVerb(
-        "Verify", ("plan", "certificate"),
+        "Verify",
+        ("plan", "certificate"),
         (
             JobOption(
-                "connections", "--connections", "Connections flown again", "number", default=1000,
-                least=0, most=1_000_000, whole=True,
+                "connections",
+                "--connections",
+                "Connections flown again",
+                "number",
+                default=1000,
+                least=0,
+                most=1_000_000,
+                whole=True,
             ),
             SEED,
         ),
     ),
     "compare": JobVerb(
-        "Compare", ("plans",),
+        "Compare",
+        ("plans",),
         (JobOption("all", "--all", "Equal legs, too", "flag", default=False),),
-        (JobOutput("--page", "comparison.html"),), "comparison.html",
+        (JobOutput("--page", "comparison.html"),),
+        "comparison.html",
     ),
     "tradeoff": JobVerb(
-        "Trade off", ("instance",),
+        "Trade off",
+        ("instance",),
         (
             JobOption("vary", "--vary", "Vary", "text", pattern=VARY, help=VARIED),
             JobOption("vary_too", "--vary", "Vary, too", "text", pattern=VARY, help=VARIED),
@@ -168,20 +204,28 @@ VERBS: dict[str, JobVerb] = {
             _euros("kit", "Cost of a kit"),
             _euros("kg", "Cost of a kilogram"),
         ),
-        (JobOutput("--page", "tradeoff.html"), JobOutput("--plans", PLANS)), "tradeoff.html",
+        (JobOutput("--page", "tradeoff.html"), JobOutput("--plans", PLANS)),
+        "tradeoff.html",
     ),
     "replan": JobVerb(
-        "Replan", ("plan",),
+        "Replan",
+        ("plan",),
         (
             JobOption("at_s", "--at", "From", "number", "s", 0.0, 0.0, 1e10, suffix="s"),
             JobOption("lost", "--lost", "Targets lost", "text", pattern=NAMES),
             JobOption("missed", "--missed", "Targets missed", "text", pattern=NAMES),
             JobOption(
-                "failed", "--failed", "Leg that fails", "number", least=1, most=1e6, whole=True,
+                "failed", "--failed", "Leg that fails", "number", least=1, most=1e6, whole=True
             ),
             JobOption("retry", "--retry", "Try missed ones again", "flag", default=False),
             JobOption(
-                "keep", "--keep", "Legs that stay", "number", default=0, least=0, most=1e6,
+                "keep",
+                "--keep",
+                "Legs that stay",
+                "number",
+                default=0,
+                least=0,
+                most=1e6,
                 whole=True,
             ),
             PLANNER,
@@ -190,40 +234,63 @@ VERBS: dict[str, JobVerb] = {
         (JobOutput("--out", "plan.json"), JobOutput("--out-instance", "instance.json")),
     ),
     "rehearse": JobVerb(
-        "Rehearse", ("plan", "uncertainty"),
+        "Rehearse",
+        ("plan", "uncertainty"),
         (
             JobOption(
-                "policy", "--policy", "Policy", "choice", default="follow",
+                "policy",
+                "--policy",
+                "Policy",
+                "choice",
+                default="follow",
                 choices=_one_of("follow", "skip", "replan", "beam"),
             ),
             JobOption(
-                "samples", "--samples", "Rehearsals", "number", default=1000, least=1, most=1e6,
+                "samples",
+                "--samples",
+                "Rehearsals",
+                "number",
+                default=1000,
+                least=1,
+                most=1e6,
                 whole=True,
             ),
             SEED,
         ),
-        (JobOutput("--out", "rehearsal.html"),), "rehearsal.html",
+        (JobOutput("--out", "rehearsal.html"),),
+        "rehearsal.html",
     ),
     "worth": JobVerb(
-        "Worth of removals", ("catalogue",),
+        "Worth of removals",
+        ("catalogue",),
         (
             JobOption("years", "--years", "Horizon", "number", "years", 50.0, 1e-3, 200.0),
             JobOption(
-                "candidates", "--candidates", "Objects with prizes", "number", default=0, least=0,
-                most=100_000, whole=True, help="0 for all",
+                "candidates",
+                "--candidates",
+                "Objects with prizes",
+                "number",
+                default=0,
+                least=0,
+                most=100_000,
+                whole=True,
+                help="0 for all",
             ),
             ACTIVITY,
         ),
         (
-            JobOutput("--out", "prizes.csv"), JobOutput("--details", "details.csv"),
+            JobOutput("--out", "prizes.csv"),
+            JobOutput("--details", "details.csv"),
             JobOutput("--page", "worth.html"),
         ),
         "worth.html",
     ),
     "report": JobVerb(
-        "Report", ("plan",),
+        "Report",
+        ("plan",),
         (JobOption("fly", "--fly", "With flown legs", "flag", default=False),),
-        (JobOutput("--out", "report.html"),), "report.html",
+        (JobOutput("--out", "report.html"),),
+        "report.html",
     ),
-}  # fmt: skip
+}
 """The verbs by name."""

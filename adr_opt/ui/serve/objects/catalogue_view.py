@@ -71,14 +71,15 @@ class CatalogueView:
             "inclination_deg": [round(float(value), 3) for value in seen.inclination_deg],
             "raan_deg": [round(float(value), 3) for value in seen.raan_deg],
             "mass_kg": [
-                None if at is None or bodies.mass_sources[at].startswith(DEFAULT)
+                None
+                if at is None or bodies.mass_sources[at].startswith(DEFAULT)
                 else round(float(bodies.masses[at]), 1)
                 for at in at_rows
             ],
             "kind": [None if at is None else bodies.kinds[at] for at in at_rows],
             "epoch": seen.epoch.isoformat().replace("+00:00", "Z"),
             "skipped": self.skipped,
-        }  # fmt: skip
+        }
 
     def chosen(self, names: Sequence[str]) -> list[ElementSet]:
         """Records by the names that :attr:`names` has.

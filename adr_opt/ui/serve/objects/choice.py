@@ -35,9 +35,10 @@ class MissionMade(NamedTuple):
     def to_dict(self) -> dict[str, Any]:
         """The account as JSON data."""
         return {
-            "targets": len(self.instance.targets), "left_out": self.counts,
+            "targets": len(self.instance.targets),
+            "left_out": self.counts,
             "warnings": list(self.warnings),
-        }  # fmt: skip
+        }
 
 
 def mission_of(

@@ -37,10 +37,19 @@ DETAILS, PRIZES = "details.csv", "prizes.csv"
 """Files of a result of ``worth``."""
 
 NOTHING: dict[str, Any] = {
-    "names": [], "altitude_km": [], "eccentricity": [], "inclination_deg": [], "raan_deg": [],
-    "mass_kg": [], "kind": [], "worth": [], "worth_unit": None, "chosen": [], "skipped": 0,
+    "names": [],
+    "altitude_km": [],
+    "eccentricity": [],
+    "inclination_deg": [],
+    "raan_deg": [],
+    "mass_kg": [],
+    "kind": [],
+    "worth": [],
+    "worth_unit": None,
+    "chosen": [],
+    "skipped": 0,
     "epoch": None,
-}  # fmt: skip
+}
 
 
 class DroppedObjects:
@@ -102,9 +111,10 @@ class DroppedObjects:
         with self._lock:
             files = self._session.files
             replaced = {
-                each.file for each in files
+                each.file
+                for each in files
                 if each.what == found.what and (each.what in ALONE or each.name == name)
-            }  # fmt: skip
+            }
             kept = tuple(each for each in files if each.file not in replaced)
             if len(kept) >= MOST_FILES:
                 raise InputError(f"{name}: the project has {MOST_FILES} dropped files already")
@@ -112,9 +122,13 @@ class DroppedObjects:
             file = f"{number}-{_as_file(name)}"
             path.rename(refuse_link(private_folder(self._folder) / file))
             made = DroppedFile(
-                file=file, name=name, what=found.what, count=found.count, skipped=found.skipped,
+                file=file,
+                name=name,
+                what=found.what,
+                count=found.count,
+                skipped=found.skipped,
                 bad=found.bad,
-            )  # fmt: skip
+            )
             if isinstance(found.content, Catalogue):
                 self._parts[file] = found.content
             self._note((*kept, made), made)
@@ -209,9 +223,12 @@ class DroppedObjects:
             if prizes == "criticality":
                 wanted = wanted._replace(demands=replace(wanted.demands, by_criticality=True))
             return mission_of(
-                view.chosen(list(names)), wanted, table, messages,
+                view.chosen(list(names)),
+                wanted,
+                table,
+                messages,
                 lambda: private_folder(passing(self._session.folder.path)),
-            )  # fmt: skip
+            )
         except InputError as error:
             raise InputError(in_labels(str(error))) from None
 

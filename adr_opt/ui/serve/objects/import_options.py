@@ -46,8 +46,13 @@ OPTIONS: tuple[JobOption, ...] = (
     _text("epoch", "Epoch", "UTC", "as 2026-01-01T00:00:00; empty for the latest of the elements"),
     _number("duration_days", "Mission duration", "d", default=7.0),
     JobOption(
-        "dynamics", "--dynamics", "Dynamics", "choice", default="j2",
-        choices=lambda: ("j2", "two-body"), help="with j2 planes drift",
+        "dynamics",
+        "--dynamics",
+        "Dynamics",
+        "choice",
+        default="j2",
+        choices=lambda: ("j2", "two-body"),
+        help="with j2 planes drift",
     ),
     _text("altitude", "Altitudes kept", "km", RANGE),
     _text("inclination", "Inclinations kept", "deg", RANGE),
@@ -55,8 +60,12 @@ OPTIONS: tuple[JobOption, ...] = (
     _text("name", "Names kept", "", "a part of a name, or a pattern with * and ?"),
     _list("exclude", "Objects left out", "", "numbers or names between commas"),
     _number("max_targets", "Most targets", "", "nearest planes first", whole=True),
-    _text("station", "Station", "km, °, °, °",
-          "ALTITUDE,INCLINATION,NODE[,U] or an object; empty for the densest plane"),
+    _text(
+        "station",
+        "Station",
+        "km, °, °, °",
+        "ALTITUDE,INCLINATION,NODE[,U] or an object; empty for the densest plane",
+    ),
     _flag("no_refuelling", "No station", "the chaser starts in its place"),
     _number("delta_v", "ΔV of a full tank", "m/s", "3000 by default"),
     _number("dry_mass", "Dry mass", "kg", BY_MASS),
@@ -80,7 +89,7 @@ OPTIONS: tuple[JobOption, ...] = (
     _number("departure_spacing_days", "Time between departures", "d", "the least"),
     _number("resolution", "Least saving of a transfer", "m/s"),
     _flag("ephemerides", "Fit orbits to the element sets", "which are kept beside the instance"),
-)  # fmt: skip
+)
 """All options but for files, of which those count that were dropped."""
 
 LABELS = {option.sign: option.label for option in OPTIONS} | {"--prizes": "Prizes", "--oem": "OEM"}
@@ -111,29 +120,47 @@ def wanted_of(given: dict[str, Any], *, messages: bool = False) -> ImportWanted:
     fitting = Fitting(**{name: value[name] for name in Fitting._fields})
     crew_options = CrewOptions(
         fitting,
-        **{name: value[name] for name in (
-            "launches", "launch_every", "launch_separation", "expense", "thrust", "duty_cycle",
-            "service_days",
-        )},
-        deadlines=several["deadline"], required=several["require"], musts=(),
-        excluded=() if excluded is None else (excluded,), prizes_path=None,
-    )  # fmt: skip
+        **{
+            name: value[name]
+            for name in (
+                "launches",
+                "launch_every",
+                "launch_separation",
+                "expense",
+                "thrust",
+                "duty_cycle",
+                "service_days",
+            )
+        },
+        deadlines=several["deadline"],
+        required=several["require"],
+        musts=(),
+        excluded=() if excluded is None else (excluded,),
+        prizes_path=None,
+    )
     crew = crew_options.crew()
     mission = MissionOptions(**{name: value[name] for name in MissionOptions._fields})
     fitted_by = "--oem" if messages else "--ephemerides" if value["ephemerides"] else None
     ranges = {
-        field: None if value[name] is None
+        field: None
+        if value[name] is None
         else parse_range(value[name], _sign(name), open_ended=name != "raan")
         for name, field in (
-            ("altitude", "altitude_km"), ("inclination", "inclination_deg"), ("raan", "raan_deg"),
+            ("altitude", "altitude_km"),
+            ("inclination", "inclination_deg"),
+            ("raan", "raan_deg"),
         )
-    }  # fmt: skip
+    }
     filters = catalogue.Filters(**ranges, names=() if names is None else (names,))
     return ImportWanted(
-        filters, value["max_targets"], value["station"],
-        mission.outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by), crew,
-        crew_options.demands(), bool(value["ephemerides"]),
-    )  # fmt: skip
+        filters,
+        value["max_targets"],
+        value["station"],
+        mission.outline(thrust=crew.thrust_n is not None, fitted_by=fitted_by),
+        crew,
+        crew_options.demands(),
+        bool(value["ephemerides"]),
+    )
 
 
 def _checked(given: dict[str, Any]) -> dict[str, Any]:

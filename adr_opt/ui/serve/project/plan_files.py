@@ -68,6 +68,10 @@ def unfinished(place: Path, number: int, verb: str) -> ResultRecord | None:
     except (InputError, OSError):
         return None
     return ResultRecord(
-        number=number, verb=verb, label=admitted.plan.method, made_at=made_at, said=EARLY,
+        number=number,
+        verb=verb,
+        label=admitted.plan.method,
+        made_at=made_at,
+        said=EARLY,
         **of_plan(admitted),
-    )  # fmt: skip
+    )

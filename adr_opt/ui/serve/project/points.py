@@ -17,9 +17,12 @@ PLANS = "plans"
 """Folder of the plans in that of the result."""
 
 FIELDS = {
-    "delta-v": "delta_v_m_s", "duration": "duration_s", "propellant": "propellant_kg",
-    "thrust": "thrust_n", "isp": "isp_s",
-}  # fmt: skip
+    "delta-v": "delta_v_m_s",
+    "duration": "duration_s",
+    "propellant": "propellant_kg",
+    "thrust": "thrust_n",
+    "isp": "isp_s",
+}
 """What is varied, as points have it in SI units."""
 
 MILLION = 1e6
@@ -49,10 +52,15 @@ def points_of(place: Path, answer: dict[str, Any]) -> dict[str, Any]:
             values.append(None if point["euros"] is None else point["euros"] / MILLION)
         else:
             values = [point[FIELDS[kind]] / KINDS[kind].scale for kind in kinds]
-        rows.append({
-            "point": at, "values": values, "prize": point["worth" if of_designs else "prize"],
-            "bound": point["bound" if of_designs else "upper_bound"], "has_plan": at in there,
-        })  # fmt: skip
+        rows.append(
+            {
+                "point": at,
+                "values": values,
+                "prize": point["worth" if of_designs else "prize"],
+                "bound": point["bound" if of_designs else "upper_bound"],
+                "has_plan": at in there,
+            }
+        )
     prize = answer["unit"] if of_designs else "prize"
     return {"titles": titles, "across": titles.index(across), "prize": prize, "points": rows}
 
@@ -88,6 +96,8 @@ def _files(place: Path) -> dict[int, Path]:
     folder = place / PLANS
     if folder.is_symlink() or not folder.is_dir():
         return {}
-    named = {path: re.fullmatch(r"(?:point|design)-(\d{1,6})\.plan\.json", path.name)
-             for path in folder.iterdir()}  # fmt: skip
+    named = {
+        path: re.fullmatch(r"(?:point|design)-(\d{1,6})\.plan\.json", path.name)
+        for path in folder.iterdir()
+    }
     return {int(found[1]): path for path, found in named.items() if found is not None}

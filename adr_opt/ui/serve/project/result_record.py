@@ -13,10 +13,22 @@ from .record import FileName, Number
 
 FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
 
-KEPT_VERBS = frozenset({
-    "bound", "check", "compare", "fly", "refine", "rehearse", "replan", "report", "solve",
-    "tradeoff", "verify", "worth",
-})  # fmt: skip
+KEPT_VERBS = frozenset(
+    {
+        "bound",
+        "check",
+        "compare",
+        "fly",
+        "refine",
+        "rehearse",
+        "replan",
+        "report",
+        "solve",
+        "tradeoff",
+        "verify",
+        "worth",
+    }
+)
 """Verbs whose results are kept; any other folder among the results is not the project's."""
 
 
@@ -81,8 +93,11 @@ class ResultRecord(Record):
         left_out = ("format", "number", "command", "instance_sha256", "plan_sha256", "page")
         row = {name: value for name, value in content.items() if name not in left_out}
         return {
-            "id": self.number, **row, "has_page": self.page is not None, "has_plan": self.has_plan
-        }  # fmt: skip
+            "id": self.number,
+            **row,
+            "has_page": self.page is not None,
+            "has_plan": self.has_plan,
+        }
 
 
 def json_schema() -> dict[str, Any]:

@@ -149,9 +149,13 @@ class Results:
             instance.save(place / INSTANCE)
             plan.save(place / PLAN)
             record = ResultRecord(
-                number=number, verb=verb, label=label, made_at=now(),
-                **of_plan(admit(instance, plan, unjudged=True)), **more,
-            )  # fmt: skip
+                number=number,
+                verb=verb,
+                label=label,
+                made_at=now(),
+                **of_plan(admit(instance, plan, unjudged=True)),
+                **more,
+            )
             record = self.done(record)
         except BaseException:
             if begun is None:
