@@ -1,4 +1,4 @@
-"""Structure of the code: circles, storeys, loose modules, names, arguments, lines.
+"""Structure of the code: circles, storeys, loose modules, names, arguments, and its budgets.
 
     python bench/house.py
     python bench/house.py --list
@@ -6,14 +6,16 @@
 Imports inside functions and those for types only are counted. A room is a folder of ``adr_opt`` or
 ``solvers``, or a module that lies loose in one of them; the order of rooms is that of the import
 contract ``Rooms stand on each other in one order`` in ``pyproject.toml``. ``--list`` names what is
-counted.
+counted. Code lines are lines with code on them: no blank lines, comments and docstrings.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import io
 import re
+import tokenize
 import tomllib
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -112,8 +114,11 @@ def upwards(edges: Imports) -> list[str] | None:
 def loose(names: Iterable[str]) -> list[str]:
     """Modules that lie in ``adr_opt`` itself."""
     folders = {name.rsplit(".", 1)[0] for name in names}
-    return [name for name in names if name.count(".") == 1 and name.startswith("adr_opt.")
-            and name not in folders]  # fmt: skip
+    return [
+        name
+        for name in names
+        if name.count(".") == 1 and name.startswith("adr_opt.") and name not in folders
+    ]
 
 
 def identifiers(tree: ast.AST) -> Iterator[str]:
@@ -161,13 +166,85 @@ def shared_names(trees: Mapping[str, ast.Module]) -> list[str]:
     return sorted(name for name in times if times[name] > 1)
 
 
-def lines() -> int:
-    """Lines of all modules of the product."""
-    return sum(
-        len(path.read_text(encoding="utf-8").splitlines())
-        for package in PACKAGES
-        for path in (ROOT / package).rglob("*.py")
+def only_importers(edges: Imports) -> list[str]:
+    """Modules that a single module imports, one of the same room."""
+    importers: dict[str, list[str]] = defaultdict(list)
+    for module in edges:
+        for other in edges[module]:
+            importers[other].append(module)
+    folders = {name.rsplit(".", 1)[0] for name in edges}
+    return sorted(
+        f"{module} <- {by[0]}"
+        for module, by in importers.items()
+        if len(by) == 1 and room_of(module) == room_of(by[0]) and module not in folders
     )
+
+
+def files(*folders: str, ending: str = "py") -> Iterator[str]:
+    """The texts of all files of some folders."""
+    for folder in folders:
+        for path in sorted((ROOT / folder).rglob(f"*.{ending}")):
+            yield path.read_text(encoding="utf-8")
+
+
+def docstrings(tree: ast.AST) -> Iterator[tuple[ast.AST, ast.Expr]]:
+    """What has a docstring (a module, class, function, or the name above a text), and that."""
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        for before, statement in (
+            zip((node, *body), body, strict=False) if isinstance(body, list) else ()
+        ):
+            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+                if isinstance(statement.value.value, str):
+                    yield before, statement
+
+
+def code_lines(text: str) -> int:
+    """Lines with code on them."""
+    layout = {
+        tokenize.COMMENT,
+        tokenize.NL,
+        tokenize.NEWLINE,
+        tokenize.INDENT,
+        tokenize.DEDENT,
+        tokenize.ENDMARKER,
+    }
+    found: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type not in layout:
+            found |= set(range(token.start[0], token.end[0] + 1))
+    for _, docstring in docstrings(ast.parse(text)):
+        found -= set(range(docstring.lineno, (docstring.end_lineno or 0) + 1))
+    return len(found)
+
+
+def lines_of_docstrings(trees: Mapping[str, ast.Module]) -> float:
+    """Mean number of docstring lines of a public class or function, one without counted as 0."""
+    public = 0
+    total = 0
+    for tree in trees.values():
+        kinds = ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+        public += sum(
+            isinstance(node, kinds) and not node.name.startswith("_") for node in ast.walk(tree)
+        )
+        total += sum(
+            (docstring.end_lineno or 0) - docstring.lineno + 1
+            for owner, docstring in docstrings(tree)
+            if isinstance(owner, kinds)
+            and not owner.name.startswith("_")
+            and docstring is owner.body[0]
+        )
+    return total / public
+
+
+def budgets(trees: Mapping[str, ast.Module]) -> Iterator[tuple[str, str]]:
+    """What the code weighs: names and figures."""
+    yield "code lines of adr_opt and solvers", str(sum(map(code_lines, files(*PACKAGES))))
+    for folders in (PACKAGES, ("bench",), ("tests",)):
+        total = sum(len(text.splitlines()) for text in files(*folders))
+        yield f"lines of {' and '.join(folders)}", str(total)
+    yield "words in docs/", str(sum(len(text.split()) for text in files("docs", ending="md")))
+    yield "docstring lines of a public name", f"{lines_of_docstrings(trees):.2f}"
 
 
 def show(what: str, found: list[str] | None, is_listed: bool) -> None:
@@ -198,12 +275,17 @@ def main() -> None:
     tows = [name for name, tree in trees.items() if any(map(TOW.search, identifiers(tree)))]
     show("modules with identifiers of tows", tows, is_listed)
     every = [(name, each) for name, tree in trees.items() for each in functions(tree)]
-    long = [f"{name}.{each.name} {arguments(each)}" for name, each in every
-            if arguments(each) > MOST_ARGUMENTS]  # fmt: skip
+    long = [
+        f"{name}.{each.name} {arguments(each)}"
+        for name, each in every
+        if arguments(each) > MOST_ARGUMENTS
+    ]
     show("functions with more than 8 arguments", long, is_listed)
     print(f"{'  as a share of all':58} {len(long) / len(every):7.2%}")
     show("names of public classes that stand more than once", shared_names(trees), is_listed)
-    print(f"{'lines of adr_opt and solvers':58} {lines():7}")
+    show("modules with one importer, in the same room", only_importers(edges), is_listed)
+    for what, figure in budgets(trees):
+        print(f"{what:58} {figure:>7}")
 
 
 if __name__ == "__main__":

@@ -49,3 +49,11 @@ def test_what_is_forbidden_is_found(house: ModuleType) -> None:
     assert house.upwards({"adr_opt.plan.a": {"adr_opt.ui.b"}, "adr_opt.ui.b": set()}) == [
         "adr_opt.plan.a -> adr_opt.ui.b"
     ]
+
+
+def test_the_formatter_decides(house: ModuleType) -> None:
+    """No line is kept from the formatter, and lines of code are told from all others."""
+    folders = ("adr_opt", "solvers", "bench", "examples", "tests")
+    assert not [text for text in house.files(*folders) if "fmt:" + " " in text]
+    source = '"""Title."""\n\nA = 1  # one\n"""Named."""\n# why\nB = (\n    2,\n\n)\n'
+    assert house.code_lines(source) == 4
