@@ -35,10 +35,8 @@ pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
 from adr_opt.ui.serve import guard  # noqa: E402
-from adr_opt.ui.serve.app import application  # noqa: E402
+from adr_opt.ui.serve.app import ShownReport, application, event_stream  # noqa: E402
 from adr_opt.ui.serve.desk import Desk  # noqa: E402
-from adr_opt.ui.serve.events import told  # noqa: E402
-from adr_opt.ui.serve.reported import ShownReport  # noqa: E402
 
 TOKEN, PORT = "a-token", 8123
 GREEDY = {"method": "greedy-guarded", "time_limit_s": 20.0}
@@ -303,7 +301,7 @@ def heard(desk: EditingSession, until: str, seconds: float = 60.0) -> list[tuple
 
     async def listen() -> list[tuple[str, Any]]:
         found, end = [], time.monotonic() + seconds
-        async for text in told(Desk(desk), threading.Event()):
+        async for text in event_stream(Desk(desk), threading.Event()):
             event, data = text.removesuffix("\n\n").split("\n")
             found.append((event.removeprefix("event: "), json.loads(data.removeprefix("data: "))))
             assert time.monotonic() < end

@@ -19,7 +19,9 @@ from ...common.errors import InputError
 from ...common.files import parse_model, read_text
 from ...common.records import Name, Record
 from ...common.sentences import sentence
+from ...problem.instance import Instance
 from ..catalogue.records import shown
+from .message_covariances import of_message
 from .target_error import TargetError
 
 Sigma = Annotated[float, Field(ge=0.0, le=1e6)]
@@ -184,7 +186,21 @@ def _row(cells: dict[str, str], where: str) -> TargetErrorRow:
         raise InputError(f"{where}: {sentence(error)}") from None
 
 
-def json_schema() -> dict[str, Any]:
-    """The JSON Schema of the file of errors of targets."""
-    schema = TargetErrorsFile.model_json_schema()
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+def read_target_errors(instance: Instance, path: str | os.PathLike[str]) -> dict[str, TargetError]:
+    """Errors of the bodies of an instance by name.
+
+    Parameters
+    ----------
+    instance : Instance
+    path : path
+        A table (:mod:`.table`), or a message in key-value notation, which begins with its version.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or states no errors.
+    """
+    text = read_text(path)
+    if text.lstrip("\ufeff \t\r\n").startswith("CCSDS_OEM_VERS"):
+        return of_message(instance, text, str(path))
+    return read_table(path, instance.names)

@@ -13,9 +13,8 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ..catalogue.records import ElementSet
-from .air import FLOAT
+from .air import FLOAT, YEAR_S
 from .bodies import ends_km
-from .lifetimes import YEAR_S
 from .pairs import INDICES
 from .worth import UNIT, RemovalWorth
 

@@ -1,4 +1,4 @@
-"""Cards of trade-offs, priced orders, comparisons and replanning."""
+"""Cards of trade-offs, designs, priced orders, comparisons, replanning and rehearsals."""
 
 from __future__ import annotations
 
@@ -11,9 +11,63 @@ from .of_plan import legs_table
 
 if TYPE_CHECKING:
     from ...analysis.comparison import Comparison
+    from ...analysis.design import DesignPoint, DesignStudy
     from ...analysis.priced import PricedOrder, PricedRoute
+    from ...analysis.rehearse.rehearsals import Rehearsals
     from ...analysis.replanned import Replanned
     from ...analysis.trade.points import Point, Tradeoff
+
+
+def of_design_study(study: DesignStudy) -> Card:
+    """The card of a study; on a page, with its points."""
+    varied = " and ".join(
+        f"{axis.kind} ({counted(len(axis.values), 'value')})" for axis in study.axes
+    )
+    facts = (
+        varied,
+        f"{len(study.points)} of {counted(study.wanted, 'design')}",
+        f"{len(study.front)} on the front",
+        f"{study.runtime_s:.3g} s",
+    )
+    front = study.front
+    rows = [
+        (point.design.title, *_worths(point), _millions(point), "yes" if at in front else "")
+        for at, point in enumerate(study.points)
+    ]
+    heads = ("design", "planned", "avoided", "at most", "M€", "front")
+    return Card("DesignStudy", f"of {study.instance.name!r}", facts, (), (CardTable(heads, rows),))
+
+
+def of_design_point(point: DesignPoint) -> Card:
+    """The card of a point."""
+    _, worth, bound = _worths(point)
+    facts = (
+        f"{worth} avoided of at most {bound}",
+        f"{_millions(point)} million euros",
+        counted(point.launches, "launch", "launches"),
+        counted(point.removals, "removal"),
+    )
+    return Card("DesignPoint", f"at {point.design.title}", facts)
+
+
+def _worths(point: DesignPoint) -> tuple[str, str, str]:
+    values = [f"{value:,.6g}" for value in (point.floor, point.worth)]
+    return values[0], values[1], f"{point.bound:,.6g}" if math.isfinite(point.bound) else "–"
+
+
+def _millions(point: DesignPoint) -> str:
+    return f"{point.euros / 1e6:,.2f}"
+
+
+def of_rehearsals(made: Rehearsals) -> Card:
+    """The card of rehearsals; on a page, with the reasons of losses."""
+    told = made.to_dict()
+    facts = [counted(len(made.outcomes), "rehearsal"), f"by {made.policy}"]
+    if made.outcomes:
+        facts.append(f"prize {told['prize']['mean']:.4g} of {made.plan.objective:g} planned")
+    losses = tuple((reason, f"{mean:.3g} targets") for reason, mean in told["losses"].items())
+    return Card("Rehearsals", f"of {made.instance.name!r}", tuple(facts), losses)
+
 
 MENDED = {
     "leave-out": "mended without",

@@ -1,14 +1,95 @@
-"""Cards of plans, routes and legs."""
+"""Cards of plans, routes, legs, results, refined plans and certificates."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, order_words
 from ...common.wording import counted
 
 if TYPE_CHECKING:
+    from ...fly.refine.loop import RefinedResult
+    from ...mission.result import Result
+    from ...plan.certificate import Certificate
     from ...plan.plan import Leg, Plan, Route
+    from ...plan.refined_plan import RefinedPlan
+
+
+def of_result(result: Result) -> Card:
+    """The card of a result: prize, proof, and the order by names."""
+    plan, bounded = result.plan, math.isfinite(result.upper_bound)
+    facts = []
+    if plan is not None:
+        facts.append(f"prize {result.objective:g}")
+    if bounded:
+        facts.append(f"at most {result.upper_bound:g}")
+    facts.append(result.status)
+    if plan is not None:
+        facts += [counted(len(plan.legs), "leg"), f"{plan.delta_v_m_s:,.1f} m/s"]
+    facts.append(f"{result.runtime_s:.3g} s")
+    if plan is not None and len(plan.routes) == 1 and plan.destinations:
+        facts.append(order_words(plan.destinations))
+    said = f"of {result.method!r}"
+    if plan is None:
+        return Card("Result", said, tuple(facts), tuple(("note", each) for each in result.notes))
+    said += f" on {plan.instance.name!r}"
+    details = [each for each in details_of(plan) if each[0] != "note"]
+    details += [("note", note) for note in result.notes]
+    details += [(name, f"{count:g}") for name, count in result.counters.items()]
+    return Card("Result", said, tuple(facts), tuple(details), (legs_table(plan.routes),))
+
+
+def of_refined_plan(refined: RefinedPlan) -> Card:
+    """The card of a refined plan; on a page, with planned and flown legs."""
+    facts: tuple[str, ...] = (
+        refined.status,
+        counted(len(refined.legs), "leg"),
+        f"planned {refined.planned_delta_v_m_s:,.1f} m/s",
+        f"flown {refined.flown_delta_v_m_s:,.1f} m/s",
+        refined.gravity,
+    )
+    if refined.ephemerides is not None:
+        facts = (*facts, "onto ephemerides", f"holding {refined.holding_m_s:,.1f} m/s")
+    rows = [
+        (
+            leg.origin,
+            leg.destination,
+            f"{leg.leg}",
+            days(leg.arrival_s),
+            f"{leg.planned_delta_v_m_s:,.1f}",
+            f"{leg.flown_delta_v_m_s:,.1f}",
+            f"{leg.residual_m:.1e}",
+        )
+        for leg in refined.legs
+    ]
+    heads = ("from", "to", "leg", "arrives day", "planned m/s", "flown m/s", "off m")
+    details = tuple((f"leg {one.leg} is missing", one.reason) for one in refined.missing)
+    said = f"for {refined.instance.name!r}"
+    return Card("RefinedPlan", said, facts, details, (CardTable(heads, rows, texts=2),))
+
+
+def of_refined_result(made: RefinedResult) -> Card:
+    """The card of a plan refined until it holds."""
+    facts = ["it holds" if made.holds else made.reason, counted(len(made.rounds), "round")]
+    if made.plan is not None:
+        facts.append(f"prize {made.plan.objective:g}")
+    tables = () if made.refined is None else of_refined_plan(made.refined).tables
+    details = tuple(("", str(each)) for each in made.rounds)
+    return Card("RefinedResult", f"of {made.result.method!r}", tuple(facts), details, tables)
+
+
+def of_certificate(certificate: Certificate) -> Card:
+    """The card of a certificate."""
+    bound = certificate.upper_bound
+    facts = (
+        "no plan keeps to all rules" if bound is None else f"no plan collects more than {bound:g}",
+        counted(len(certificate.multipliers), "multiplier"),
+        counted(len(certificate.walks), "kind of walks", "kinds of walks"),
+    )
+    said = f"for {certificate.instance.name!r} by {certificate.method!r}"
+    return Card("Certificate", said, facts)
+
 
 HEADS = (
     "chaser",

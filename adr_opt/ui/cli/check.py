@@ -9,9 +9,8 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import take
-from .doubts import say_doubts
 from .flown import flight_line, flight_of, no_fly_option, was_refined
-from .output import emit, emit_json
+from .output import emit, emit_json, say_doubts
 from .parameters import about, admitted_plan
 
 if TYPE_CHECKING:

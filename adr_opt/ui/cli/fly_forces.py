@@ -107,8 +107,7 @@ def fly_and_tell(
 ) -> int:
     """Fly a refined plan with all forces and report; the parameters are those of ``fly``."""
     from ...fly.forces import fly_forced
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
 
     settings = asked.settings()
     refined = admitted.plan

@@ -8,9 +8,9 @@ import click
 
 from ...common.wording import counted
 from . import complete, take
-from .fitting import fitting_options
 from .output import emit, say
 from .parameters import check_out
+from .take import fitting_options
 
 
 @click.command("generate", short_help="Draw an instance of a family.")
@@ -44,7 +44,7 @@ def command(
     """
     from ...common.files import write_text
     from ...problem.chasers import TankByMass
-    from ...sources.asked.fitting import Fitting
+    from ...sources.crew_options import Fitting
     from ...sources.generator import family as family_named
     from ...sources.generator import generate
 

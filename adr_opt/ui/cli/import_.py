@@ -7,19 +7,73 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from ...common.constants import EARTH_RADIUS_M
+from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .doubts import say_doubts
-from .import_crew import crew_options, told
-from .output import emit_json, say
+from .output import emit_json, say, say_doubts
 from .parameters import check_out
+from .take import fitting_options
 
 if TYPE_CHECKING:
+    from ...problem.instance import Instance
     from ...problem.orbit import Orbit
     from ...sources.catalogue import Imported
     from ...sources.ephemerides.imported import WithEphemerides
+
+
+crew_options = take.together(
+    fitting_options("default 3000"),
+    take.count("--launches", "N", "Launch N chasers, each to its first target."),
+    take.number(
+        "--launch-every", "DAYS", "Interval between launches; default 365; 0 for a shared rocket."
+    ),
+    take.number(
+        "--launch-separation",
+        "DAYS",
+        "Least interval between launches, whose times are then optimised.",
+    ),
+    take.word(
+        "--expense",
+        "FIXED[,PER_KG[,PER_KG2]]",
+        "Cost of each chaser used; the least total decides between equal plans.",
+    ),
+    take.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
+    take.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
+    take.number(
+        "--service-days", "D", "Duration of each service; by default one revolution of the target."
+    ),
+    take.many(
+        "--deadline", "OBJECT=DAYS", "Latest end of its service; repeatable.", name="deadlines"
+    ),
+    take.many(
+        "--require",
+        "OBJECT",
+        "Must be serviced; an error if filters omit it; repeatable.",
+        name="required",
+    ),
+    take.many(
+        "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
+    ),
+    take.many(
+        "--exclude", "OBJECT[,OBJECT...]", "Not to be a target; repeatable.", name="excluded"
+    ),
+    take.file(
+        "--prizes",
+        "CSV: object, prize, required, window, mass, removal, prize_until.",
+        name="prizes_path",
+    ),
+)
+"""The options of chasers and of single objects, for ``import``."""
+
+
+def told(instance: Instance) -> str | None:
+    """A sentence on the launches of an instance; None if there are none."""
+    if not instance.launches:
+        return None
+    days = ", ".join(f"{since_s / DAY_S:g}" for since_s in instance.launches.values())
+    return f"{counted(len(instance.launches), 'launch', 'launches')}, on day {days}"
+
 
 MOST_LISTED = 20
 """Maximum number of bad rows listed on standard error; --json lists all."""
@@ -111,13 +165,10 @@ def command(
     """
     from ...common.files import write_text
     from ...sources import catalogue
-    from ...sources.asked.by_option import naming_options
-    from ...sources.asked.crew_given import CrewOptions
-    from ...sources.asked.mission_given import MissionOptions
-    from ...sources.asked.objects_given import check_objects
     from ...sources.catalogue.filters import parse_range
-    from .bars import busy_bar
-    from .live import wanted
+    from ...sources.crew_options import CrewOptions
+    from ...sources.mission_options import MissionOptions, check_objects, naming_options
+    from .bars import busy_bar, wanted
 
     check_out(out, *files, *messages, crew_given["prizes_path"])
     check_objects(names, max_targets)
@@ -176,7 +227,7 @@ def command(
 
 
 def _tell(made: Imported, out: str, fitted: WithEphemerides | None = None) -> None:
-    from ...sources.asked.by_option import by_option
+    from ...sources.mission_options import by_option
 
     bad = [drop for drop in made.dropped if drop.reason not in FILTERS]
     for drop in bad[:MOST_LISTED]:

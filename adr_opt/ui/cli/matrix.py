@@ -73,8 +73,7 @@ def command(
     from ...export.tables.write import suffix_of, whole_suffixes
     from ...legs.connections import weights_of
     from ...problem.instance import load
-    from .bars import percent_bar
-    from .live import wanted
+    from .bars import percent_bar, wanted
 
     if choose is not None:
         weights_of(choose)

@@ -106,8 +106,7 @@ def command(
     from ...problem.uncertainty import Uncertainty
     from ..report.plain import check_page, write_page
     from ..report.rehearsed import rehearsed_page
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
     from .work import work
 
     plan = None if plan_path is None else admitted_plan(instance_path, plan_path)

@@ -157,7 +157,7 @@ def parse_time(text: str, instance: Instance) -> float:
     InputError
         It is none.
     """
-    from ...sources.asked.mission_given import parse_epoch
+    from ...sources.mission_options import parse_epoch
 
     found = _span_s(text)
     if found is not None:

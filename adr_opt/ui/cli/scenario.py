@@ -115,9 +115,8 @@ def command(
     from ...sources import catalogue, worth
     from ..report.plain import check_page, write_page
     from ..report.scenario import scenario_page
-    from .bars import counting_bar
-    from .live import wanted
-    from .measured import measured_bodies
+    from .bars import counting_bar, wanted
+    from .worth import measured_bodies
 
     read = (*files, satcat_path, table_path, campaign_path, launches_path)
     results = (out, removals_path, page_path)

@@ -65,3 +65,19 @@ method = word(
 seed = click.option(
     "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
 )
+
+
+def fitting_options(usual: str) -> Callable[[Function], Function]:
+    """The options of tanks, kits and tows; ``usual`` is the ΔV of a tank by default."""
+    return together(
+        number("--delta-v", "M_S", f"ΔV of a full tank; {usual}."),
+        number("--dry-mass", "KG", "For a tank by mass: mass without propellant."),
+        number("--propellant", "KG", "For a tank by mass: propellant when full."),
+        number("--isp", "S", "For a tank by mass: specific impulse."),
+        count("--kits", "K", "Each target needs a kit; at most K aboard."),
+        number("--kit-mass", "KG", "Mass of a kit; default 0."),
+        number("--tow", "KG", "Mass of each target, which is to be towed."),
+        number(
+            "--disposal-altitude", "KM", "Altitude of the circular orbit that targets are towed to."
+        ),
+    )

@@ -11,8 +11,7 @@ from ...common.wording import counted
 from . import designs, take
 from .output import emit_json, emit_rich, say
 from .parameters import check_out
-from .picture import check_picture, write_picture
-from .plan_folder import check_folder, write_points
+from .study_files import check_folder, check_picture, write_picture, write_points
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -92,8 +91,7 @@ def command(
     from ...run import front
     from ..report.plain import check_page, write_page
     from ..report.traded import traded_page
-    from .bars import counting_bar
-    from .live import wanted
+    from .bars import counting_bar, wanted
     from .work import work
 
     axes = [parse_axis(text) for text in varied]
@@ -168,7 +166,7 @@ def command(
     if page_path is not None:
         write_page(page_path, traded_page(made, endings))
     if plot_path is not None:
-        from ..plot.tradeoff import tradeoff_chart
+        from ..plot.studies import tradeoff_chart
 
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:

@@ -58,7 +58,7 @@ def command(
     from ...plan.certificate import Certificate
     from ...plan.plan import Plan
     from ...problem.instance import load
-    from .live import wanted
+    from .bars import wanted
     from .work import attend
 
     instance = load(instance_path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -14,6 +15,9 @@ from .parameters import check_out
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from ...sources.catalogue import ElementSet
+    from ...sources.worth import Bodies, Satcat
 
 
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
@@ -72,9 +76,7 @@ def command(
     from ...sources.worth.worth_file import check_count
     from ..report.plain import check_page, write_page
     from ..report.worth import worth_page
-    from .bars import counting_bar
-    from .live import wanted
-    from .measured import measured_bodies
+    from .bars import counting_bar, wanted
 
     read = (*files, satcat_path, table_path)
     check_out(out, *read, results=(details, pairs, page_path))
@@ -137,7 +139,7 @@ def command(
 
 
 def _tell(told: dict[str, Any], quiet: bool) -> None:
-    from ...sources.worth.reasons import figure
+    from ...sources.worth.answer import figure
 
     masses = ", ".join(f"{source} {count}" for source, count in sorted(told["masses"].items()))
     say(f"{counted(told['objects'], 'object')}; masses: {masses}", unless=quiet)
@@ -179,3 +181,48 @@ def _table(told: dict[str, Any]) -> Table:
             each["reason"],
         )
     return table
+
+
+FEW = 0.5
+"""Share of objects found in the satcat below which another date is suspected."""
+
+
+def measured_bodies(
+    records: Sequence[ElementSet],
+    satcat: Satcat | None,
+    satcat_path: str | None,
+    table_path: str | None,
+    excluded: Collection[str],
+) -> tuple[Bodies, list[str]]:
+    """Orbits, masses and sizes, and notes: rows without an object, masses that are defaults.
+
+    Raises
+    ------
+    InputError
+        As for :func:`adr_opt.sources.worth.read_measures`.
+    """
+    from ...sources import worth
+
+    table = None if table_path is None else worth.read_measures(table_path, records)
+    bodies = worth.bodies_of(records, satcat, table and table.known, excluded)
+    notes = []
+    if table is not None and table.strange:
+        notes.append(
+            f"note: {table_path}: {counted(len(table.strange), 'object')} not in the catalogue, "
+            f"{table.strange[0]!r} for one; left out"
+        )
+    if satcat is not None and bodies.matched < FEW * len(bodies):
+        of_when = f"the file of {satcat.updated}" if satcat.updated else "the file"
+        notes.append(
+            f"warning: {satcat_path}: {of_when} has {bodies.matched} of "
+            f"{counted(len(bodies), 'object')}; the others have default masses"
+        )
+    defaults = bodies.default_masses
+    if satcat is None and defaults:
+        notes.append(
+            f"note: {sum(defaults.values())} of {counted(len(bodies), 'mass', 'masses')} are "
+            "defaults: "
+            + ", ".join(f"{what} {count}" for what, count in defaults.items())
+            + "; --satcat or --table knows them better"
+        )
+    return bodies, notes

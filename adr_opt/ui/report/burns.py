@@ -18,7 +18,7 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import owners
 from ...problem.instance import Instance
-from ..plot.tracks import Track
+from ..plot.strands import Track
 from .tables import row, table
 from .text import NOTHING, clock, escape, fixed, in_chart
 

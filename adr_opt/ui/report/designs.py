@@ -13,8 +13,8 @@ from ...common.constants import DAY_S
 from ...common.wording import counted
 from ...plan.plan import Leg
 from ...plan.routes import routes_of
-from ...sources.worth.reasons import figure
-from ..plot.designs import MILLION, anchor, designs_chart
+from ...sources.worth.answer import figure
+from ..plot.studies import MILLION, anchor, designs_chart
 from . import tables
 from .charts import drawn
 from .plain import page, row, section

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...analysis.rehearse.rehearsals import Rehearsals
 from ...common.wording import counted
-from ..plot.rehearsal import delta_v_fan, prize_fan
+from ..plot.studies import delta_v_fan, prize_fan
 from .charts import drawn
 from .plain import page, row, section
 from .tables import table

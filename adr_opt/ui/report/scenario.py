@@ -11,8 +11,8 @@ import numpy as np
 from ...analysis.scenario.futures import Scenario
 from ...analysis.scenario.settings import KINDS
 from ...common.wording import counted
-from ...sources.worth.reasons import figure
-from ..plot.scenario import scenario_chart
+from ...sources.worth.answer import figure
+from ..plot.studies import scenario_chart
 from .charts import drawn
 from .plain import page, row, section
 from .tables import table

@@ -17,7 +17,7 @@ from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.chasers import AtStation, Chaser, Expense, InOrbit, TankByMass
 from ...problem.instance import Instance
-from ..plot.costs import has_burns
+from ..plot.budget import has_burns
 from . import tables
 from .facts import Facts
 from .text import NOTHING, clock, escape, in_days, length, number

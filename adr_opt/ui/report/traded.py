@@ -12,7 +12,7 @@ from ...common.constants import DAY_S
 from ...common.wording import counted, status_words
 from ...plan.palette import CHASERS
 from ..plot.chart import Chart, ChartAxis, Line
-from ..plot.tradeoff import named, tradeoff_chart
+from ..plot.studies import named, tradeoff_chart
 from .charts import drawn
 from .plain import page, row, section
 from .tables import table

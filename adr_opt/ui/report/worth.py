@@ -9,9 +9,9 @@ import numpy as np
 
 from ...common.wording import counted
 from ...sources.worth import RemovalPrizes, RemovalWorth
-from ...sources.worth.reasons import figure
+from ...sources.worth.answer import figure
 from ...sources.worth.worth import CELL_DEG, CELL_KM, LEVELS, TILTS
-from ..plot.worth import worth_chart
+from ..plot.studies import worth_chart
 from . import tables
 from .charts import drawn
 from .plain import page, row, section

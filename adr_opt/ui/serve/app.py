@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
+import json
+import math
 import secrets
 import threading
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
 from importlib import resources
 from typing import Any
 
@@ -24,13 +27,11 @@ from starlette.responses import (
 from starlette.routing import Route
 
 from ...common.errors import InputError
-from ..report import plain
+from ..report import page, plain
 from ..report.assets import asset
 from .desk import Desk
 from .drafts import read_edit
-from .events import told
 from .guard import UPLOAD, Guard, cookie_name
-from .reported import ShownReport
 from .requests import (
     ChooseRequest,
     JobRequest,
@@ -42,8 +43,104 @@ from .requests import (
     read_request,
 )
 from .session import EditingSession
-from .strict_json import to_json
 from .uploads import not_written, uploaded
+
+
+class ShownReport:
+    """Report of the plan that a session shows.
+
+    Parameters
+    ----------
+    session : EditingSession
+    """
+
+    def __init__(self, session: EditingSession) -> None:
+        self._session = session
+        self._made: tuple[int, str] | None = None
+
+    def text(self) -> str | None:
+        """The page; None without a plan.
+
+        Raises
+        ------
+        InputError
+            There can be none, as where plotly is not installed.
+        """
+        shown = self._session.shown()
+        if shown is None:
+            return None
+        number, instance, plan = shown
+        made = self._made
+        if made is None or made[0] != number:
+            made = self._made = number, page(instance, plan)
+        return made[1]
+
+
+def to_json(content: Any) -> str:
+    """JSON data as ASCII text, with null for each number that is not finite.
+
+    Parameters
+    ----------
+    content : JSON data
+    """
+    try:
+        return json.dumps(content, allow_nan=False)
+    except ValueError:
+        return json.dumps(_finite(content), allow_nan=False)
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, float):
+        return content if math.isfinite(content) else None
+    if isinstance(content, dict):
+        return {name: _finite(value) for name, value in content.items()}
+    if isinstance(content, (list, tuple)):
+        return [_finite(value) for value in content]
+    return content
+
+
+PAUSE_S, BREATH_S = 0.2, 15.0
+"""Intervals between checks of the desk, and between keep-alive messages [s]."""
+
+
+async def event_stream(desk: Desk, closing: threading.Event) -> AsyncIterator[str]:
+    """Server-sent events: state, results and jobs after every change, and the planner's progress.
+
+    Parameters
+    ----------
+    desk : Desk
+    closing : Event
+        Ends it.
+    """
+    parts: tuple[tuple[str, Callable[[], int], Callable[[], Any]], ...] = (
+        ("state", lambda: desk.revision, desk.state),
+        ("results", lambda: desk.results_revision, desk.results),
+        ("jobs", lambda: desk.jobs_revision, desk.jobs),
+    )
+    revisions, last, silent_s = dict.fromkeys((name for name, *_ in parts), -1), "", 0.0
+    while not closing.is_set():
+        silent_s += PAUSE_S
+        # Looked at before the state: what the planner is done with is in the state that follows.
+        look = to_json(desk.look())
+        for name, revision, content in parts:
+            now = revision()
+            if now != revisions[name]:
+                revisions[name] = now
+                try:
+                    text = to_json(await run_in_threadpool(content))
+                    yield f"event: {name}\ndata: {text}\n\n"
+                except InputError as error:
+                    yield f"event: trouble\ndata: {to_json(str(error))}\n\n"
+                silent_s = 0.0
+        if look != last:
+            last = look
+            yield f"event: work\ndata: {look}\n\n"
+            silent_s = 0.0
+        if silent_s >= BREATH_S:
+            yield ": still here\n\n"
+            silent_s = 0.0
+        await asyncio.sleep(PAUSE_S)
+
 
 PACKAGE = "adr_opt.ui.serve"
 """Where the files of the page are."""
@@ -91,7 +188,7 @@ def application(
         return answer
 
     async def events(request: Request) -> Response:
-        return StreamingResponse(told(desk, closing), media_type="text/event-stream")
+        return StreamingResponse(event_stream(desk, closing), media_type="text/event-stream")
 
     async def report(request: Request) -> Response:
         text = await run_in_threadpool(_report, session, shown)

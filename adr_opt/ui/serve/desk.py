@@ -9,16 +9,31 @@ from ...common.errors import InputError
 from ...common.files import read_text
 from ...common.json_text import parse_json
 from ...common.wording import counted
-from .choices import choices
+from ...run.methods import BOUNDS, PLANNERS, names
+from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from .forms.fields import form_fields
 from .jobs.queue import ANSWER, JobQueue
+from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
+from .objects.import_options import OPTIONS
 from .project.archive import archived
 from .project.points import points_of
 from .project.private import passing, refuse_link
-from .project.result_record import ResultRecord
+from .project.record import ResultRecord
 from .requests import ChooseRequest, JobRequest, ShowRequest, WorthRequest
 from .session import EditingSession
+
+
+def choices() -> dict[str, Any]:
+    """Methods, bounds, options of an import, and verbs with theirs, as JSON data."""
+    return {
+        "methods": list(names(PLANNERS)),
+        "bounds": list(names(BOUNDS)),
+        "method": DEFAULT_METHOD,
+        "time_limit_s": DEFAULT_TIME_LIMIT_S,
+        "import": [option.to_dict() for option in OPTIONS],
+        "verbs": {name: verb.to_dict() for name, verb in VERBS.items()},
+    }
 
 
 class Desk:

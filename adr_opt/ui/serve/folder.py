@@ -13,8 +13,7 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...problem.instance_file import InstanceFile
 from .project.drafts_kept import DraftsKept
-from .project.lock import locked
-from .project.private import private_folder, refuse_link, remove_passing
+from .project.private import locked, private_folder, refuse_link, remove_passing
 from .project.record import ProjectRecord
 from .project.results import Results
 

@@ -11,7 +11,7 @@ from ...plan.plan import Plan
 from ...problem.instance import Instance
 from .looks import PlannedRun
 from .project.plan_files import EARLY, INSTANCE, PLAN
-from .project.result_record import ResultRecord
+from .project.record import ResultRecord
 from .project.results import Results
 
 

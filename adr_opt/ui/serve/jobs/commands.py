@@ -10,7 +10,7 @@ from ....common.errors import InputError
 from ..forms.options import words_of
 from ..objects.dropped import DroppedObjects
 from ..project.plan_files import INSTANCE, PLAN
-from ..project.result_record import ResultRecord
+from ..project.record import ResultRecord
 from ..requests import JobRequest
 from ..session import EditingSession
 from .verbs import VERBS, JobVerb

@@ -14,7 +14,7 @@ from ....sources import catalogue
 from ....sources.catalogue.finding import Finder
 from ....sources.catalogue.records import ElementSet
 from ....sources.ephemerides.imported import with_ephemerides
-from .import_wanted import ImportWanted
+from .import_options import ImportWanted
 
 
 class MissionMade(NamedTuple):

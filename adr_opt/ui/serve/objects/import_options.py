@@ -3,17 +3,40 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 from ....common.errors import InputError
 from ....sources import catalogue
-from ....sources.asked.crew_given import CrewOptions
-from ....sources.asked.fitting import Fitting
-from ....sources.asked.mission_given import MissionOptions
-from ....sources.asked.objects_given import check_objects
 from ....sources.catalogue.filters import parse_range
+from ....sources.crew_options import CrewOptions, Fitting
+from ....sources.mission_options import MissionOptions, check_objects
 from ..forms.options import JobOption
-from .import_wanted import ImportWanted
+
+
+class ImportWanted(NamedTuple):
+    """What is asked of an import.
+
+    Attributes
+    ----------
+    filters : Filters
+    max_targets : int or None
+    station : str or None
+    mission : MissionOutline
+    crew : Crew
+    demands : Demands
+        Without a table of prizes.
+    ephemerides : bool
+        Whether element sets are kept, and orbits fitted to their states.
+    """
+
+    filters: catalogue.Filters
+    max_targets: int | None
+    station: str | None
+    mission: catalogue.MissionOutline
+    crew: catalogue.Crew
+    demands: catalogue.Demands
+    ephemerides: bool
+
 
 RANGE = "two numbers as LOW:HIGH; one may be left out"
 BY_MASS = "for a tank by mass"

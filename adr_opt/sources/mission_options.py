@@ -1,17 +1,22 @@
-"""The mission of an import as options give it: epoch, duration, dynamics, transfers."""
+"""The mission and the objects of an import, from options of a command line or a form."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from ...common.constants import DAY_S
-from ...common.errors import InputError
-from .fitting import check_positive
+from ..common.constants import DAY_S
+from ..common.errors import InputError
+from ..problem.chasers import TWO_KINDS
+from .crew_options import check_positive
 
 if TYPE_CHECKING:
-    from ..catalogue import MissionOutline
+    from .catalogue import MissionOutline
+
 
 LEAST_STEP_DAYS = 0.01
 """Least step of the grid of long transfers; smaller ones are taken for typing errors."""
@@ -44,8 +49,8 @@ class MissionOptions(NamedTuple):
         InputError
             A value is out of range, or of no use beside another one.
         """
-        from ...common.records import LARGEST_DURATION_S
-        from ..catalogue import MissionOutline
+        from ..common.records import LARGEST_DURATION_S
+        from .catalogue import MissionOutline
 
         days = self.duration_days
         check_positive(duration_days=days)
@@ -134,3 +139,67 @@ def parse_epoch(text: str) -> datetime:
         return epoch.replace(tzinfo=UTC) if epoch.tzinfo is None else epoch.astimezone(UTC)
     except (ValueError, OverflowError):
         raise InputError(f"--epoch {text!r}: give a time like 2026-01-01T00:00:00Z") from None
+
+
+def check_objects(names: Iterable[str], max_targets: int | None) -> None:
+    """Refuse names that choose nothing, and a number of targets that is none.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Parts of names, or patterns.
+    max_targets : int or None
+
+    Raises
+    ------
+    InputError
+    """
+    if any(not name.strip() for name in names):
+        raise InputError("--name '': give a part of a name or a pattern")
+    check_positive(max_targets=max_targets)
+
+
+OPTIONS = {
+    "delta_v_m_s": "--delta-v",
+    "delta_v_resolution_m_s": "--resolution",
+    "departure_spacing_s": "--departure-spacing-days",
+    "disposal_altitude_m": "--disposal-altitude",
+    "drift_step_s": "--drift-step-days",
+    "dry_mass_kg": "--dry-mass",
+    "duration_s": "--duration-days",
+    "duty_cycle": "--duty-cycle",
+    "isp_s": "--isp",
+    "kit_mass_kg": "--kit-mass",
+    "kits": "--kits",
+    "launch_separation_s": "--launch-separation",
+    "max_drift_s": "--max-drift-days",
+    "propellant_kg": "--propellant",
+    "semi_major_axis_m": "--station",
+    "service_s": "--service-days",
+    "thrust_n": "--thrust",
+    "window_s": "--deadline",
+}
+"""Options of ``import`` by the last key of the fields that they fill."""
+
+_FIELD = re.compile(r"^(?:\w+: )?(?:field )?(?:[\w\[\]]+\.)*(\w+)((?:\[\d+\])? = \S+):")
+
+
+def by_option(said: str) -> str:
+    """A message about a field of an instance, beginning with the option that fills it."""
+    found = _FIELD.match(said)
+    if found is None or found[1] not in OPTIONS:
+        return said
+    rest = said[found.end() :].removesuffix(f"; {TWO_KINDS}")
+    return f"{OPTIONS[found[1]]} ({found[1]}{found[2]}):{rest}"
+
+
+@contextmanager
+def naming_options() -> Iterator[None]:
+    """Reword errors raised within it by :func:`by_option`."""
+    try:
+        yield
+    except InputError as error:
+        said = by_option(str(error))
+        if said == str(error):
+            raise
+        raise InputError(said) from None

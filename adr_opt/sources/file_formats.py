@@ -1,4 +1,4 @@
-"""The parser of XML messages: in the encoding that a file declares, without document types.
+"""Formats of files, which show in their beginnings, and the parser of XML messages.
 
 The parser of the standard library is used directly because it knows line numbers, and because a
 document type, which a message never has and which entity bombs need, can be refused as soon as it
@@ -11,6 +11,30 @@ from xml.parsers import expat
 
 from ..common.errors import InputError
 from .catalogue.records import shown
+
+UTF_16 = b"\xff\xfe", b"\xfe\xff"
+"""Byte order marks of texts in UTF-16."""
+
+HEAD = 4096
+"""Number of bytes in which a format shows."""
+
+
+def head_of(data: bytes) -> str:
+    """The beginning of a text by its byte order mark, blanks before it left out.
+
+    Bytes that are no UTF-8 become replacement characters: they spoil the row in which they stand,
+    or XML says in which encoding they are.
+    """
+    encoding = "utf-16" if data.startswith(UTF_16) else "utf-8-sig"
+    return data.lstrip()[:HEAD].decode(encoding, "replace").lstrip()
+
+
+def ephemeris_format(head: str) -> str:
+    """What ephemerides other than OEM begin so, with its article; empty if none do."""
+    if head[:6].lower() == "stk.v.":
+        return "an STK ephemeris"
+    return "a Modified ITC ephemeris" if "ephemeris_start:" in head[:300] else ""
+
 
 ANYWAY = ("utf-8", "utf-16", "us-ascii", "iso-8859-1")
 """Encodings that the parser knows itself; of others it asks for a table of 256 characters."""
