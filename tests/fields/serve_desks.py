@@ -38,7 +38,7 @@ def at_hand(folder: Path) -> list[str]:
     return sorted(name for name in files_under(folder) if Path(name).parts[0] not in own)
 
 
-def wait(desk: EditingSession) -> looks.Look:
+def wait(desk: EditingSession) -> looks.PlanningProgress:
     """The run once it is over."""
     assert desk._work.wait(60.0)
-    return desk.look()
+    return desk.progress()

@@ -25,7 +25,7 @@ pytest.importorskip("uvicorn")
 from serve_desks import session_of
 
 from adr_opt.ui.serve import server as serving
-from adr_opt.ui.serve.desk import Desk
+from adr_opt.ui.serve.backend import Backend
 from adr_opt.ui.serve.folder import Folder
 from adr_opt.ui.serve.server import Server, listening
 
@@ -33,7 +33,7 @@ from adr_opt.ui.serve.server import Server, listening
 @pytest.fixture
 def server(tmp_path: Path) -> Iterator[Server]:
     """A server on a new project."""
-    desk = Desk(session_of(None, None, Folder(tmp_path / "project")))
+    desk = Backend(session_of(None, None, Folder(tmp_path / "project")))
     made = Server(desk, listening())
     made.start()
     yield made

@@ -22,7 +22,7 @@ from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.ui.serve import work
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.planning import PlanningOrder
 from adr_opt.ui.serve.project import results
 from adr_opt.ui.serve.session import EditingSession
 

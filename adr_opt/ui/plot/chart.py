@@ -1,7 +1,7 @@
 """Charts as plain data: the model drawn by matplotlib, plotly and SVG.
 
 Each chart is made once, in the module of its name, and drawn by :func:`draw` on an axis of
-matplotlib, by :func:`adr_opt.ui.report.figures.parts.figure` for plotly, and by
+matplotlib, by :func:`adr_opt.ui.report.figures.plotly_traces.figure` for plotly, and by
 :func:`adr_opt.ui.report.charts.drawn` on pages without scripts. Names are as people gave them: who
 draws escapes them.
 """

@@ -33,7 +33,7 @@ from ..plot.strands import DrawnArc, Track
 from . import burns, figures, flights, sections, space, tables, thrust
 from .assets import asset, chart_library, page_script, policy
 from .facts import facts, flown_paragraph
-from .figures.parts import leg_title
+from .figures.plotly_traces import leg_title
 from .motion import motion
 from .text import escape, in_days, in_script
 

@@ -105,7 +105,7 @@ class Folder:
         """
         private_folder(self.path)
 
-    def held(self) -> AbstractContextManager[None]:
+    def locked(self) -> AbstractContextManager[None]:
         """Holds the folder, which must exist, against other servers."""
         return locked(self.path)
 

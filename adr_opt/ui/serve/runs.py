@@ -9,7 +9,7 @@ from ...common.errors import InputError
 from ...common.wording import counted, status_words
 from ...plan.plan import Plan
 from ...problem.instance import Instance
-from .looks import PlannedRun
+from .planning import PlannedRun
 from .project.plan_files import EARLY, INSTANCE, PLAN
 from .project.record import ResultRecord
 from .project.results import Results

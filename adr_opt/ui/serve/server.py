@@ -16,7 +16,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ...common.errors import InputError
 from .app import application
-from .desk import Desk
+from .backend import Backend
 from .guard import WELCOME
 from .project.private import passing, private_file
 
@@ -140,11 +140,11 @@ def listening(port: int = 0) -> socket.socket:
 
 
 class Server:
-    """A desk on a local port.
+    """A backend on a local port.
 
     Parameters
     ----------
-    desk : Desk
+    backend : Backend
     listener : socket
         As :func:`listening` gives it.
 
@@ -155,7 +155,7 @@ class Server:
         The address of the page, with its token.
     """
 
-    def __init__(self, desk: Desk, listener: socket.socket) -> None:
+    def __init__(self, backend: Backend, listener: socket.socket) -> None:
         self._socket = listener
         self.port: int = self._socket.getsockname()[1]
         token = secrets.token_urlsafe(32)
@@ -164,7 +164,7 @@ class Server:
         self._closing = threading.Event()
         self._server = uvicorn.Server(
             uvicorn.Config(
-                application(desk, token, self.port, self._closing, self._opened),
+                application(backend, token, self.port, self._closing, self._opened),
                 http=connections(),
                 ws="none",
                 loop="asyncio",

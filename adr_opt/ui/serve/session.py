@@ -14,7 +14,7 @@ from . import shown_plan
 from .drafts import Draft, Edit
 from .folder import Folder
 from .history import History
-from .looks import Done, Found, Look, PlannedRun, PlanningOrder, PlanningWork
+from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress, PlanningWork
 from .project.points import plan_of_point
 from .project.record import DroppedFile, ProjectRecord, ResultRecord, StepRecord
 from .project.results import Results
@@ -148,9 +148,9 @@ class EditingSession:
         self._work.close()
         return over
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the planner."""
-        return self._work.look()
+        return self._work.progress()
 
     def show(self, number: int) -> None:
         """Show the plan of a result, and go on from its instance, as one edit.

@@ -13,7 +13,7 @@ from ...problem.chasers import TankByMass
 from ...problem.instance import Instance
 from .drafts import Draft, Part, amount_of
 from .history import History
-from .looks import in_percent
+from .planning import in_percent
 from .project.results import Results
 
 

@@ -23,7 +23,7 @@ from ...run.method_call import method_of, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ...run.reused_timetable import Reused
 from ...run.start_plan import start_destinations
-from .looks import LONGEST_S, Done, Found, Look, Phase, PlanningOrder, ignored
+from .planning import LONGEST_S, Done, Found, Phase, PlanningOrder, PlanningProgress, ignored
 
 PAUSE_S = 1.0
 """Least interval between plans [s]."""
@@ -177,11 +177,11 @@ class _Run:
             return 0.0
         return (time.monotonic() if self.ended is None else self.ended) - self.began
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the run."""
         points = tuple(self.points)
         last = points[-1] if points else (0.0, -math.inf, math.inf)
-        return Look(
+        return PlanningProgress(
             self.number,
             self.phase,
             self.stop.is_set,
@@ -221,10 +221,10 @@ class Work:
         self._run: _Run | None = None
         self._count = 0
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the last run."""
         run = self._run
-        return Look() if run is None else run.look()
+        return PlanningProgress() if run is None else run.progress()
 
     def begin(self, instance: Instance, order: PlanningOrder, known: Plan | None) -> int:
         """Plan, stopping any run in progress; returns the number of the run.

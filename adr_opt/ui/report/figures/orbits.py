@@ -20,7 +20,7 @@ from ...plot.courses import in_km, on_earth, path_lines, rings_of
 from ...plot.nodes import planes_chart, raan_deg, way
 from ...plot.strands import POINTS_OF_A_RING, DrawnArc
 from ..text import clock, in_chart
-from .parts import SILENT, Figure, column, figure, leg_title, named, of_arcs, said, trace
+from .plotly_traces import SILENT, Figure, column, figure, leg_title, named, of_arcs, said, trace
 
 MOST_RINGS = 200
 """Maximum number of orbits drawn; beyond it, some of those not visited are omitted."""

@@ -20,7 +20,7 @@ from ...plot.nodes import nodes_chart
 from ...plot.strands import DrawnArc
 from ...plot.traffic import stays
 from ..text import clock, in_chart, number
-from .parts import (
+from .plotly_traces import (
     FRAME_PX,
     Figure,
     figure,

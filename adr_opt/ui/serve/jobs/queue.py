@@ -121,7 +121,7 @@ class JobQueue:
         self._count = 0
         self.revision = 0
 
-    def begin(self, asked: JobRequest) -> int:
+    def begin(self, request: JobRequest) -> int:
         """Put a job into the queue; returns its number.
 
         Raises
@@ -129,25 +129,27 @@ class JobQueue:
         InputError
             The request is not valid, or too many jobs wait.
         """
-        self._inputs.check(asked)
+        self._inputs.check(request)
         with self._lock:
             if sum(job.runs for job in self._jobs) >= MOST_WAITING:
                 raise InputError(f"{MOST_WAITING} jobs are running or waiting; stop some first")
             self._count += 1
-            limit_s = asked.options.get("time_limit_s")
+            limit_s = request.options.get("time_limit_s")
             job = Job(
                 self._count,
-                asked.verb,
-                VERBS[asked.verb].label,
-                limit_s if isinstance(limit_s, (int, float)) and asked.verb != "tradeoff" else None,
+                request.verb,
+                VERBS[request.verb].label,
+                limit_s
+                if isinstance(limit_s, (int, float)) and request.verb != "tradeoff"
+                else None,
                 self._changed,
             )
             self._jobs = _listed([*self._jobs, job])
         place: Path | None = None
         try:
-            number, place = self._session.results.begin(asked.verb)
+            number, place = self._session.results.begin(request.verb)
             # The files are those of now, however long it waits.
-            command = self._inputs.command(asked, place)
+            command = self._inputs.command(request, place)
         except BaseException as error:
             if place is not None:
                 self._session.results.drop(place)

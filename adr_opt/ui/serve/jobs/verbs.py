@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 from ....run.methods import BOUNDS, PLANNERS, names
 from ....run.run_options import DEFAULT_BOUND, DEFAULT_BOUND_TIME_LIMIT_S, DEFAULT_TIME_LIMIT_S
 from ..forms.options import JobOption
-from ..looks import LONGEST_S
+from ..planning import LONGEST_S
 from ..project.points import PLANS
 
 Need = Literal[

@@ -1,4 +1,4 @@
-"""The desk: editing session, dropped objects, jobs and results, as the page sees them."""
+"""The backend: editing session, dropped objects, jobs and results, as the page sees them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def choices() -> dict[str, Any]:
     }
 
 
-class Desk:
+class Backend:
     """State shown and changed by the page.
 
     Parameters
@@ -64,9 +64,9 @@ class Desk:
         """Counter of changes to what :meth:`state` gives."""
         return self.session.revision
 
-    def look(self) -> dict[str, Any]:
+    def progress(self) -> dict[str, Any]:
         """Progress of the planner, as JSON data."""
-        return self.session.look().to_dict()
+        return self.session.progress().to_dict()
 
     def choices(self) -> dict[str, Any]:
         """Methods, bounds and verbs with their options, as JSON data."""
@@ -170,20 +170,20 @@ class Desk:
         """Remove a dropped file from the project."""
         self.dropped.remove(number)
 
-    def worth(self, asked: WorthRequest) -> dict[str, Any]:
+    def worth(self, request: WorthRequest) -> dict[str, Any]:
         """Begin a job that computes the worth of the dropped objects."""
-        return self.begin(JobRequest(verb="worth", options={"years": asked.years}))
+        return self.begin(JobRequest(verb="worth", options={"years": request.years}))
 
-    def choose(self, asked: ChooseRequest) -> dict[str, Any]:
+    def choose(self, request: ChooseRequest) -> dict[str, Any]:
         """Make a mission of dropped objects; returns what became of them, as JSON data."""
-        made = self.dropped.mission(asked.names, asked.prizes, asked.options)
+        made = self.dropped.mission(request.names, request.prizes, request.options)
         words = f"{counted(len(made.instance.targets), 'target')} chosen"
         self.session.begin_anew(made.instance, words)
         return made.to_dict()
 
-    def begin(self, asked: JobRequest) -> dict[str, Any]:
+    def begin(self, request: JobRequest) -> dict[str, Any]:
         """Begin a job; returns its number as JSON data."""
-        return {"job": self.queue.begin(asked)}
+        return {"job": self.queue.begin(request)}
 
     def stop(self, job: int) -> None:
         """Stop a job."""
@@ -208,9 +208,9 @@ class Desk:
         except (ValueError, LookupError, TypeError):
             raise InputError(f"{where} is spoilt") from None
 
-    def show(self, asked: ShowRequest) -> None:
+    def show(self, request: ShowRequest) -> None:
         """Show the plan of a result, or of a point of it."""
-        if asked.point is None:
-            self.session.show(asked.result)
+        if request.point is None:
+            self.session.show(request.result)
         else:
-            self.session.show_point(asked.result, asked.point)
+            self.session.show_point(request.result, request.point)

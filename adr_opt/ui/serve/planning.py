@@ -1,4 +1,4 @@
-"""Orders to plan, and looks at how it goes."""
+"""Orders to plan, and the progress of a run."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class PlanningOrder:
 
 
 @dataclass(frozen=True)
-class Look:
+class PlanningProgress:
     """Progress of a run.
 
     Attributes
@@ -148,7 +148,7 @@ def ignored(instance: Instance, plan: Plan | None) -> None:
 class PlanningWork(Protocol):
     """What plans: one instance after another, in a thread or in a process of its own."""
 
-    def look(self) -> Look:
+    def progress(self) -> PlanningProgress:
         """Progress of the last run."""
         ...
 
