@@ -85,10 +85,10 @@ def _tell(comparison: Comparison, tell_all: bool) -> None:
 
 
 def _sides(comparison: Comparison) -> Table:
-    from ..report.compared import FIGURES, figures
+    from ..report.compared import FIGURES
     from .tables import number_table
 
-    rows = zip(FIGURES, *map(figures, comparison.sides), strict=True)
+    rows = ((title, *map(tell, comparison.sides)) for title, tell in FIGURES.items())
     return number_table(comparison.instance.name, comparison.plans, rows, first="")
 
 

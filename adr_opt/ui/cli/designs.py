@@ -165,10 +165,12 @@ def _write_plans(made: DesignStudy, folder: str, quiet: bool) -> dict[int, dict[
 
 
 def _table(made: DesignStudy) -> Table:
-    from ..report.designs import cells, headings
+    from ..report.designs import design_columns
     from .tables import number_table
 
     unit = made.rating.unit or "prize"
     title = f"{made.instance.name}: {len(made.points)} of {made.wanted} designs, in {unit}"
-    rows = (cells(made, at) for at in range(len(made.points)))
-    return number_table(title, headings(made), rows)
+    columns = design_columns(made)
+    points = enumerate(made.points)
+    rows = ([tell(*each) for tell in columns.values()] for each in points)
+    return number_table(title, columns, rows)

@@ -193,15 +193,18 @@ def _called(point: Point) -> str:
 
 
 def _table(made: Tradeoff) -> Table:
-    from ..report.traded import cells, headings
+    from ..report.traded import point_columns
     from .tables import number_table
 
     title = f"{made.instance.name}: {made.proven} of {counted(len(made.points), 'point')} proven"
-    return number_table(title, headings(made), (cells(made, point) for point in made.points))
+    columns = point_columns(made)
+    rows = ([tell(point) for tell in columns.values()] for point in made.points)
+    return number_table(title, columns, rows)
 
 
 def _frontier_table(endings: tuple[Ending, ...]) -> Table:
-    from ..report.traded import FRONTIER, FRONTIER_HEADINGS, ending_cells
+    from ..report.traded import FRONTIER, FRONTIER_COLUMNS
     from .tables import number_table
 
-    return number_table(FRONTIER, FRONTIER_HEADINGS, map(ending_cells, endings))
+    rows = ([tell(ending) for tell in FRONTIER_COLUMNS.values()] for ending in endings)
+    return number_table(FRONTIER, FRONTIER_COLUMNS, rows)
