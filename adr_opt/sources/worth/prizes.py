@@ -21,29 +21,12 @@ from .worth import UNIT, RemovalWorth
 DIGITS = 5
 """Digits of the largest prize, unless a unit is given."""
 
-DETAILS = (
-    "object",
-    "name",
-    "prize",
-    "unit",
-    "worth_alone",
-    "floor",
-    "kind",
-    "mass_kg",
-    "mass_source",
-    "size_m",
-    "size_source",
-    "area_to_mass_m2_kg",
-    "area_source",
-    "perigee_km",
-    "apogee_km",
-    "inclination_deg",
-    "lifetime_years",
-    "encounters_per_year",
-    "catastrophic_per_year",
-    "worst_partner",
-    "worst_partner_worth",
-)
+_DETAILS = """
+object name prize unit worth_alone floor kind mass_kg mass_source size_m size_source
+area_to_mass_m2_kg area_source perigee_km apogee_km inclination_deg lifetime_years
+encounters_per_year catastrophic_per_year worst_partner worst_partner_worth
+"""
+DETAILS = tuple(_DETAILS.split())
 """Columns of the file of details; worths are in fragment-years, the prize in units."""
 
 

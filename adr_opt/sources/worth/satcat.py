@@ -16,19 +16,10 @@ from ...common.errors import InputError
 from ...common.files import read_text
 from ..catalogue.records import shown
 
-COLUMNS = (
-    "Satcat",
-    "Piece",
-    "Type",
-    "Mass",
-    "MassFlag",
-    "DryMass",
-    "DryFlag",
-    "Length",
-    "LFlag",
-    "Diameter",
-    "DFlag",
-)
+_COLUMNS = """
+Satcat Piece Type Mass MassFlag DryMass DryFlag Length LFlag Diameter DFlag
+"""
+COLUMNS = tuple(_COLUMNS.split())
 
 UNKNOWN = ("", "-")
 

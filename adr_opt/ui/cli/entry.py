@@ -22,32 +22,11 @@ from .complete import VARIABLE
 from .output import say
 from .signals import INTERRUPTED, Aborted, interruptible
 
-VERBS = (
-    "generate",
-    "worth",
-    "import",
-    "solve",
-    "bound",
-    "check",
-    "verify",
-    "price",
-    "compare",
-    "tradeoff",
-    "replan",
-    "rehearse",
-    "scenario",
-    "fly",
-    "refine",
-    "matrix",
-    "export",
-    "report",
-    "serve",
-    "train",
-    "methods",
-    "warm-up",
-    "doctor",
-    "schema",
-)
+_VERBS = """
+generate worth import solve bound check verify price compare tradeoff replan rehearse scenario
+fly refine matrix export report serve train methods warm-up doctor schema
+"""
+VERBS = tuple(_VERBS.split())
 
 
 DEBUG = "--debug"

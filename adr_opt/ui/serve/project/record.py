@@ -114,22 +114,8 @@ class ProjectRecord(Record):
 
 RESULT_FORMAT: Literal["adr-opt-result/1"] = "adr-opt-result/1"
 
-KEPT_VERBS = frozenset(
-    {
-        "bound",
-        "check",
-        "compare",
-        "fly",
-        "refine",
-        "rehearse",
-        "replan",
-        "report",
-        "solve",
-        "tradeoff",
-        "verify",
-        "worth",
-    }
-)
+_KEPT = "bound check compare fly refine rehearse replan report solve tradeoff verify worth"
+KEPT_VERBS = frozenset(_KEPT.split())
 """Verbs whose results are kept; any other folder among the results is not the project's."""
 
 
