@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +11,7 @@ import numpy as np
 from ...common.constants import DAY_S
 from ...common.errors import InputError
 from ..catalogue.records import ElementSet
+from ..csv_table import csv_text
 from .air import FLOAT, YEAR_S
 from .bodies import ends_km
 from .pairs import INDICES
@@ -77,7 +76,9 @@ class RemovalPrizes:
             )
             for place, (at, prize) in enumerate(zip(self.candidates, self.prizes, strict=True))
         ]
-        return _csv(("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows)
+        return csv_text(
+            ("object", "prize", "mass", *(["prize_until"] if self.falling else [])), rows
+        )
 
     def _until(self, place: int) -> tuple[str, ...]:
         """Falling prizes of a candidate, each with the days by which it has to be removed."""
@@ -92,7 +93,7 @@ class RemovalPrizes:
 
     def details_csv(self) -> str:
         """Table of all that is known of the candidates, under :data:`DETAILS`."""
-        return _csv(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
+        return csv_text(DETAILS, [self._detail(place) for place in range(len(self.candidates))])
 
     def _detail(self, place: int) -> tuple[object, ...]:
         worth, at = self.worth, int(self.candidates[place])
@@ -177,11 +178,3 @@ def prizes_of(
 def reference(record: ElementSet) -> str:
     """Number, designator or name by which a table denotes an object."""
     return str(record.number) if record.number else record.designator or record.label
-
-
-def _csv(header: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(rows)
-    return text.getvalue()
