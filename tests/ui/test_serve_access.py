@@ -91,8 +91,8 @@ def test_strangers_keep_nobody_out(server: Server) -> None:
     assert first.asks() == 200
     strangers = idle(server, 100)
     try:
-        until(lambda: sum(map(ended, strangers)) >= 100 - server.MOST_STRANGERS)
-        assert sum(map(ended, strangers)) == 100 - server.MOST_STRANGERS
+        until(lambda: sum(map(ended, strangers)) >= 100 - serving.MOST_STRANGERS)
+        assert sum(map(ended, strangers)) == 100 - serving.MOST_STRANGERS
         assert first.asks() == 200
         later = Known(server)
         assert (later.asks(), later.asks()) == (200, 200)

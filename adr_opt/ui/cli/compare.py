@@ -9,7 +9,7 @@ import click
 
 from ...common.errors import InputError
 from . import complete, take
-from .output import emit, emit_json, emit_rich, say
+from .output import emit, emit_json, emit_rich, say_written
 from .parameters import check_out
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def command(
     comparison = compare(instance, plans)
     if page_path is not None:
         write_page(page_path, compared_page(comparison))
-        say(f"wrote {page_path}", unless=quiet)
+        say_written(page_path, quiet=quiet)
     if as_json:
         emit_json(comparison.to_dict())
     else:

@@ -81,6 +81,12 @@ class Harmless:
             yield segment._replace(text=harmless(segment.text))
 
 
+def say_written(*paths: str | None, quiet: bool) -> None:
+    """Say which files were written; None for those that were not asked for."""
+    for path in paths:
+        say(f"wrote {path}", unless=quiet or path is None)
+
+
 def say(message: str, *, unless: bool = False) -> None:
     """Print a message on standard error unless ``unless``; ignore a closed stream."""
     if unless:

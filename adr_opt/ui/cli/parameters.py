@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -132,6 +132,12 @@ def check_out(out: str | None, *inputs: str | None, results: Iterable[str | None
     for paths, known in ((inputs, "the input"), (results, "the name of another result, too")):
         if any(path is not None and is_same_file(out, path) for path in paths):
             raise InputError(f"{out}: this is {known}; name another file for the result")
+
+
+def check_outs(results: Sequence[str | None], *inputs: str | None) -> None:
+    """As :func:`check_out`, of several results, no two of which may be one file."""
+    for at, path in enumerate(results):
+        check_out(path, *inputs, results=results[at + 1 :])
 
 
 def is_same_file(one: str, other: str) -> bool:

@@ -11,8 +11,8 @@ from click.core import ParameterSource
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .output import emit, emit_json, emit_rich, say
-from .parameters import admitted_plan, check_out
+from .output import emit, emit_json, emit_rich, say_written
+from .parameters import admitted_plan, check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -22,18 +22,11 @@ if TYPE_CHECKING:
     from ...analysis.rehearse.sampling import Setting
     from ...common.stop import Stop
 
-NOT_OF_REPLAYS = {
-    "samples": "--samples",
-    "seed": "--seed",
-    "bounds": "--bounds",
-    "bound_method": "--bound-method",
-    "bound_time_limit": "--bound-time-limit",
-    "time_price": "--time-price",
-    "jobs": "--jobs",
-    "cluster": "--cluster",
-    "resume_path": "--resume",
-}
-"""Options of many rehearsals."""
+_NOT_OF_REPLAYS = """
+samples seed bounds bound_method bound_time_limit time_price jobs cluster resume_path
+"""
+NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
+"""Options of many rehearsals, by the names of their parameters."""
 
 
 @click.command("rehearse", short_help="Fly a mission many times as it may happen.")
@@ -114,10 +107,7 @@ def command(
     uncertainty = Uncertainty.load(uncertainty_path).of(instance)
     read = (instance_path, plan_path, uncertainty_path)
     bounds_path = f"{resume_path}.bounds" if bounds and resume_path is not None else None
-    check_out(out, *read, results=(resume_path, bounds_path, out_instance))
-    check_out(resume_path, *read, results=(out_instance,))
-    check_out(bounds_path, *read, results=(out_instance,))
-    check_out(out_instance, *read)
+    check_outs((out, resume_path, bounds_path, out_instance), *read)
     if bounds < 0:
         raise InputError(f"--bounds {bounds}: must be 0, for none, or more")
     MaxRuntime(bound_time_limit)
@@ -131,10 +121,10 @@ def command(
         check_page(out)
     if bounds:  # before rehearsals that may take hours
         check_worlds(bounds, seed, jobs, cluster)
-        asked = bounding.BoundSetting(
+        bounded_by = bounding.BoundSetting(
             instance, uncertainty, bound_method, bound_time_limit, time_price
         )
-        bounding.prepared(asked, bounds_path)
+        bounding.prepared(bounded_by, bounds_path)
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
         made = rehearse(
@@ -176,7 +166,7 @@ def command(
         told |= {"bounds": bounded.to_dict(), "gaps": bounded.gaps(made)}
     if out is not None:
         write_page(out, rehearsed_page(made, told))
-        say(f"wrote {out}", unless=quiet)
+    say_written(out, quiet=quiet)
     if as_json:
         emit_json(told)
     else:
@@ -187,8 +177,9 @@ def command(
 def _refuse_with_replay() -> None:
     """Refuse options of many rehearsals that are given with --replay."""
     context = click.get_current_context()
-    for name, option in NOT_OF_REPLAYS.items():
+    for name in NOT_OF_REPLAYS:
         if context.get_parameter_source(name) is not ParameterSource.DEFAULT:
+            option = f"--{name.removesuffix('_path').replace('_', '-')}"
             raise InputError(f"{option}: --replay flies one world and no others; leave it out")
 
 
@@ -213,8 +204,7 @@ def _replay(
         made.instance.save(out_instance)
 
     write_whole(out, write)  # the plan refers to the instance, which is complete by then
-    for path in (out_instance, out):
-        say(f"wrote {path}", unless=quiet)
+    say_written(out_instance, out, quiet=quiet)
     told = made.outcome.to_dict()
     if as_json:
         emit_json(told)

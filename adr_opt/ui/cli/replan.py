@@ -12,7 +12,7 @@ from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .output import emit, emit_json, emit_rich, say, terminal_width
+from .output import emit, emit_json, emit_rich, say_written, terminal_width
 from .parameters import admitted_plan, check_out, is_same_file
 
 if TYPE_CHECKING:
@@ -139,9 +139,7 @@ def command(
         made.instance.save(out_instance)
     if out is not None and made.plan is not None:
         made.plan.save(out)
-    for path in (out_instance, None if made.plan is None else out):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out_instance, None if made.plan is None else out, quiet=quiet)
     if as_json:
         emit_json(made.to_dict())
     else:

@@ -11,8 +11,8 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -43,16 +43,10 @@ ROWS = 11
 @take.flag("--no-drag", "Nothing comes down.")
 @take.file("--launches", "CSV of objects launched later; see docs/scenarios.md.", "launches_path")
 @take.count("--seeds", "N", "Number of futures drawn.", default=1, show_default=True)
-@take.file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
-@take.file("--table", "CSV file with columns object,mass,size, preferred to both.", "table_path")
-@click.option(
-    "--activity",
-    type=click.Choice(["low", "mean", "high"]),
-    default="mean",
-    show_default=True,
-    help="Solar activity, on which the density of the air depends.",
-)
-@take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
+@take.satcat
+@take.measures
+@take.activity
+@take.exclude
 @take.method
 @take.number(
     "--time-limit", "S", "Wall-clock limit of each planning.", default=5.0, show_default=True
@@ -64,7 +58,7 @@ ROWS = 11
 @take.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.count("--jobs", "N", "Number of processes, a seed in each; 0 for all cores.", default=1)
-@take.flag("--skip-bad", "Skip bad rows, and count them.")
+@take.skip_bad
 @take.as_json
 @take.quiet
 def command(
@@ -120,8 +114,7 @@ def command(
 
     read = (*files, satcat_path, table_path, campaign_path, launches_path)
     results = (out, removals_path, page_path)
-    for place, path in enumerate(results):
-        check_out(path, *read, results=results[place + 1 :])
+    check_outs(results, *read)
     if page_path is not None:
         check_page(page_path)
     if any(not pattern.strip() for pattern in exclude):
@@ -164,9 +157,7 @@ def command(
         write_page(page_path, page)
     for note in notes:
         say(note, unless=quiet)
-    for path in results:
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(*results, quiet=quiet)
     if as_json:
         emit_json(told)
     else:

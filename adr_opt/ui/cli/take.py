@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
@@ -31,6 +31,14 @@ many = partial(word, multiple=True)
 def file(sign: str, text: str, name: str = "", **more: Any) -> Callable[[Function], Function]:
     """An option that names a file, as a plain string: errors are raised on reading or writing."""
     return word(sign, "FILE", text, name, **more)
+
+
+def choice(
+    sign: str, values: Sequence[str], text: str, name: str = "", **more: Any
+) -> Callable[[Function], Function]:
+    """An option with one of some values."""
+    names = (sign, name) if name else (sign,)
+    return click.option(*names, type=click.Choice(values), help=text, **more)
 
 
 def flag(sign: str, text: str, name: str = "") -> Callable[[Function], Function]:
@@ -62,6 +70,21 @@ method = word(
     "Planner; 'methods' lists them and the default.",
     shell_complete=complete.planners,
 )
+satcat = file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
+measures = file(
+    "--table", "CSV file with columns object,mass,size, preferred to both.", "table_path"
+)
+activity = choice(
+    "--activity",
+    ("low", "mean", "high"),
+    "Solar activity, on which the density of the air depends.",
+    default="mean",
+    show_default=True,
+)
+exclude = many(
+    "--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable."
+)
+skip_bad = flag("--skip-bad", "Skip bad rows, and count them.")
 seed = click.option(
     "--seed", type=int, default=0, show_default=True, help="Same seed, same result."
 )

@@ -9,8 +9,8 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import designs, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
 from .study_files import check_folder, check_picture, write_picture, write_points
 
 if TYPE_CHECKING:
@@ -119,17 +119,14 @@ def command(
         )
     if plans is not None:
         check_folder(plans, instance_path)
+    check_outs((frontier_path, plot_path, page_path, out), instance_path)
     if frontier_path is not None:
         check_frontier(instance, axes)
-        check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
-    check_out(out, instance_path)
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, instance_path, results=(out,))
     if plot_path is not None:
         check_picture(plot_path)
-        check_out(plot_path, instance_path, results=(out, page_path))
 
     def told(point: Point, board: KnownPoints) -> None:
         proven = sum(each.proven for each in board.points.values())
@@ -171,9 +168,7 @@ def command(
         write_picture(tradeoff_chart(made, made.axes[0].kind), plot_path)
     if plans is not None:
         write_points(made, plans)
-    for path in (out, frontier_path, page_path, plot_path, plans):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out, frontier_path, page_path, plot_path, plans, quiet=quiet)
     if as_json:
         stated = {"frontier": [ending.to_dict() for ending in endings]} if frontier_path else {}
         emit_json(made.to_dict() | stated)

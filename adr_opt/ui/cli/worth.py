@@ -10,8 +10,8 @@ import click
 from ...common.errors import InputError
 from ...common.wording import counted
 from . import complete, take
-from .output import emit_json, emit_rich, say
-from .parameters import check_out
+from .output import emit_json, emit_rich, say, say_written
+from .parameters import check_outs
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -23,16 +23,10 @@ if TYPE_CHECKING:
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
 @take.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
-@take.file("--satcat", "satcat.tsv of the General Catalog, for masses and sizes.", "satcat_path")
-@take.file("--table", "CSV file with columns object,mass,size, preferred to both.", "table_path")
+@take.satcat
+@take.measures
 @click.option("--years", type=float, default=50.0, show_default=True, help="Horizon, at most 200.")
-@click.option(
-    "--activity",
-    type=click.Choice(["low", "mean", "high"]),
-    default="mean",
-    show_default=True,
-    help="Solar activity, on which the density of the air depends.",
-)
+@take.activity
 @take.count(
     "--candidates", "N", "Number of objects with prizes; 0 for all.", default=200, show_default=True
 )
@@ -41,9 +35,9 @@ if TYPE_CHECKING:
 @take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
 @take.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
 @take.file("--page", "HTML file to write.", name="page_path")
-@take.many("--exclude", "PATTERN", "Names to leave out, such as satellites that dodge; repeatable.")
+@take.exclude
 @take.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
-@take.flag("--skip-bad", "Skip bad rows, and count them.")
+@take.skip_bad
 @take.as_json
 @take.quiet
 def command(
@@ -79,12 +73,9 @@ def command(
     from .bars import counting_bar, wanted
 
     read = (*files, satcat_path, table_path)
-    check_out(out, *read, results=(details, pairs, page_path))
-    check_out(details, *read, results=(pairs, page_path))
-    check_out(pairs, *read, results=(page_path,))
+    check_outs((out, details, pairs, page_path), *read)
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, *read)
     check_years(years)
     if any(not pattern.strip() for pattern in exclude):
         raise InputError("--exclude '': give a part of a name or a pattern")
@@ -127,9 +118,7 @@ def command(
         write_page(page_path, page)
     for note in notes:
         say(note, unless=quiet)
-    for path in (out, details, pairs, page_path):
-        if path is not None:
-            say(f"wrote {path}", unless=quiet)
+    say_written(out, details, pairs, page_path, quiet=quiet)
     if as_json:
         emit_json(told)
     else:
