@@ -11,12 +11,12 @@ from ...common.json_text import parse_json
 from ...common.wording import counted
 from ...run.methods import BOUNDS, PLANNERS, names
 from ...run.run_options import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
+from .folder import archived
 from .forms.fields import form_fields
 from .jobs.queue import ANSWER, JobQueue
 from .jobs.verbs import VERBS
 from .objects.dropped import DroppedObjects
 from .objects.import_options import OPTIONS
-from .project.archive import archived
 from .project.points import points_of
 from .project.private import passing, refuse_link
 from .project.record import ResultRecord

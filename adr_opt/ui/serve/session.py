@@ -18,8 +18,8 @@ from .planning import Done, Found, PlannedRun, PlanningOrder, PlanningProgress, 
 from .project.points import plan_of_point
 from .project.record import DroppedFile, ProjectRecord, ResultRecord, StepRecord
 from .project.results import Results
-from .project_keeper import ProjectKeeper, forget_unused, restored
-from .runs import PlannedRuns, told
+from .project_keeper import PlannedRuns, ProjectKeeper, forget_unused, restored
+from .project_keeper import run_told as told
 from .shown_plan import ShownPlan
 
 
