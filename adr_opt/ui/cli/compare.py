@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...common.errors import InputError
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, emit_rich, say_written
 from .parameters import check_out
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 
 @click.command("compare", short_help="Compare plans, leg by leg.")
-@take.instance
+@param.instance
 @click.argument(
     "plan_paths", nargs=-1, required=True, metavar="PLAN PLAN...", shell_complete=complete.files
 )
-@take.file("--page", "HTML file to write as well.", name="page_path")
-@take.flag("--all", "List the legs too that are the same.", name="tell_all")
-@take.as_json
-@take.quiet
+@param.file("--page", "HTML file to write as well.", name="page_path")
+@param.flag("--all", "List the legs too that are the same.", name="tell_all")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_paths: tuple[str, ...],

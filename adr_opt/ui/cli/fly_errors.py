@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, say
 
 if TYPE_CHECKING:
@@ -157,9 +157,9 @@ class Sampling(NamedTuple):
         )
 
 
-error_options = take.together(
+error_options = param.together(
     *(
-        take.word(name, metavar, text, type=kind, multiple=name in SEVERAL)
+        param.word(name, metavar, text, type=kind, multiple=name in SEVERAL)
         for name, kind, metavar, text in OPTIONS
     )
 )

@@ -10,10 +10,10 @@ import click
 from ...common.constants import DAY_S, EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
+from . import complete, param
 from .output import emit_json, say, say_doubts
+from .param import fitting_options
 from .parameters import check_out
-from .take import fitting_options
 
 if TYPE_CHECKING:
     from ...problem.instance import Instance
@@ -22,43 +22,43 @@ if TYPE_CHECKING:
     from ...sources.ephemerides.imported import WithEphemerides
 
 
-crew_options = take.together(
+crew_options = param.together(
     fitting_options("default 3000"),
-    take.count("--launches", "N", "Launch N chasers, each to its first target."),
-    take.number(
+    param.count("--launches", "N", "Launch N chasers, each to its first target."),
+    param.number(
         "--launch-every", "DAYS", "Interval between launches; default 365; 0 for a shared rocket."
     ),
-    take.number(
+    param.number(
         "--launch-separation",
         "DAYS",
         "Least interval between launches, whose times are then optimised.",
     ),
-    take.word(
+    param.word(
         "--expense",
         "FIXED[,PER_KG[,PER_KG2]]",
         "Cost of each chaser used; the least total decides between equal plans.",
     ),
-    take.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
-    take.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
-    take.number(
+    param.number("--thrust", "N", "Low thrust of each chaser, in place of impulses."),
+    param.number("--duty-cycle", "SHARE", "Share of the time in which it is on; default 1."),
+    param.number(
         "--service-days", "D", "Duration of each service; by default one revolution of the target."
     ),
-    take.many(
+    param.many(
         "--deadline", "OBJECT=DAYS", "Latest end of its service; repeatable.", name="deadlines"
     ),
-    take.many(
+    param.many(
         "--require",
         "OBJECT",
         "Must be serviced; an error if filters omit it; repeatable.",
         name="required",
     ),
-    take.many(
+    param.many(
         "--must", "OBJECT[,OBJECT...]", "Must be serviced, regardless of filters.", name="musts"
     ),
-    take.many(
+    param.many(
         "--exclude", "OBJECT[,OBJECT...]", "Not to be a target; repeatable.", name="excluded"
     ),
-    take.file(
+    param.file(
         "--prizes",
         "CSV: object, prize, required, window, mass, removal, prize_until.",
         name="prizes_path",
@@ -84,16 +84,16 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
 
 @click.command("import", short_help="Make an instance of catalogue files (TLE, OMM).")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@take.file("--out", "Instance file to write.", required=True)
-@take.word(
+@param.file("--out", "Instance file to write.", required=True)
+@param.word(
     "--epoch", "TIME", "Epoch (ISO, UTC); by default the latest of the elements.", name="epoch_text"
 )
-@take.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
-@take.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
-@take.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
-@take.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
-@take.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
-@take.word(
+@param.word("--altitude", "LO:HI", "Mean altitudes to keep [km].")
+@param.word("--inclination", "LO:HI", "Inclinations to keep [deg].")
+@param.word("--raan", "LO:HI", "RAANs to keep [deg]; 350:10 goes through 0.")
+@param.many("--name", "PATTERN", "Names to keep; repeatable.", name="names")
+@param.count("--max-targets", "N", "Maximum number of targets; nearest planes first.")
+@param.word(
     "--station",
     "ORBIT|OBJECT",
     "ALTITUDE_KM,INCLINATION,RAAN[,U], or an object; by default the densest plane.",
@@ -109,29 +109,29 @@ FILTERS = ("name", "exclude", "only-prized", "altitude", "inclination", "raan", 
     show_default=True,
     help="Motion of planes; with j2 they drift.",
 )
-@take.flag("--no-refuelling", "No station; the chaser starts in its place.")
-@take.number(
+@param.flag("--no-refuelling", "No station; the chaser starts in its place.")
+@param.number(
     "--drift-step-days", "D", "Time step of long transfers; by default 1/150 of the mission."
 )
-@take.number(
+@param.number(
     "--max-drift-days",
     "D",
     "Maximum duration of long transfers, 0 for none; by default the mission's.",
 )
-@take.number("--departure-spacing-days", "D", "Least time between departures.")
-@take.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
-@take.flag("--only-prized", "Only objects with a row in --prizes.")
-@take.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
-@take.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
-@take.many(
+@param.number("--departure-spacing-days", "D", "Least time between departures.")
+@param.number("--resolution", "M_S", "Least ΔV saving of a transfer to be kept.")
+@param.flag("--only-prized", "Only objects with a row in --prizes.")
+@param.flag("--criticality", "Prizes from 1 to 100, ranked by mass, altitude and crowding.")
+@param.flag("--ephemerides", "Keep element sets beside the instance; fit orbits to their states.")
+@param.many(
     "--oem",
     "FILE",
     "Ephemerides of targets: CCSDS OEM, STK or Modified ITC; repeatable.",
     name="messages",
 )
-@take.flag("--skip-bad", "Skip bad rows and objects, and list them.")
-@take.as_json
-@take.quiet
+@param.flag("--skip-bad", "Skip bad rows and objects, and list them.")
+@param.as_json
+@param.quiet
 def command(
     files: tuple[str, ...],
     out: str,

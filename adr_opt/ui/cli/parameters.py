@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...common.errors import InputError, MissingExtra
 from ...common.wording import counted
-from . import take
+from . import param
 
 if TYPE_CHECKING:
     from ...judge.admit import Admitted
@@ -18,15 +18,15 @@ if TYPE_CHECKING:
     from ...run.methods import Planner
 
 
-run_options = take.together(
-    take.seed,
-    take.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
-    take.number(
+run_options = param.together(
+    param.seed,
+    param.count("--iterations", "N", "Maximum number of iterations, as defined by the method."),
+    param.number(
         "--margin", "SHARE", "Share of each tank to hold in reserve, such as 0.1.", default=0.0
     ),
-    take.count("--jobs", "N", "Number of cores; 0 for all."),
-    take.word("--start", "PLAN", "Plan to start from.", name="start_path"),
-    take.many(
+    param.count("--jobs", "N", "Number of cores; 0 for all."),
+    param.word("--start", "PLAN", "Plan to start from.", name="start_path"),
+    param.many(
         "--option",
         "NAME=VALUE",
         "Option of the method, see 'methods'; repeatable.",
@@ -66,7 +66,7 @@ def admitted_refined(
         return admit(instance, refined, unjudged=unjudged, excused=excused)
 
 
-unjudged_option = take.flag(
+unjudged_option = param.flag(
     "--unjudged", "Go on with a plan that has violations; its figures are then called unjudged."
 )
 

@@ -11,7 +11,7 @@ import click
 from ...common.errors import InputError
 from ...common.stop import Stop
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, emit_json, say
 from .parameters import about, admitted_plan, check_out
 from .signals import signals_to
@@ -39,22 +39,22 @@ freedom_option = click.option(
     help="free: least ΔV at any times; planned: the plan's own burns, changed little; by default "
     "free, or planned where there are keep-out zones.",
 )
-ephemerides_option = take.flag(
+ephemerides_option = param.flag(
     "--ephemerides", "Refine legs onto the states that the ephemerides beside INSTANCE report."
 )
 
 
 @click.command("refine", short_help="Turn PLAN into a trajectory in true dynamics.")
-@take.instance
-@take.plan
-@take.file("--out", "Refined plan file to write.", required=True)
+@param.instance
+@param.plan
+@param.file("--out", "Refined plan file to write.", required=True)
 @gravity_option
 @freedom_option
 @ephemerides_option
-@take.count("--jobs", "N", "Number of cores; 0 for all.")
-@take.cluster
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Number of cores; 0 for all.")
+@param.cluster
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,
@@ -213,14 +213,14 @@ class Refining(NamedTuple):
         check_out(self.refined_out, instance_path, results=(out,))
 
 
-refine_options = take.together(
-    take.flag("--refine", "Refine the plan, and replan until it holds in true dynamics."),
-    take.file("--refined-out", "Refined plan file to write."),
+refine_options = param.together(
+    param.flag("--refine", "Refine the plan, and replan until it holds in true dynamics."),
+    param.file("--refined-out", "Refined plan file to write."),
     gravity_option,
     freedom_option,
     ephemerides_option,
-    take.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
-    take.flag(
+    param.count("--rounds", "N", "Maximum number of plans with --refine; default 10."),
+    param.flag(
         "--spend-savings", "With --refine, spend ΔV saved in flight; 'check' may refuse the plan."
     ),
 )

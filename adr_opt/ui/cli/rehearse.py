@@ -10,7 +10,7 @@ from click.core import ParameterSource
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, emit_rich, say_written
 from .parameters import admitted_plan, check_outs
 
@@ -30,41 +30,41 @@ NOT_OF_REPLAYS = tuple(_NOT_OF_REPLAYS.split())
 
 
 @click.command("rehearse", short_help="Fly a mission many times as it may happen.")
-@take.instance
+@param.instance
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
-@take.word(
+@param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path", required=True)
+@param.word(
     "--policy",
     "NAME",
     "follow, skip, replan, beam, learned, or an installed one.",
     default="follow",
     show_default=True,
 )
-@take.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
+@param.count("--samples", "N", "Number of rehearsals.", default=1000, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first world.")
-@take.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
-@take.word(
+@param.count("--bounds", "N", "Number of worlds in which every policy is bounded; 0.", default=0)
+@param.word(
     "--bound-method",
     "NAME",
     "Bound to prove with; exact.",
     default="exact",
     shell_complete=complete.bounds,
 )
-@take.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
-@take.number(
+@param.number("--bound-time-limit", "S", "Wall time of each proof; 20 s.", default=20.0)
+@param.number(
     "--time-price",
     "P",
     "Price of the time of services in penalties, in prize per day; 0.",
     default=0.0,
 )
-@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
-@take.cluster
-@take.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
-@take.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
-@take.file("--out", "HTML file to write; with --replay a plan file.")
-@take.file("--out-instance", "With --replay: instance file of the world to write.")
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.cluster
+@param.file("--resume", "File of rehearsals to write, or to resume from.", name="resume_path")
+@param.count("--replay", "SEED", "Write the rehearsal of one world, and no others.")
+@param.file("--out", "HTML file to write; with --replay a plan file.")
+@param.file("--out-instance", "With --replay: instance file of the world to write.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str | None,

@@ -11,7 +11,7 @@ import click
 from ...common.constants import DAY_S, HOUR_S
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, emit_rich, say_written, terminal_width
 from .parameters import admitted_plan, check_out, is_same_file
 
@@ -27,40 +27,40 @@ UNITS = {"": DAY_S, "d": DAY_S, "h": HOUR_S, "s": 1.0}
 
 
 @click.command("replan", short_help="Replan the rest of a mission.")
-@take.instance
-@take.plan
-@take.word(
+@param.instance
+@param.plan
+@param.word(
     "--at",
     "TIME",
     "Time of replanning: days after the epoch, 36h, 900s, or ISO.",
     name="at_text",
     required=True,
 )
-@take.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
-@take.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
-@take.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
-@take.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
-@take.flag("--retry", "Allow missed targets to be tried again.")
-@take.many(
+@param.file("--zones", "JSON list of new keep-out zones.", name="zones_path")
+@param.many("--lost", "NAME[,NAME...]", "Target that no longer exists.")
+@param.count("--failed", "LEG", "Number of a leg that does not begin as planned.")
+@param.many("--missed", "NAME[,NAME...]", "Target reached but not serviced.")
+@param.flag("--retry", "Allow missed targets to be tried again.")
+@param.many(
     "--service-took",
     "NAME=DAYS",
     "Actual duration of a service or an attempt; also 36h, 900s.",
     name="services",
 )
-@take.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
-@take.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
-@take.word(
+@param.many("--cost", "LEG=M_S", "The ΔV that a leg took.", name="costs")
+@param.count("--keep", "N", "Legs more that stay as planned; 0.", default=0)
+@param.word(
     "--method",
     "NAME",
     "Planner of the rest; else a beam, of several auto.",
     shell_complete=complete.planners,
 )
-@take.number("--time-limit", "S", "Wall time of a run; 2 s.")
-@take.seed
-@take.file("--out", "Plan file of the rest to write.")
-@take.file("--out-instance", "Instance file of the rest to write.")
-@take.as_json
-@take.quiet
+@param.number("--time-limit", "S", "Wall time of a run; 2 s.")
+@param.seed
+@param.file("--out", "Plan file of the rest to write.")
+@param.file("--out-instance", "Instance file of the rest to write.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     plan_path: str,

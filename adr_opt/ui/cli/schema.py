@@ -6,7 +6,7 @@ from importlib import import_module
 
 import click
 
-from . import take
+from . import param
 from .output import emit_json
 
 SCHEMAS = {
@@ -28,7 +28,7 @@ SCHEMAS = {
 
 @click.command("schema")
 @click.argument("which", type=click.Choice(list(SCHEMAS)))
-@take.as_json
+@param.as_json
 def command(which: str, as_json: bool) -> int:
     """Print the JSON Schema of a file: instance, plan, refined plan, certificate and others."""
     module, _, record = SCHEMAS[which].partition(":")

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 
 from ...common.errors import MissingExtra
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, say
 from .signals import Aborted, signals_to
 
@@ -28,15 +28,15 @@ PROJECT = "adr-opt-project"
     "instance_path", metavar="[INSTANCE]", required=False, shell_complete=complete.files
 )
 @click.argument("plan_path", metavar="[PLAN]", required=False, shell_complete=complete.files)
-@take.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
-@take.word(
+@param.count("--port", "N", "Port of 127.0.0.1; any free one.", default=0)
+@param.word(
     "--folder",
     "DIR",
     f"Project folder; INSTANCE-served, or without INSTANCE {PROJECT}, beside this call.",
 )
-@take.flag("--no-open", "Open no browser.")
-@take.as_json
-@take.quiet
+@param.flag("--no-open", "Open no browser.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str | None,
     plan_path: str | None,

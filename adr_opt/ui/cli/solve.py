@@ -11,7 +11,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import status_words
-from . import complete, take
+from . import complete, param
 from .bars import wanted
 from .certificates import certificate_option, check_certificate, save_certificate
 from .flown import flight_line, flown_plan, no_fly_option, refined_plan
@@ -65,11 +65,11 @@ class Confident:
                 raise InputError(f"{option} does not go with --confidence; leave one of them out")
 
 
-confident_options = take.together(
-    take.number(
+confident_options = param.together(
+    param.number(
         "--confidence", "C", "Chance with which the plan is to be kept; with --uncertainty."
     ),
-    take.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
+    param.file("--uncertainty", "Uncertainty file.", name="uncertainty_path"),
 )
 """The options of planning with a confidence."""
 
@@ -112,33 +112,33 @@ def run_confident(
 
 
 @click.command("solve")
-@take.instance
-@take.method
-@take.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
+@param.instance
+@param.method
+@param.number("--time-limit", "S", "Wall-clock limit, timetable included; default 10 s.")
 @run_options
-@take.number(
+@param.number(
     "--memory",
     "GIB",
     "Maximum memory for the timetable; beyond it, only the nearest pairs are used; default 2 GiB.",
     name="memory_gib",
 )
-@take.file("--policy", "Short for --option policy=FILE.")
-@take.word("--decode", "HOW", "Short for --option decode=HOW.")
-@take.flag("--repair", "Keep the legal beginning of an illegal --start.")
-@take.word(
+@param.file("--policy", "Short for --option policy=FILE.")
+@param.word("--decode", "HOW", "Short for --option decode=HOW.")
+@param.flag("--repair", "Keep the legal beginning of an illegal --start.")
+@param.word(
     "--bound",
     "NAME",
     "Bound to run beside the planner.",
     name="bound_name",
     shell_complete=complete.bounds,
 )
-@take.file("--out", "Plan file to write.")
+@param.file("--out", "Plan file to write.")
 @certificate_option
 @refine_options
 @confident_options
 @no_fly_option
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     method: str | None,

@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import designs, take
+from . import designs, param
 from .output import emit_json, emit_rich, say, say_written
 from .parameters import check_outs
 from .study_files import check_folder, check_picture, write_picture, write_points
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 
 @click.command("tradeoff", short_help="Plans and bounds over budgets, durations, drives, designs.")
-@take.instance
-@take.many(
+@param.instance
+@param.many(
     "--vary",
     "NAME=LO:HI:STEP",
     "Range of delta-v [m/s], propellant [kg], duration [d], thrust [N] or isp [s], or, of designs, "
@@ -32,32 +32,32 @@ if TYPE_CHECKING:
     "VALUE,VALUE...; repeatable.",
     name="varied",
 )
-@take.file(
+@param.file(
     "--frontier",
     "CSV file of least ΔV against the last day, at the largest prize; needs no --vary.",
     name="frontier_path",
 )
-@take.file(
+@param.file(
     "--worth",
     "JSON file of 'worth --pairs': plans with floors, bounds with worths alone.",
     "worth_path",
 )
-@take.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
-@take.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
-@take.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
-@take.method
-@take.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
-@take.seed
-@take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
-@take.file(
+@param.number("--launch-cost", "EUR", "Of designs: euros for each launch.")
+@param.number("--kit-cost", "EUR", "Of designs: euros for each kit.")
+@param.number("--kg-cost", "EUR", "Of designs: euros for each kilogram at launch.")
+@param.method
+@param.number("--time-limit", "S", "Wall-clock limit of each run; default 10 s.")
+@param.seed
+@param.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
+@param.file(
     "--out", "File to write, or to resume from an earlier call: CSV; of designs, JSON lines."
 )
-@take.file("--page", "HTML file to write.", name="page_path")
-@take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
-@take.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
-@take.cluster
-@take.as_json
-@take.quiet
+@param.file("--page", "HTML file to write.", name="page_path")
+@param.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
+@param.word("--plans", "FOLDER", "Folder for instances and plans; of designs, reports as well.")
+@param.cluster
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     varied: tuple[str, ...],

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...common.errors import InputError
-from . import complete, take
+from . import complete, param
 from .bars import busy_bar
 from .output import emit_json, say
 from .signals import INTERRUPTED
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @click.command("train", short_help="Train a policy for the planner ppo.")
-@take.word(
+@param.word(
     "--config",
     "NAME",
     "set, set-transfer or published.",
@@ -31,19 +31,19 @@ if TYPE_CHECKING:
     required=True,
     shell_complete=complete.trainings,
 )
-@take.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
-@take.word("--out", "DIR", "Folder of the run; resumed.", required=True)
+@param.count("--steps", "N", "Environment steps, at least; whole rollouts are played.")
+@param.word("--out", "DIR", "Folder of the run; resumed.", required=True)
 @click.option("--seed", type=int, default=0, show_default=True)
 @click.option("--jobs", type=int, default=1, show_default=True, help="Number of threads.")
 @click.option("--device", default="cpu", show_default=True, help="PyTorch device: cpu or cuda.")
-@take.count(
+@param.count(
     "--evaluate-every",
     "N",
     "Steps between evaluations on held-out fields.",
     default=200_000,
     show_default=True,
 )
-@take.number(
+@param.number(
     "--checkpoint-every",
     "S",
     "Seconds between checkpoints.",
@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     default=60.0,
     show_default=True,
 )
-@take.as_json
-@take.quiet
+@param.as_json
+@param.quiet
 def command(
     config: str,
     steps: int | None,

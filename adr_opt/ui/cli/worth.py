@@ -9,7 +9,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import complete, take
+from . import complete, param
 from .output import emit_json, emit_rich, say, say_written
 from .parameters import check_outs
 
@@ -22,24 +22,24 @@ if TYPE_CHECKING:
 
 @click.command("worth", short_help="Worth of removing each object, as prizes for 'import'.")
 @click.argument("files", nargs=-1, required=True, metavar="FILE...", shell_complete=complete.files)
-@take.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
-@take.satcat
-@take.measures
+@param.file("--out", "CSV file of prizes to write: object,prize,mass.", required=True)
+@param.satcat
+@param.measures
 @click.option("--years", type=float, default=50.0, show_default=True, help="Horizon, at most 200.")
-@take.activity
-@take.count(
+@param.activity
+@param.count(
     "--candidates", "N", "Number of objects with prizes; 0 for all.", default=200, show_default=True
 )
-@take.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
-@take.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
-@take.file("--details", "CSV file to write with all that is known of the candidates.", "details")
-@take.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
-@take.file("--page", "HTML file to write.", name="page_path")
-@take.exclude
-@take.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
-@take.skip_bad
-@take.as_json
-@take.quiet
+@param.count("--falling", "N", "Let prizes fall yearly for N years, after which they are 0.")
+@param.number("--unit", "U", "Unit of prizes [fragment-years]; by default a power of ten.")
+@param.file("--details", "CSV file to write with all that is known of the candidates.", "details")
+@param.file("--pairs", "JSON file of worths alone and of pairs, for 'tradeoff --worth'.", "pairs")
+@param.file("--page", "HTML file to write.", name="page_path")
+@param.exclude
+@param.count("--jobs", "N", "Number of cores; 0 for all.", default=0)
+@param.skip_bad
+@param.as_json
+@param.quiet
 def command(
     files: tuple[str, ...],
     out: str,
