@@ -54,7 +54,7 @@ altitude_km        low       mean       high
 """Altitudes [km] and densities [kg/m³] by solar activity."""
 
 _HEADINGS, *_ROWS = (line.split() for line in TABLE.strip().splitlines())
-ALTITUDES_KM, *_DENSITIES = zip(*(map(float, row) for row in _ROWS), strict=True)
+ALTITUDES_KM, *_DENSITIES = (tuple(map(float, column)) for column in zip(*_ROWS, strict=True))
 
 DENSITIES_KG_M3 = dict(zip(_HEADINGS[1:], _DENSITIES, strict=True))
 """Solar activity → densities at :data:`ALTITUDES_KM`."""

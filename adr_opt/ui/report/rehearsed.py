@@ -101,7 +101,7 @@ def _share(of: Mapping[str, Any]) -> str:
 
 def _losses(told: Mapping[str, Any]) -> str:
     columns: list[Column] = [
-        ("reason", "", lambda reason, mean: REASONS.get(reason, reason)),
+        ("reason", "", lambda reason, mean: REASONS.get(reason, str(reason))),
         ("targets", "n", lambda reason, mean: fixed(mean, 3)),
     ]
     return table_of("Losses", columns, told["losses"].items())
