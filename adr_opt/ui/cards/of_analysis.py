@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, days_words, order_words
@@ -10,7 +11,7 @@ from ...common.wording import counted
 from .of_plan import legs_table
 
 if TYPE_CHECKING:
-    from ...analysis.comparison import Comparison
+    from ...analysis.comparison import Comparison, Side
     from ...analysis.design import DesignPoint, DesignStudy
     from ...analysis.priced import PricedOrder, PricedRoute
     from ...analysis.rehearse.rehearsals import Rehearsals
@@ -92,43 +93,32 @@ def of_tradeoff(made: Tradeoff) -> Card:
         f"{made.runtime_s:.3g} s",
     )
     drives = [kind for kind in DRIVES if any(axis.kind == kind for axis in made.axes)]
-    rows = [
-        (
-            *(f"{point.value(kind):g}" for kind in drives),
-            f"{point.delta_v_m_s:,.6g}",
-            days(point.duration_s),
-            *_prizes(point),
-            f"{point.visits}",
-            f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
-            point.status,
-        )
-        for point in made.points
-    ]
-    heads = (
-        *(DRIVES[kind] for kind in drives),
-        "ΔV m/s",
-        "days",
-        "prize",
-        "at most",
-        "visits",
-        "cost",
-        "status",
-    )
-    return Card(
-        "Tradeoff", f"of {made.instance.name!r}", facts, (), (CardTable(heads, rows, texts=0),)
-    )
+
+    def value(kind: str) -> Callable[[Point], str]:
+        return lambda point: f"{point.value(kind):g}"
+
+    columns: dict[str, Callable[[Point], str]] = {
+        **{DRIVES[kind]: value(kind) for kind in drives},
+        "ΔV m/s": lambda point: f"{point.delta_v_m_s:,.6g}",
+        "days": lambda point: days(point.duration_s),
+        "prize": lambda point: _prize(point.prize),
+        "at most": lambda point: _prize(point.upper_bound),
+        "visits": lambda point: f"{point.visits}",
+        "cost": lambda point: f"{point.cost:,.1f}" if math.isfinite(point.cost) else "–",
+        "status": lambda point: point.status,
+    }
+    table = CardTable.of(((point,) for point in made.points), columns, texts=0)
+    return Card("Tradeoff", f"of {made.instance.name!r}", facts, (), (table,))
 
 
-def _prizes(point: Point) -> tuple[str, str]:
-    return tuple(
-        f"{value:g}" if math.isfinite(value) else "–" for value in (point.prize, point.upper_bound)
-    )  # type: ignore[return-value]
+def _prize(value: float) -> str:
+    return f"{value:g}" if math.isfinite(value) else "–"
 
 
 def of_point(point: Point) -> Card:
     """The card of a point."""
-    prize, bound = _prizes(point)
-    facts = [f"prize {prize} of at most {bound}", point.status]
+    said = f"prize {_prize(point.prize)} of at most {_prize(point.upper_bound)}"
+    facts = [said, point.status]
     if len(point.routes) == 1 and point.routes[0]:
         facts.append(order_words(point.routes[0]))
     said = f"at {point.delta_v_m_s:g} m/s and {days_words(point.duration_s)}"
@@ -163,27 +153,19 @@ def of_priced_route(route: PricedRoute) -> Card:
 
 def of_comparison(made: Comparison) -> Card:
     """The card of a comparison of plans."""
-    rows = [
-        (
-            side.name,
-            side.method,
-            side.status,
-            f"{side.objective:g}",
-            f"{side.visits}",
-            f"{side.delta_v_m_s:,.1f}",
-            days(side.end_s),
-            f"{side.violations}",
-        )
-        for side in made.sides
-    ]
-    heads = ("plan", "method", "status", "prize", "visits", "ΔV m/s", "ends day", "violations")
-    return Card(
-        "Comparison",
-        f"on {made.instance.name!r}",
-        (counted(len(made.sides), "plan"),),
-        (),
-        (CardTable(heads, rows, texts=3),),
-    )
+    columns: dict[str, Callable[[Side], str]] = {
+        "plan": lambda side: side.name,
+        "method": lambda side: side.method,
+        "status": lambda side: side.status,
+        "prize": lambda side: f"{side.objective:g}",
+        "visits": lambda side: f"{side.visits}",
+        "ΔV m/s": lambda side: f"{side.delta_v_m_s:,.1f}",
+        "ends day": lambda side: days(side.end_s),
+        "violations": lambda side: f"{side.violations}",
+    }
+    facts = (counted(len(made.sides), "plan"),)
+    table = CardTable.of(((side,) for side in made.sides), columns, texts=3)
+    return Card("Comparison", f"on {made.instance.name!r}", facts, (), (table,))
 
 
 def of_replanned(made: Replanned) -> Card:

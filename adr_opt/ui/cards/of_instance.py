@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,13 +30,15 @@ def of_connections(found: Connections) -> Card:
             f"day {days(found.departure[0])} to {days(found.arrival.max())}",
             f"{found.delta_v.min():,.1f} to {found.delta_v.max():,.1f} m/s",
         ]
-    columns = zip(found.departure, found.arrival, found.delta_v, found.revolutions, strict=True)
-    rows = [
-        (days(leaves), days(lands), f"{cost:,.1f}", f"{turns}")
-        for leaves, lands, cost, turns in columns
-    ]
-    heads = ("departure day", "arrival day", "ΔV m/s", "revolutions")
-    return Card("Connections", "", tuple(facts), (), (CardTable(heads, rows, texts=0),))
+    columns: dict[str, Callable[[float, float, float, int], str]] = {
+        "departure day": lambda leaves, lands, cost, turns: days(leaves),
+        "arrival day": lambda leaves, lands, cost, turns: days(lands),
+        "ΔV m/s": lambda leaves, lands, cost, turns: f"{cost:,.1f}",
+        "revolutions": lambda leaves, lands, cost, turns: f"{turns}",
+    }
+    items = zip(found.departure, found.arrival, found.delta_v, found.revolutions, strict=True)
+    table = CardTable.of(items, columns, texts=0)
+    return Card("Connections", "", tuple(facts), (), (table,))
 
 
 def of_all_connections(found: AllConnections) -> Card:
@@ -135,15 +138,16 @@ def of_instance(instance: Instance) -> Card:
     falling = sum(target.prize_until is not None for target in targets)
     if falling:
         details.append(("targets whose prize falls", f"{falling}"))
-    rows = [_chaser(chaser) for chaser in instance.chasers]
-    heads = ("chaser", "start", "end", "tank m/s", "there from day", "kits")
-    return Card(
-        "Instance",
-        repr(instance.name),
-        facts_of(instance),
-        tuple(details),
-        (CardTable(heads, rows, texts=3),),
-    )
+    columns: dict[str, Callable[[Chaser], str]] = {
+        "chaser": lambda chaser: chaser.name,
+        "start": _start,
+        "end": lambda each: each.end.station if isinstance(each.end, AtStation) else "anywhere",
+        "tank m/s": _tank,
+        "there from day": lambda chaser: days(chaser.available_s[0]),
+        "kits": lambda chaser: "–" if chaser.kits is None else f"{chaser.kits}",
+    }
+    table = CardTable.of(((chaser,) for chaser in instance.chasers), columns, texts=3)
+    return Card("Instance", repr(instance.name), facts_of(instance), tuple(details), (table,))
 
 
 def _cost_of(instance: Instance) -> str:
@@ -153,20 +157,15 @@ def _cost_of(instance: Instance) -> str:
     return f"{COSTS[instance.objective.cost]}{stated}"
 
 
-def _chaser(chaser: Chaser) -> tuple[str, ...]:
-    start = chaser.start.station if isinstance(chaser.start, AtStation) else "in an orbit"
+def _start(chaser: Chaser) -> str:
     if chaser.is_launched:
-        start = "anywhere"
-    end = chaser.end.station if isinstance(chaser.end, AtStation) else "anywhere"
+        return "anywhere"
+    return chaser.start.station if isinstance(chaser.start, AtStation) else "in an orbit"
+
+
+def _tank(chaser: Chaser) -> str:
     by_mass = " (by mass)" if isinstance(chaser.tank, TankByMass) else ""
-    return (
-        chaser.name,
-        start,
-        end,
-        f"{chaser.tank.delta_v_m_s:,.1f}{by_mass}",
-        days(chaser.available_s[0]),
-        "–" if chaser.kits is None else f"{chaser.kits}",
-    )
+    return f"{chaser.tank.delta_v_m_s:,.1f}{by_mass}"
 
 
 def of_problem(problem: Mission | Problem) -> Card:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...common.card import Card, CardTable, days, order_words
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
     from ...mission.result import Result
     from ...plan.certificate import Certificate
     from ...plan.plan import Leg, Plan, Route
-    from ...plan.refined_plan import RefinedPlan
+    from ...plan.refined_plan import RefinedLeg, RefinedPlan
 
 
 def of_result(result: Result) -> Card:
@@ -51,22 +53,19 @@ def of_refined_plan(refined: RefinedPlan) -> Card:
     )
     if refined.ephemerides is not None:
         facts = (*facts, "onto ephemerides", f"holding {refined.holding_m_s:,.1f} m/s")
-    rows = [
-        (
-            leg.origin,
-            leg.destination,
-            f"{leg.leg}",
-            days(leg.arrival_s),
-            f"{leg.planned_delta_v_m_s:,.1f}",
-            f"{leg.flown_delta_v_m_s:,.1f}",
-            f"{leg.residual_m:.1e}",
-        )
-        for leg in refined.legs
-    ]
-    heads = ("from", "to", "leg", "arrives day", "planned m/s", "flown m/s", "off m")
+    columns: dict[str, Callable[[RefinedLeg], str]] = {
+        "from": lambda leg: leg.origin,
+        "to": lambda leg: leg.destination,
+        "leg": lambda leg: f"{leg.leg}",
+        "arrives day": lambda leg: days(leg.arrival_s),
+        "planned m/s": lambda leg: f"{leg.planned_delta_v_m_s:,.1f}",
+        "flown m/s": lambda leg: f"{leg.flown_delta_v_m_s:,.1f}",
+        "off m": lambda leg: f"{leg.residual_m:.1e}",
+    }
+    table = CardTable.of(((leg,) for leg in refined.legs), columns, texts=2)
     details = tuple((f"leg {one.leg} is missing", one.reason) for one in refined.missing)
     said = f"for {refined.instance.name!r}"
-    return Card("RefinedPlan", said, facts, details, (CardTable(heads, rows, texts=2),))
+    return Card("RefinedPlan", said, facts, details, (table,))
 
 
 def of_refined_result(made: RefinedResult) -> Card:
@@ -91,42 +90,24 @@ def of_certificate(certificate: Certificate) -> Card:
     return Card("Certificate", said, facts)
 
 
-HEADS = (
-    "chaser",
-    "from",
-    "to",
-    "leg",
-    "leaves day",
-    "arrives day",
-    "free day",
-    "ΔV m/s",
-    "left m/s",
-)
-
-
 def legs_table(routes: tuple[Route, ...]) -> CardTable:
     """All legs, in order, with times in days."""
-    rows, number = [], 0
-    for route in routes:
-        for leg in route.legs:
-            number += 1
-            rows.append(
-                (
-                    route.chaser,
-                    leg.origin,
-                    leg.destination,
-                    f"{number}",
-                    days(leg.leaves_s),
-                    days(leg.arrival_s),
-                    days(leg.done_s),
-                    f"{leg.spent_m_s:,.1f}",
-                    f"{leg.delta_v_left_m_s:,.1f}",
-                )
-            )
-    table = CardTable(HEADS, rows, texts=3)
-    if len(routes) > 1:
-        return table
-    return CardTable(HEADS[1:], [row[1:] for row in rows], texts=2)
+    columns: dict[str, Callable[[str, int, Leg], str]] = {
+        "chaser": lambda chaser, at, leg: chaser,
+        "from": lambda chaser, at, leg: leg.origin,
+        "to": lambda chaser, at, leg: leg.destination,
+        "leg": lambda chaser, at, leg: f"{at}",
+        "leaves day": lambda chaser, at, leg: days(leg.leaves_s),
+        "arrives day": lambda chaser, at, leg: days(leg.arrival_s),
+        "free day": lambda chaser, at, leg: days(leg.done_s),
+        "ΔV m/s": lambda chaser, at, leg: f"{leg.spent_m_s:,.1f}",
+        "left m/s": lambda chaser, at, leg: f"{leg.delta_v_left_m_s:,.1f}",
+    }
+    if len(routes) < 2:
+        del columns["chaser"]
+    numbers = itertools.count(1)
+    legs = ((route.chaser, next(numbers), leg) for route in routes for leg in route.legs)
+    return CardTable.of(legs, columns, texts=3 if len(routes) > 1 else 2)
 
 
 def certified(plan: Plan) -> tuple[str, ...]:
