@@ -40,6 +40,26 @@ ANYWAY = ("utf-8", "utf-16", "us-ascii", "iso-8859-1")
 """Encodings that the parser knows itself; of others it asks for a table of 256 characters."""
 
 
+class XmlReader:
+    """Takes part in parsing; what begins, ends or is said is for its subclasses to hear."""
+
+    def attach(self, parser: expat.XMLParserType) -> None:
+        """Hear what a parser finds."""
+        self.parser = parser
+        parser.StartElementHandler = self.open
+        parser.EndElementHandler = self.close
+        parser.CharacterDataHandler = self.hear
+
+    def open(self, tag: str, attributes: dict[str, str]) -> None:
+        """An element begins."""
+
+    def hear(self, text: str) -> None:
+        """Text of the open element."""
+
+    def close(self, tag: str) -> None:
+        """An element ends."""
+
+
 def new_parser(source: str, message: str) -> expat.XMLParserType:
     """A parser that refuses what no message has.
 

@@ -15,7 +15,7 @@ from typing import Any
 from xml.parsers import expat
 
 from ...common.errors import InputError
-from ..file_formats import new_parser
+from ..file_formats import XmlReader, new_parser
 from . import omm
 from .records import Dropped, ElementSet, RowError, shown
 
@@ -251,7 +251,7 @@ def read_xml(data: bytes, source: str) -> Iterator[ElementSet | Dropped]:
             )
 
 
-class _Reader:
+class _Reader(XmlReader):
     """Collects the leaves of the open segment."""
 
     def __init__(self, source: str) -> None:
@@ -264,12 +264,6 @@ class _Reader:
         self.fault_line = 0
         self.leaf = ""
         self.text = ""
-
-    def attach(self, parser: expat.XMLParserType) -> None:
-        parser.StartElementHandler = self.open
-        parser.EndElementHandler = self.close
-        parser.CharacterDataHandler = self.hear
-        self.parser = parser
 
     def take(self) -> list[ElementSet | Dropped]:
         found, self.found = self.found, []

@@ -11,7 +11,7 @@ from xml.parsers import expat
 
 from ...common.errors import InputError
 from ..catalogue.records import shown
-from ..file_formats import ephemeris_format, head_of, new_parser
+from ..file_formats import XmlReader, ephemeris_format, head_of, new_parser
 from .oem_segment import MessageSegment, Rows, segment_of
 from .other_formats import read_itc, read_stk
 
@@ -42,20 +42,13 @@ def read_xml(content: bytes, source: str) -> list[MessageSegment]:
     return reader.found
 
 
-class _Reader:
+class _Reader(XmlReader):
     """Collects metadata and states of the open segment."""
 
     def __init__(self, source: str) -> None:
         self.source, self.found = source, list[MessageSegment]()
         self.fields, self.rows, self.state = dict[str, str](), Rows(), dict[str, str]()
         self.inside, self.text, self.line, self.row_line = "", "", 0, 0
-
-    def attach(self, parser: expat.XMLParserType) -> None:
-        """Take part in the parsing."""
-        parser.StartElementHandler = self.open
-        parser.EndElementHandler = self.close
-        parser.CharacterDataHandler = self.hear
-        self.parser = parser
 
     def open(self, tag: str, attributes: dict[str, str]) -> None:
         """An element begins."""
