@@ -2,21 +2,8 @@
 
 from __future__ import annotations
 
-from adr_opt.problem.rules import CAMPAIGNS, FIRST, TOURS
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
-
-PLAYED = FIRST - {
-    "bodies without an orbit",
-    "prizes that fall",
-    "number of stations",
-    "start orbits",
-    "launches",
-    "late availability",
-    "ends",
-    "most targets",
-    "tanks not full",
-}
-"""What policies play: missions of :data:`adr_opt.learning.episodes.FOLLOWS`."""
 
 AUTO = MethodSpec(
     "auto",

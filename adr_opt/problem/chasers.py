@@ -274,6 +274,11 @@ class Chaser(Record):
     thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
     duty_cycle: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
 
+    @property
+    def most_visits(self) -> tuple[int | None, ...]:
+        """Limits on the number of targets visited without refuelling."""
+        return (self.max_targets,)
+
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
         return without(write(self), "expense", "thrust_n", "duty_cycle")

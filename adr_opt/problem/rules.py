@@ -350,6 +350,24 @@ TOGETHER = frozenset(
 )
 """What planners follow each alone; judges follow them together as well."""
 
+JUDGED = FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"}
+"""What both judges state once more, and all follow that make, hold, compare and show what planners
+are told and plan: a rule comes in here by hand, with its judges."""
+
+PLAYED = FIRST - {
+    "bodies without an orbit",
+    "prizes that fall",
+    "number of stations",
+    "start orbits",
+    "launches",
+    "late availability",
+    "ends",
+    "most targets",
+    "tanks not full",
+}
+"""What the environment and its policies play. Episodes begin at the only station, at t = 0, may
+service any number of targets, know no kits and no tows, and may end anywhere."""
+
 
 @dataclass(frozen=True)
 class Follower:

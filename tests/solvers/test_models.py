@@ -170,7 +170,7 @@ def test_features_matter():
         lambda rules: rules.start == rules.stations > 0,
         lambda rules: rules.returns,
         lambda rules: rules.ready > 0.0,
-        lambda rules: rules.most_targets == 1,
+        lambda rules: rules.limits.targets == 1,
         lambda rules: rules.opens.max() > rules.ready,
         lambda rules: rules.closes.min() < rules.duration,
     ):
