@@ -245,7 +245,9 @@ class Mission(Shown, Prizes):
         def limit(most: int | None) -> int:
             return ANY if most is None or most >= targets else most
 
-        return Limits(targets=limit(self.most_targets))
+        return Limits(
+            targets=limit(self.most_targets), between=limit(self.chaser.max_visits_between_refuels)
+        )
 
     def _like(self, **changes: Any) -> Mission:
         """The same mission with some arguments changed."""

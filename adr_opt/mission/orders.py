@@ -13,17 +13,20 @@ ITSELF = "goes from {name} to itself"
 START = "goes to {name}, where a chaser starts"
 AGAIN = "goes to {name}, which was visited before"
 KITS = "goes to {name}, one more kit than the {kits} of the chaser"
-FULL = {"targets": "goes to {name}, one more target than the {targets} of the chaser"}
+FULL = {
+    "targets": "goes to {name}, one more target than the {targets} of the chaser",
+    "between": "goes to {name}, one more target than the {between} between refuellings",
+}
 """What to say where a limit allows no further target."""
 
-NOTHING = Limits(targets=0)
+NOTHING = Limits(targets=0, between=0)
 """Counts of an order without moves."""
 
 
 def counts_after(rules: Rules, counts: Limits, j: int) -> Limits:
     """Counts of an order after a move; what does not limit it is not counted."""
     if rules.is_station[j]:
-        return counts
+        return counts._replace(between=0)
     limited = zip(counts, rules.limits, strict=True)
     return Limits(*(count + (most != ANY) for count, most in limited))
 

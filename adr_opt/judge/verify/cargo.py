@@ -154,7 +154,8 @@ class Counting(NamedTuple):
 
 def counting_of(instance: Instance, chaser: Chaser) -> Counting:
     """What is counted: services, at most so many, each with whether it begins anew at a station."""
-    limits = [(_most_targets(instance, chaser), False)]
+    between = chaser.max_visits_between_refuels
+    limits = [(_most_targets(instance, chaser), False), (between, True)]
     bodies, first, stations = len(instance.names), instance.first_target, len(instance.stations)
     adds, keeps, packed = np.zeros(bodies, np.int64), np.full(bodies, -1), 0
     for at, (most, is_anew) in enumerate(limits):

@@ -59,9 +59,12 @@ class Limits(NamedTuple):
     ----------
     targets : int
         Targets serviced.
+    between : int
+        Targets serviced since the last refuelling.
     """
 
     targets: int
+    between: int
 
 
 ANY = (1 << 20) - 1
@@ -71,13 +74,13 @@ ANY = (1 << 20) - 1
 @inlined
 def limits_in(row):
     """Limits from a row of numbers, in the order of their fields."""
-    return Limits(int(row[0]))
+    return Limits(int(row[0]), int(row[1]))
 
 
 @inlined
 def may_service(here, limits):
     """Whether counts allow one more service."""
-    return here.serviced < limits.targets
+    return here.serviced < limits.targets and here.since < limits.between
 
 
 @inlined
@@ -139,6 +142,7 @@ def dominates(one, other, loads, limits):
         one.time <= other.time
         and one.left >= other.left
         and (limits.targets == ANY or one.serviced <= other.serviced)
+        and (limits.between == ANY or one.since <= other.since)
         and may_stand_for(loads, one.kits, other.kits)
     )
 
