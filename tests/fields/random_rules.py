@@ -557,7 +557,7 @@ def visiting(instance: Instance, seed: int) -> Instance:
     """The same with few visits between refuellings, for each chaser or some."""
     rng = np.random.default_rng([14, seed])
     chasers = [
-        chaser.replace(max_visits_between_refuels=int(rng.integers(1, 4)))
+        chaser.replace(max_visits_between_refuels=int(rng.choice([1, 1, 1, 2, 3])))
         if at == 0 or rng.random() < 0.7
         else chaser
         for at, chaser in enumerate(instance.chasers)
@@ -565,10 +565,16 @@ def visiting(instance: Instance, seed: int) -> Instance:
     return instance.replace(name=f"{instance.name}-visiting", chasers=tuple(chasers))
 
 
-def visiting_mission(seed: int) -> Instance:
+def visiting_field(seed: int) -> Instance:
     """A mission of one chaser with few visits between refuellings, by turns of each kind."""
-    draws = random_mission, drifting_mission, given_mission, towing_mission, falling_mission
-    return visiting(draws[seed % 5](seed // 5), seed)
+    draws = random_mission, drifting_mission, given_mission
+    return visiting(draws[seed % 3](seed // 3), seed)
+
+
+def visiting_mission(seed: int) -> Instance:
+    """The same, by turns with tows or prizes that fall."""
+    draws = towing_mission, falling_mission
+    return visiting_field(seed) if seed % 5 < 3 else visiting(draws[seed % 5 - 3](seed), seed)
 
 
 def visiting_campaign(seed: int) -> Instance:
