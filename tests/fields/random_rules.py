@@ -608,6 +608,7 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
     "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
     "visiting": visiting_mission,
+    "visiting field": visiting_field,
     "visiting campaign": visiting_campaign,
     "visiting hurried": visiting_hurried,
 }
