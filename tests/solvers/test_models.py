@@ -30,7 +30,6 @@ from solvers.models.steps import in_steps
 from solvers.planners.cpsat import cpsat
 from solvers.planners.mip import mip
 
-
 RARE = (5034, 5065, 5505)
 """Where prizes come close to what a required target is worth, and where staying is best."""
 
