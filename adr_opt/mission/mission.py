@@ -14,7 +14,7 @@ from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
 from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.rules import rules as kernels
-from ..kernels.rules.resources import ANY, Limits
+from ..kernels.rules.resources import ANY, CountLimits
 from ..kernels.tables import on_demand
 from ..kernels.tables.timetable import Table, source_of, transfer_exists
 from ..kernels.tables.timetable_making import Pairs
@@ -238,14 +238,14 @@ class Mission(Shown, Prizes):
         return most_targets(self.instance, self.chaser)
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> CountLimits:
         """The most that the chaser may count; what all targets are within is no limit."""
         targets = len(self.instance.targets)
 
         def limit(most: int | None) -> int:
             return ANY if most is None or most >= targets else most
 
-        return Limits(
+        return CountLimits(
             targets=limit(self.most_targets), between=limit(self.chaser.max_visits_between_refuels)
         )
 

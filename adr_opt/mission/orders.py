@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..kernels.rules.loads import most_kits
-from ..kernels.rules.resources import ANY, Limits
+from ..kernels.rules.resources import ANY, CountLimits
 from ..kernels.rules.rules import Rules
 
 UNEARNED = "refuels, but no target was visited since the last refuelling"
@@ -19,21 +19,21 @@ FULL = {
 }
 """What to say where a limit allows no further target."""
 
-NOTHING = Limits(targets=0, between=0)
+NOTHING = CountLimits(targets=0, between=0)
 """Counts of an order without moves."""
 
 
-def counts_after(rules: Rules, counts: Limits, j: int) -> Limits:
+def counts_after(rules: Rules, counts: CountLimits, j: int) -> CountLimits:
     """Counts of an order after a move; what does not limit it is not counted."""
     if rules.is_station[j]:
         return counts._replace(between=0)
     limited = zip(counts, rules.limits, strict=True)
-    return Limits(*(count + (most != ANY) for count, most in limited))
+    return CountLimits(*(count + (most != ANY) for count, most in limited))
 
 
-def why_full(rules: Rules, counts: Limits) -> str:
+def why_full(rules: Rules, counts: CountLimits) -> str:
     """Why an order may go to no further target, as one of the sentences above; empty if it may."""
-    limits = zip(counts, rules.limits, Limits._fields, strict=True)
+    limits = zip(counts, rules.limits, CountLimits._fields, strict=True)
     return next((FULL[name] for count, most, name in limits if count == most), "")
 
 

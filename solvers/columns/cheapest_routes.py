@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from adr_opt.kernels.rules.resources import Limits
+from adr_opt.kernels.rules.resources import CountLimits
 from adr_opt.kernels.rules.schedule import undominated
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.orders import NOTHING, counts_after, why_full
@@ -29,7 +29,7 @@ class _State(NamedTuple):
     body: int
     refuelled: bool
     stops: tuple[int, ...]
-    counts: Limits
+    counts: CountLimits
 
 
 class _Reached(NamedTuple):

@@ -29,13 +29,13 @@ from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules.falls import Falls, lost_at
 from adr_opt.kernels.rules.loads import Loads, is_possible
-from adr_opt.kernels.rules.resources import Limits
+from adr_opt.kernels.rules.resources import CountLimits
 from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
 from .row_cuts import CutTolls, count_row, toll_at
-from .waiting import FINE, Candidate, Terms, arrive, is_dominated, keep, resources_of
+from .waiting import FINE, Candidate, LabelTerms, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
 """Upper limit on the price of time of a walk, beyond which it is useless [fine units]."""
@@ -89,7 +89,7 @@ class LabelQuery(NamedTuple):
     budget : float
         [m/s].
     loads : Loads or None
-    limits : Limits
+    limits : CountLimits
         As in :class:`adr_opt.kernels.rules.rules.Rules`.
     price : (kits + 1,) float64
         What a m/s takes off the value of a walk, by number of kits aboard [fine units].
@@ -127,7 +127,7 @@ class LabelQuery(NamedTuple):
     compared: np.ndarray
     budget: float
     loads: Loads | None
-    limits: Limits
+    limits: CountLimits
     price: np.ndarray
     pays: bool
     time_price: float
@@ -299,7 +299,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
     body, order = rows
     cuts = search.cuts
     words = search.neighbourhood.shape[1]
-    terms = Terms(search.loads, search.limits, cuts)
+    terms = LabelTerms(search.loads, search.limits, cuts)
     timed = network.end.size > 0
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort

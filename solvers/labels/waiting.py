@@ -14,7 +14,7 @@ import numpy as np
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules.loads import Loads
-from adr_opt.kernels.rules.resources import Limits, Resources
+from adr_opt.kernels.rules.resources import CountLimits, Resources
 from adr_opt.mission.evidence import WORD
 
 from ..networks import simd
@@ -91,20 +91,20 @@ class Candidate(NamedTuple):
     worth: float
 
 
-class Terms(NamedTuple):
+class LabelTerms(NamedTuple):
     """What tells labels apart besides their values and memories.
 
     Attributes
     ----------
     loads : Loads or None
-    limits : Limits
+    limits : CountLimits
         As in :class:`adr_opt.kernels.rules.rules.Rules`.
     cuts : CutTolls or None
         What walks pay at a second row.
     """
 
     loads: Loads | None
-    limits: Limits
+    limits: CountLimits
     cuts: CutTolls | None
 
 
@@ -293,7 +293,7 @@ def arrive(waiting, labels, j, label, compared, terms):
     ----------
     compared : (words,) int64
         Targets by whose memory labels are told apart there.
-    terms : Terms
+    terms : LabelTerms
 
     Returns
     -------

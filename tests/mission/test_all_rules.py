@@ -38,7 +38,7 @@ KINDS_OF_FIELDS = {
     "two_body": (random_mission, range(150), 20),
     "j2": (drifting_mission, range(90), 10),
     "given": (given_mission, range(80), 12),
-    "visits": (visiting_field, range(120), 9),
+    "visits": (visiting_field, range(120), 20),
 }
 every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
 every_kind_and_tows = over_kinds(

@@ -10,7 +10,7 @@ import pytest
 from adr_opt.kernels.rules.loads import Loads
 from adr_opt.kernels.rules.resources import (
     ANY,
-    Limits,
+    CountLimits,
     Resources,
     at,
     columns,
@@ -23,7 +23,7 @@ from adr_opt.kernels.rules.resources import (
 
 BODIES, BUDGET = 4, 300.0
 
-LIMITED = Limits(*(9 for _ in Limits._fields))
+LIMITED = CountLimits(*(9 for _ in CountLimits._fields))
 """Counts that all matter."""
 
 
@@ -97,7 +97,7 @@ def test_each_resource_counts(loads: Loads | None, better: dict, worse: dict) ->
 def test_what_does_not_limit_tells_none_apart() -> None:
     """Counts are compared only where there is a limit to them."""
     one, other = Resources(1.0, 100.0, 2, 2, 0), Resources(1.0, 100.0, 1, 1, 0)
-    free = Limits(*(ANY for _ in Limits._fields))
+    free = CountLimits(*(ANY for _ in CountLimits._fields))
     assert dominates(one, other, None, free)
     assert not dominates(one, other, None, LIMITED)
 

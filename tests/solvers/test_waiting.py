@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from adr_opt.kernels.rules.loads import Loads
-from adr_opt.kernels.rules.resources import COUNT_BITS, Limits, kits_alone
+from adr_opt.kernels.rules.resources import COUNT_BITS, CountLimits, kits_alone
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.labels.row_cuts import CutTolls
 from solvers.labels.waiting import (
     Labels,
-    Terms,
+    LabelTerms,
     Waiting,
     arrive,
     candidate_of,
@@ -21,7 +21,7 @@ from solvers.labels.waiting import (
 
 LABELS = 900
 
-LIMITED = Limits(*(9 for _ in Limits._fields))
+LIMITED = CountLimits(*(9 for _ in CountLimits._fields))
 """Counts that all matter."""
 
 
@@ -115,7 +115,7 @@ def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
     cuts = random_tolls(rng, words) if tolled else None
     if cuts is not None:
         compared &= ~cuts.bits
-    terms, waiting = Terms(loads, LIMITED, cuts), room(2, words, 16)
+    terms, waiting = LabelTerms(loads, LIMITED, cuts), room(2, words, 16)
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
@@ -160,7 +160,7 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
             candidate_of(labels, label),
             labels.memory[label],
             compared,
-            Terms(None, LIMITED, cuts),
+            LabelTerms(None, LIMITED, cuts),
         )
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1

@@ -134,7 +134,7 @@ def none_beyond(counts, most):
     return (most | GUARDS) - counts & GUARDS == GUARDS
 
 
-class Counting(NamedTuple):
+class StayCounts(NamedTuple):
     """What walks count of their stays, as far as it limits them: counts packed in one number.
 
     Attributes
@@ -152,7 +152,7 @@ class Counting(NamedTuple):
     most: int
 
 
-def counting_of(instance: Instance, chaser: Chaser) -> Counting:
+def counting_of(instance: Instance, chaser: Chaser) -> StayCounts:
     """What is counted: services, at most so many, each with whether it begins anew at a station."""
     between = chaser.max_visits_between_refuels
     limits = [(_most_targets(instance, chaser), False), (between, True)]
@@ -164,7 +164,7 @@ def counting_of(instance: Instance, chaser: Chaser) -> Counting:
             packed |= most << COUNT_BITS * at
             if is_anew:
                 keeps[:stations] &= ~(MOST_COUNTED << COUNT_BITS * at)
-    return Counting(adds, keeps, packed)
+    return StayCounts(adds, keeps, packed)
 
 
 def _most_targets(instance: Instance, chaser: Chaser) -> int | None:

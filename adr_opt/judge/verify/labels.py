@@ -47,7 +47,7 @@ class WalkLabels(NamedTuple):
     ----------
     body, kits, came_from : (labels,) int32
     counts : (labels,) int64
-        As :class:`.cargo.Counting` packs them.
+        As :class:`.cargo.StayCounts` packs them.
     time, left : (labels,) float64
         Ready since [s], and what is left of the tank, with the slack of the model [m/s].
     value : (labels,) int64

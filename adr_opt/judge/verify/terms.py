@@ -16,7 +16,7 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.tow import towed_bodies
-from .cargo import Cargo, Counting, cargo_of, counting_of, none_beyond
+from .cargo import Cargo, StayCounts, cargo_of, counting_of, none_beyond
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -46,7 +46,7 @@ class Terms(NamedTuple):
     begun : (most kits + 1,) float64
         What there is in the tank at the start, with so many kits: a full one where the first leg
         pays for what it lacks [m/s].
-    counting : Counting
+    counting : StayCounts
     """
 
     home: int
@@ -63,7 +63,7 @@ class Terms(NamedTuple):
     ready: FloatArray
     cargo: Cargo
     begun: FloatArray
-    counting: Counting
+    counting: StayCounts
 
     @property
     def bodies(self) -> int:

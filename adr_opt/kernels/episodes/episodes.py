@@ -34,7 +34,7 @@ class StackedFields(NamedTuple):
     ----------
     counts : (slots, 1 + limits) int32
         Bodies of each field, the station first, and then its
-        :class:`adr_opt.kernels.rules.resources.Limits`.
+        :class:`adr_opt.kernels.rules.resources.CountLimits`.
     orbits : (slots, bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     limits : (slots, 4, bodies) float64

@@ -5,7 +5,7 @@ service or refuelling that follows it extends them by :func:`extend`, and one se
 another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge`, which states them
 again, on purpose. A further resource (a variance, a class of masses) is a field of
 :class:`Resources`, what these two functions say of it, and a column of :func:`columns`; a limit on
-what is counted is a field of :class:`Limits` and a line of :func:`may_service`. Searches that keep
+what is counted is a field of :class:`CountLimits` and a line of :func:`may_service`. Searches that keep
 millions of labels hold counts as one number, :func:`counts_of`.
 
 Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count ΔV in
@@ -52,7 +52,7 @@ class Resources(NamedTuple):
     kits: One
 
 
-class Limits(NamedTuple):
+class CountLimits(NamedTuple):
     """The most that a chaser may count; :data:`ANY` where that does not limit it.
 
     Attributes
@@ -73,8 +73,8 @@ ANY = (1 << 20) - 1
 
 @inlined
 def limits_in(row):
-    """Limits from a row of numbers, in the order of their fields."""
-    return Limits(int(row[0]), int(row[1]))
+    """CountLimits from a row of numbers, in the order of their fields."""
+    return CountLimits(int(row[0]), int(row[1]))
 
 
 @inlined
@@ -136,7 +136,7 @@ def dominates(one, other, loads, limits):
     ----------
     one, other : Resources
     loads : Loads or None
-    limits : Limits
+    limits : CountLimits
     """
     return (
         one.time <= other.time

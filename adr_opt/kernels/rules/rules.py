@@ -25,7 +25,7 @@ from ..tables import timetable
 from . import resources as resource_kernels
 from .falls import Falls, lost_at
 from .loads import Loads, flown_in_service, most_kits
-from .resources import Limits, Resources
+from .resources import CountLimits, Resources
 
 
 class Rules(NamedTuple):
@@ -53,7 +53,7 @@ class Rules(NamedTuple):
         Body at which the chaser is in the beginning.
     ready : float
         Since when [s].
-    limits : Limits
+    limits : CountLimits
         On what it may count, as on targets that it services.
     returns : bool
         Whether there are bodies where the mission may not end.
@@ -81,7 +81,7 @@ class Rules(NamedTuple):
     first_target: int
     start: int
     ready: float
-    limits: Limits
+    limits: CountLimits
     returns: bool
     budget: float
     duration: float

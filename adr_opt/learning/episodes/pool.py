@@ -18,7 +18,7 @@ from ...kernels.episodes.episodes import (
     begin,
 )
 from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
-from ...kernels.rules.resources import Limits
+from ...kernels.rules.resources import CountLimits
 from ...kernels.tables import stacked_timetables
 from ...kernels.tables import timetable as timetable_kernels
 from ...mission.mission import Mission
@@ -67,7 +67,7 @@ class FieldPool:
         tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
         steps = timetable_kernels.most_steps(tables)
         self.arrays = StackedFields(
-            counts=np.zeros((slots, 1 + len(Limits._fields)), dtype=np.int32),
+            counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
             is_station=np.arange(bodies) < 1,

@@ -73,7 +73,7 @@ class Window(NamedTuple):
 
 
 class UnrollLimits(NamedTuple):
-    """Limits on the unrolling of a window.
+    """CountLimits on the unrolling of a window.
 
     Attributes
     ----------
