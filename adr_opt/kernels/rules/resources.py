@@ -5,8 +5,8 @@ service or refuelling that follows it extends them by :func:`extend`, and one se
 another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge`, which states them
 again, on purpose. A further resource (a variance, a class of masses) is a field of
 :class:`Resources`, what these two functions say of it, and a column of :func:`columns`; a limit on
-what is counted is a field of :class:`CountLimits` and a line of :func:`may_service`. Searches that keep
-millions of labels hold counts as one number, :func:`counts_of`.
+what is counted is a field of :class:`CountLimits` and a line of :func:`may_service`. Searches that
+keep millions of labels hold counts as one number, :func:`counts_of`.
 
 Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count ΔV in
 whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has been
@@ -73,7 +73,7 @@ ANY = (1 << 20) - 1
 
 @inlined
 def limits_in(row):
-    """CountLimits from a row of numbers, in the order of their fields."""
+    """Limits from a row of numbers, in the order of their fields."""
     return CountLimits(int(row[0]), int(row[1]))
 
 

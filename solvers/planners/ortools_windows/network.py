@@ -73,7 +73,7 @@ class Window(NamedTuple):
 
 
 class UnrollLimits(NamedTuple):
-    """CountLimits on the unrolling of a window.
+    """Limits on the unrolling of a window.
 
     Attributes
     ----------
