@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import KDTree
 
 from ..common.constants import MU_M3_S2
 from ..kernels.orbits import elements
@@ -163,8 +164,6 @@ def _near(instance: Instance, ranks: int, time_s: float) -> npt.NDArray[np.int64
     always = int(wanted.sum())
     found = np.empty((bodies, 0), dtype=np.int64)
     if asked:
-        from scipy.spatial import KDTree
-
         found = some[KDTree(places[some]).query(places, k=np.arange(1, asked + 1), workers=-1)[1]]
     everything = np.concatenate(
         [np.tile(rest[:always], (bodies, 1)), found, np.tile(rest[always:], (bodies, 1))], axis=1
