@@ -9,7 +9,6 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from scipy.integrate import simpson
 
 from ...common.constants import DAY_S
 from ...common.errors import InputError
@@ -75,6 +74,8 @@ def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: flo
 
 def _by_bstar(record: ElementSet, epoch: datetime, duration_s: float) -> float | None:
     """Displacement by B* in SGP4 [km]; None if the object decays meanwhile."""
+    from scipy.integrate import simpson
+
     times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
     axes = _axes(record, times)
     if axes is None:
