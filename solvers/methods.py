@@ -70,14 +70,6 @@ MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts")
 
 PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", follows=PLAYED, uses_cores=True)
 
-CPSAT = MethodSpec(
-    "cpsat",
-    "solvers.planners.cpsat:cpsat",
-    starts=True,
-    uses_cores=True,
-    practice=Practice(rounds=6, options={"evaluations": 4}),
-)
-
 MIP = MethodSpec(
     "mip",
     "solvers.planners.mip:mip",

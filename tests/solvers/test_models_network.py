@@ -13,7 +13,7 @@ from small_missions import DAY_S, featured_mission, network_of, random_mission
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import InOrbit
 from solvers.models import network
-from solvers.models.network import all_of, bodies_along, keep, path_of
+from solvers.models.solver_network import all_of, bodies_along, keep, path_of
 from solvers.models.reduction import best_through, can_reach
 from solvers.networks.network import build
 
