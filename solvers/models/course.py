@@ -25,8 +25,8 @@ from ..progress.gap import GapTracker
 from ..progress.proof_size import bound_notes, set_up_s
 from ..walks.multipliers import Descent
 from ..walks.walks import WalkBound
-from .solver_network import SolverNetwork, bodies_along, keep, of_rows, path_of
 from .reduction import best_through, can_reach, finest_slot
+from .solver_network import SolverNetwork, bodies_along, keep, of_rows, path_of
 
 WHOLE_LEGS = 1_000
 """Maximum number of legs up to which the whole network is solved, by the solver's bound alone."""

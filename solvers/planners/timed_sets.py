@@ -11,6 +11,7 @@ from adr_opt.common.memory import available_bytes
 from adr_opt.common.progress import Progress
 from adr_opt.common.stop import Stop
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 
 from ..progress.gap import GapTracker
@@ -28,12 +29,12 @@ MEMORY_SHARE = 0.4
 
 def plan(
     method: str,
-    mission: Mission,
+    problem: Problem,
     *,
     seed: int,
     stop: Stop,
     progress: Progress,
-    start: Iterable[int] | None,
+    start: Iterable[Iterable[int]] | None,
     options: ProofOptions,
 ) -> Result:
     """The best plan and its proof, or the best plan so far: both of the prizes and of the cost.
@@ -46,6 +47,8 @@ def plan(
     InputError
         There are too many targets.
     """
+    mission = problem.alone
+    assert mission is not None
     targets = len(mission.instance.targets)
     if targets > MOST_TARGETS:
         raise InputError(
@@ -54,7 +57,7 @@ def plan(
         )
     certificate = GapTracker(mission, progress)
     if start is not None:
-        certificate.offer(start)
+        certificate.offer(*start)
     room = int(min(MEMORY_SHARE * available_bytes() / LABEL_BYTES, 2**30))
     searches = _Searches(mission, certificate, stop, room)
     tour = tour_of(mission)
