@@ -64,7 +64,8 @@ class Engine:
 
 ENGINES = (
     Engine(
-        "[launched chasers](campaigns.md#tours-through-time), all alike, that service every target",
+        "[launched chasers](campaigns.md#missions-one-after-another), all alike, that service all "
+        "targets",
         lambda problem: tour_obstacle(problem.instance) is None,
         "tours through time, annealed and crossed",
         {"auto": "nothing of the cost", "exact": "a bound on the expense: walks over time cells"},

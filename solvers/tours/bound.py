@@ -24,8 +24,8 @@ import numpy.typing as npt
 
 from adr_opt.common.clock import now_s
 
+from .cell_walks import LeastWalks, MassCosts, Memories, sweep, trace
 from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
-from .walks import LeastWalks, MassCosts, Memories, sweep, trace
 
 FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -155,7 +155,7 @@ def neighbourhoods(cells: Costs, count: int) -> Integers:
 
 
 def memories(neighbours: Integers) -> Memories:
-    """Memory of walks, for :func:`~.walks.sweep`."""
+    """Memory of walks, for :func:`~.cell_walks.sweep`."""
     targets, count = neighbours.shape
     bit = np.full((targets, targets), -1, np.int64)
     for i in range(targets):

@@ -8,9 +8,9 @@ away and planned anew:
 1. :mod:`.order` has all schedules of the plan that are worth having. The window begins from the one
    that is best by the window's own measure of time and ΔV: that of least ΔV, which counts in the
    end, would wait for cheap transfers until no time is left.
-2. :mod:`.network` unrolls the window into the moves that can be made in it, each by the connection
-   that a time value chooses, and flies the rest of the plan from every node in the same way, to
-   know what it is worth to arrive there then.
+2. :mod:`.unrolling` unrolls the window into the moves that can be made in it, each by the
+   connection that a time value chooses, and flies the rest of the plan from every node in the same
+   way, to know what it is worth to arrive there then.
 3. :mod:`.prices` bounds what any path of the network is worth and keeps the few hundred edges
    that a better plan is most likely to use. Often this alone proves that there is none.
 4. :mod:`.model` lets CP-SAT find the best path that visits no target twice and keeps to the ΔV.

@@ -8,7 +8,7 @@ from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import rules as rule_kernels
 
-from .network import state_at
+from .window_network import state_at
 
 
 @kernel

@@ -12,7 +12,7 @@ from adr_opt.mission.schedule import FloatArray, Front, Schedule
 
 from ...beams.greedy_order import greedy_sequence
 from . import fill
-from .network import SlackWorth
+from .window_network import SlackWorth
 
 Bodies = npt.NDArray[np.int64]
 

@@ -30,9 +30,9 @@ from ...beams.beams import USUAL, with_time_value
 from ...beams.greedy_order import guarded_sequence
 from ...routes.one_chaser import one_after_another
 from .fleet import Fleet
-from .network import UnrollLimits
 from .order import Bodies
 from .replan import ReplannedWindows, WindowChoice, filled_up, replan
+from .window_network import UnrollLimits
 
 NODES = 20_000
 """Maximum number of nodes in a network, reached only by the longest windows."""
