@@ -100,7 +100,7 @@ class LabelQuery(NamedTuple):
         services [fine units].
     since : float
         When that time begins [s].
-    asked : int
+    goal : int
         Value, after that, of walks that are asked for [fine units].
     worths : (bodies,) float64
         What targets are worth, where it is; one each where labels of different targets are to be
@@ -132,7 +132,7 @@ class LabelQuery(NamedTuple):
     pays: bool
     time_price: float
     since: float
-    asked: int
+    goal: int
     worths: np.ndarray
     least_worth: float
     reach: CompletionValues
@@ -365,7 +365,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                     timed
                     and network.may_end[j]
                     and collected >= search.least_worth
-                    and most - _time_paid(search, network.end[leg]) >= search.asked
+                    and most - _time_paid(search, network.end[leg]) >= search.goal
                 ):
                     continue
                 count = cursor[1]

@@ -15,8 +15,7 @@ from adr_opt.mission.problem import Problem
 from adr_opt.mission.result import Result
 from adr_opt.problem.tours import tour_obstacle
 
-from ..tours import planners as tours
-from . import label_setting, least_end, many_routes, one_route, timed_sets
+from . import label_setting, least_end, many_routes, one_route, timed_sets, tours
 
 
 class Plan(Protocol):

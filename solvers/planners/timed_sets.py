@@ -16,9 +16,9 @@ from adr_opt.mission.result import Result
 
 from ..progress.gap import GapTracker
 from ..proof.proof import ProofOptions
-from ..sets.earliest_end import LABEL_BYTES, EarliestEnd
-from ..sets.orienteering import MOST_TARGETS, Orienteering
-from ..sets.tour import TimedTour, sequence_of, tour_of
+from ..timed_tours.earliest_end import LABEL_BYTES, EarliestEnd
+from ..timed_tours.orienteering import MOST_TARGETS, Orienteering
+from ..timed_tours.tour import TimedTour, sequence_of, tour_of
 
 WIDTHS = (100, 1_000, 10_000, 100_000)
 """Labels of a layer that go on in the searches before that of all labels."""
@@ -39,8 +39,8 @@ def plan(
 ) -> Result:
     """The best plan and its proof, or the best plan so far: both of the prizes and of the cost.
 
-    A tour of all targets that ends first is a question of its own (:mod:`..sets.earliest_end`),
-    asked first where it may be the answer.
+    A tour of all targets that ends first is a question of its own, asked first where it may be the
+    answer (:mod:`..timed_tours.earliest_end`).
 
     Raises
     ------

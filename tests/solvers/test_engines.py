@@ -14,9 +14,8 @@ from toy_roads import order_of_all
 import adr_opt
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
-from solvers.planners import label_setting, least_end, many_routes, one_route, timed_sets
+from solvers.planners import label_setting, least_end, many_routes, one_route, timed_sets, tours
 from solvers.planners.engines import ENGINES, Plan, engine_for, page_table
-from solvers.tours import planners as tours
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-planner.md"
 

@@ -12,8 +12,7 @@ from solvers.tours import bound as bounds
 from solvers.tours import cell_walks
 from solvers.tours.bound import Bounding, FirstPrices, Tangent, bound, memories, neighbourhoods
 from solvers.tours.costs import FORBIDDEN, TimeGrid, TourCosts, TourExpense, blocks, nearby
-from solvers.tours.crossing import crossed, first_tour
-from solvers.tours.planner import Annealing, Population
+from solvers.tours.population import Annealing, Population, crossed, first_tour
 
 GRID = TimeGrid(least_gap=1, apart=3, unit_m_s=1.0)
 EXPENSE = TourExpense(20.0, 0.0, 2e-6, 2000.0, 30.0, 3334.0, 5000.0, most_missions=9)

@@ -13,8 +13,8 @@ from adr_opt.mission.result import Result
 
 from ..progress.halting import ShareOfTime
 from ..proof.proof import ProofOptions
-from .campaign import Campaign, certified_tour, plan_tours
-from .least_expense import LeastExpense, cell_length_s
+from ..tours.campaign import Campaign, certified_tour, plan_tours
+from ..tours.least_expense import LeastExpense, cell_length_s
 
 FOR_PLAN = 0.15
 """Share of the time for the plan where its cost is to be bounded."""
