@@ -18,7 +18,7 @@ from adr_opt.problem.tours import tour_obstacle
 from . import label_setting, least_end, many_routes, one_route, timed_sets, tours
 
 
-class Plan(Protocol):
+class PlanCall(Protocol):
     """How every engine is called."""
 
     def __call__(
@@ -37,7 +37,7 @@ class Plan(Protocol):
 
 
 @dataclass(frozen=True)
-class Engine:
+class PlanningEngine:
     """A way to plan, the missions that it is for, and what it proves.
 
     Attributes
@@ -58,11 +58,11 @@ class Engine:
     serves: Callable[[Problem], bool]
     search: str
     proves: Mapping[str, str]
-    plans: Mapping[str, Plan] = field(repr=False)
+    plans: Mapping[str, PlanCall] = field(repr=False)
 
 
 ENGINES = (
-    Engine(
+    PlanningEngine(
         "[launched chasers](campaigns.md#missions-one-after-another), all alike, that service all "
         "targets",
         lambda problem: tour_obstacle(problem.instance) is None,
@@ -70,7 +70,7 @@ ENGINES = (
         {"auto": "nothing of the cost", "exact": "a bound on the expense: walks over time cells"},
         {"auto": tours.search, "exact": tours.prove},
     ),
-    Engine(
+    PlanningEngine(
         "one chaser, arrivals that are [functions of time](given-costs.md#functions-of-time)",
         lambda problem: problem.alone is not None and problem.alone.has_functions,
         "beams over sets of targets",
@@ -79,7 +79,7 @@ ENGINES = (
         ),
         dict.fromkeys(("auto", "exact"), timed_sets.plan),
     ),
-    Engine(
+    PlanningEngine(
         "[all targets as early as possible](given-costs.md#the-earliest-end-of-all-targets), on "
         "given connections",
         lambda problem: problem.asks_for_least_end,
@@ -87,7 +87,7 @@ ENGINES = (
         {"auto": "the end, of few targets: all orders"},
         {"auto": least_end.plan},
     ),
-    Engine(
+    PlanningEngine(
         "one chaser",
         lambda problem: problem.alone is not None,
         "beams, strings of targets taken out and put back",
@@ -97,7 +97,7 @@ ENGINES = (
         },
         {"auto": one_route.plan, "exact": label_setting.plan},
     ),
-    Engine(
+    PlanningEngine(
         "several chasers, loads, expense, limits of stations",
         lambda problem: True,
         "pools of routes, packed and exchanged",
@@ -111,7 +111,7 @@ ENGINES = (
 """All engines. Of those that a method uses, the first that serves a problem plans it."""
 
 
-def engine_for(method: str, problem: Problem) -> Engine:
+def engine_for(method: str, problem: Problem) -> PlanningEngine:
     """The engine by which ``auto`` or ``exact`` plans a problem."""
     return next(each for each in ENGINES if method in each.plans and each.serves(problem))
 

@@ -24,8 +24,9 @@ import numpy.typing as npt
 
 from adr_opt.common.clock import now_s
 
-from .cell_walks import LeastWalks, MassCosts, Memories, sweep, trace
+from .cell_walks import LeastWalks, MassCosts, Memories, sweep
 from .costs import FORBIDDEN, Costs, TimeGrid, TourExpense
+from .traced_walks import trace
 
 FloatArray = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]

@@ -15,7 +15,7 @@ import adr_opt
 from adr_opt.mission.problem import Problem
 from adr_opt.problem.instance import Instance
 from solvers.planners import label_setting, least_end, many_routes, one_route, timed_sets, tours
-from solvers.planners.engines import ENGINES, Plan, engine_for, page_table
+from solvers.planners.engines import ENGINES, PlanCall, engine_for, page_table
 
 PAGE = Path(__file__).parents[2] / "docs" / "which-planner.md"
 
@@ -44,7 +44,9 @@ def test_every_engine_says_what_it_proves() -> None:
         (adr_opt.generate("removal", 0, targets=3), many_routes.plan, many_routes.plan),
     ],
 )
-def test_the_first_engine_that_serves_plans(instance: Instance, auto: Plan, exact: Plan) -> None:
+def test_the_first_engine_that_serves_plans(
+    instance: Instance, auto: PlanCall, exact: PlanCall
+) -> None:
     """What is special comes before what is general, and every problem is served."""
     problem = Problem(instance)
     assert engine_for("auto", problem).plans["auto"] is auto

@@ -32,8 +32,8 @@ class Moves(NamedTuple):
     end: np.ndarray
 
 
-class Nodes(NamedTuple):
-    """Nodes in the order in which they are first met; of :class:`WindowNetwork` but for these.
+class UnrolledNodes(NamedTuple):
+    """Nodes in the order in which they are first met, as in :class:`WindowNetwork` but for these.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def grow(rules, worth, window, limits):
     WindowNetwork
     """
     most = limits.nodes
-    nodes = Nodes(
+    nodes = UnrolledNodes(
         np.empty(most, dtype=np.int64),
         np.empty(most),
         np.empty(most),
