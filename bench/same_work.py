@@ -2,7 +2,6 @@
 
     python bench/same_work.py --out before.json
     python bench/same_work.py --against before.json
-    python bench/same_work.py --every 5 --targets 12 --out before.json
 
 Iterations and labels are limited and time is not, so that a change of code that is not to change
 what comes out can be judged by it: each line is a field, a method and a digest of routes, bound,
@@ -22,25 +21,28 @@ from typing import Any
 import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certify import certificate_of
-from adr_opt.sources.generator import FAMILIES
 
-FIELDS = {"tiny": 5, "nominal": 3, "campaign": 2, "removal": 2, "rocket-bodies": 3}
-"""Number of fields by family; ``--every`` takes as many of all families that there are."""
+FIELDS = {
+    **dict.fromkeys(("tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "cloud"), 5),
+    **dict.fromkeys(("sso", "rocket-bodies", "removal", "electric", "fragment-cloud"), 5),
+    "large": 5,
+}
+"""Number of fields by family."""
 
-WORK = {"auto": 3, "exact": 8}
+WORK = {"auto": 2, "exact": 3}
 """Iterations by method."""
 
-LABELS = 300_000
+LABELS = 100_000
 """Maximum number of labels per search."""
 
 LIMIT_S = 3600.0
 
 
-def lines(numbers: dict[str, int], targets: int | None) -> Iterator[tuple[str, dict[str, Any]]]:
+def lines(families: list[str]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Results, field by field."""
-    for family, number in numbers.items():
-        for seed in range(number):
-            instance = adr_opt.generate(family, seed, targets=targets)
+    for family in families:
+        for seed in range(FIELDS[family]):
+            instance = adr_opt.generate(family, seed)
             for method, iterations in WORK.items():
                 result = adr_opt.solve(
                     instance,
@@ -84,14 +86,10 @@ def main() -> int:
     parser.add_argument("families", nargs="*", default=[], help="by default all")
     parser.add_argument("--out", type=Path, help="where to write the lines")
     parser.add_argument("--against", type=Path, help="lines of another commit")
-    parser.add_argument("--every", type=int, help="fields of each family, of all families")
-    parser.add_argument("--targets", type=int, help="targets of a field; by default the family's")
     arguments = parser.parse_args()
-    numbers = FIELDS if arguments.every is None else dict.fromkeys(FAMILIES, arguments.every)
-    numbers = {each: numbers[each] for each in arguments.families or numbers}
     before = json.loads(arguments.against.read_text()) if arguments.against else {}
     found, same = {}, 0
-    for name, line in lines(numbers, arguments.targets):
+    for name, line in lines(arguments.families or list(FIELDS)):
         found[name] = line
         was = before.get(name)
         same += was == line
