@@ -121,7 +121,7 @@ def page_table() -> str:
     rows = ["| mission: the first that applies | search | `auto` proves | `exact` proves |"]
     rows.append("|---|---|---|---|")
     for each in ENGINES:
-        proven = (each.proves.get(method, "") for method in ("auto", "exact"))
+        proven = (each.proves.get(method, "(not used)") for method in ("auto", "exact"))
         rows.append(f"| {each.missions} | {each.search} | {' | '.join(proven)} |")
     return "\n".join(rows) + "\n"
 
