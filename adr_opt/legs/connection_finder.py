@@ -13,7 +13,7 @@ from ..common.errors import InputError
 from ..common.processors import usable_cores
 from ..kernels.legs import connections as kernels
 from ..kernels.legs.found import GIVEN, ConnectionArrays
-from ..kernels.legs.given_functions import legs_of
+from ..kernels.legs.given import legs_of
 from ..kernels.tables import timetable as tables
 from ..kernels.tables import timetable_making as making
 from ..plan.leg_kinds import leg_kinds

@@ -29,10 +29,10 @@ from .run_options import (
     DEFAULT_METHOD,
     DEFAULT_TIME_LIMIT_S,
     RunOptions,
+    Start,
 )
 from .side_by_side import together
 from .start_plan import start_destinations
-from .starts import Start
 from .table_budget import candidates, may_go_without, no_table
 
 __all__ = [

@@ -13,7 +13,7 @@ from rows import FloatArray, oblate_rule, rule
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2, SLACK_S
-from adr_opt.fly.flight.mean import MeanDynamics
+from adr_opt.fly.flight.mean_flight import MeanDynamics
 from adr_opt.kernels.legs import burns as burn_kernels
 from adr_opt.kernels.legs import (
     co_elliptic,

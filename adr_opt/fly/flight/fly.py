@@ -13,13 +13,11 @@ from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from .aimed import Aim
-from .corrected import fly_eccentric
 from .flyable import refuse_what_cannot_be_flown
-from .mean import MeanDynamics
-from .mean_flight import is_between_circles
-from .plan_tanks import burnt_m_s, plan_tanks
+from .mean_flight import MeanDynamics, is_between_circles
 from .result import EccentricFlight, Flight, LegFlight
-from .two_body import State, TwoBody, distance
+from .tanks import burnt_m_s, plan_tanks
+from .two_body import State, TwoBody, distance, fly_eccentric
 
 
 def fly(instance: Instance, plan: AnyPlan) -> Flight:

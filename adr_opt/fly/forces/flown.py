@@ -18,8 +18,7 @@ from ...problem.instance import Instance
 from ..flight.refined import PlannedLeg, planned_legs, refuse_strangers
 from ..flight.result import TankFlight
 from ..flight.tanks import legs_by_tank, tanks_of
-from .corrected import Stretch, correction_m_s, last_lap
-from .course import Acting, LegCourse, kicked
+from .course import Acting, LegCourse, Stretch, correction_m_s, kicked, last_lap
 from .library import Moving, World
 from .result import ForcedFlight, ForcedLeg, Off, total
 from .settings import Forces

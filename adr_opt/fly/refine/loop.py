@@ -27,9 +27,9 @@ from ..flight.flyable import REFINED
 from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
-from .holding import beginning, troubles
 from .lessons import Lessons
 from .reported import opened
+from .troubles import beginning, troubles
 
 MOST_ROUNDS = 10
 """Default maximum number of rounds."""

@@ -13,10 +13,9 @@ from ...plan.refined_plan import Freedom, RefinedBurn, RefinedLeg, RefinedState
 from ...problem.instance import Instance
 from ..trajectory.bodies import leaving_state
 from ..trajectory.kepler import drift, secular
-from .bodies import MovingBodies, moved
+from .bodies import MovingBodies, moved, recorded, state_of
 from .leg import FlownImpulses, LegEnds, NoWay, cheapen, close, residual
 from .own_burns import cheapest_near
-from .states import recorded, state_of
 from .towing import towed
 
 HELPERS = 24

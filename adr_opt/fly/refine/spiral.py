@@ -24,10 +24,8 @@ from ...plan.refined_plan import RefinedTow
 from ...plan.refined_thrust import RefinedThrust
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
-from .bodies import TrueBodies
-from .near_circle import near_circle
+from .bodies import TrueBodies, near_circle, recorded
 from .propelled import towing_by_leg
-from .states import recorded
 from .thrust_guess import LEAST_THRESHOLD
 from .thrust_record import steered_arcs
 

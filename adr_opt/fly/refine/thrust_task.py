@@ -14,8 +14,7 @@ from ...kernels.orbits import mean_thrusting, primer, thrusting
 from ...kernels.orbits.gravity import FIELDS
 from ...kernels.orbits.short_periods import Array
 from ...kernels.orbits.thrusting import Push, ThrustArcs
-from .bodies import Gravity
-from .near_circle import near_circle
+from .bodies import Gravity, near_circle
 
 NO_WINDOWS = np.empty((0, 3))
 

@@ -17,8 +17,7 @@ import numpy as np
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import Burn
 from ...plan.refined_plan import RefinedBurn, RefinedTow
-from .bodies import Gravity, moved
-from .states import recorded
+from .bodies import Gravity, moved, recorded
 
 
 class HasStates(Protocol):

@@ -1,6 +1,6 @@
 """Drift legs on a grid of departure and arrival times: those that no other dominates.
 
-A leg is priced with its phase (:mod:`.drift_laps`) only where the optimum of free phase is cheap
+A leg is priced with its phase (:mod:`.drift`) only where the optimum of free phase is cheap
 enough to be listed. From one arrival to the next that optimum changes by no more than the node
 moves on any drift orbit that could be paid for, so arrivals that are too dear are skipped.
 """
@@ -14,8 +14,8 @@ from ..core.compile import kernel
 from ..core.lists import chosen, wider
 from ..orbits import ephemeris
 from . import drift_linear
+from .drift import split
 from .drift_free import first_guess, free_phase
-from .drift_laps import split
 from .drift_pair import margin, radius_of, task_of
 
 SLACK_M_S = 0.3

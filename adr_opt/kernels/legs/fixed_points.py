@@ -20,7 +20,7 @@ from ..core.compile import inlined, kernel
 from ..core.lists import rising
 from ..core.memory import borrowed
 from ..orbits import eccentricity
-from .curves import NODES
+from .phasing import NODES
 
 BLOCK = 128
 """Number of events laid out at once. Offsets within an array are known to the compiler, so that it

@@ -12,7 +12,7 @@ and the node is split between both arcs in proportion to the two inner norms. Th
 which X depends on: half of them is drifted on the orbits at either end. The times are those of the
 least root, which is come to from no time at all: the longer the arcs, the less is drifted, and
 mostly the more is left to do. What eccentricities ask for is added as a square
-(:mod:`.low_thrust_shapes`).
+(:mod:`.low_thrust_windows`).
 
 After Kéchichian, J. Guidance, Control, and Dynamics 20(5), 1997, 988–994, and Edelbaum; the split
 in two arcs derived anew.
@@ -23,9 +23,9 @@ from typing import NamedTuple
 
 from ...common.constants import TURN_RAD
 from ..core.compile import inlined
+from .drift import tilt_at
 from .drift_arcs import node_at
 from .drift_free import Rest, first_guess, least_turns, with_bowl
-from .drift_laps import tilt_at
 from .low_thrust_arcs import ArcTimes, arc_times, beside_ramps, chord, longitude_gained, node_series
 
 MOST_ROUNDS = 60

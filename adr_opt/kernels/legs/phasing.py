@@ -16,7 +16,26 @@ import numpy as np
 from ..core.compile import inlined, kernel
 from ..orbits.ephemeris import planes_drift
 from . import co_elliptic, precession
-from .curves import NODES, Curves
+
+NODES = 16
+"""Number of interpolation nodes, a constant so that the compiler unrolls the loop over them."""
+
+
+class Curves(NamedTuple):
+    """Costs of the sequences of a pair by flight time, for each number of revolutions.
+
+    Attributes
+    ----------
+    time : (revolutions + 1, nodes) float64
+        Flight times of the nodes [s].
+    coefficients : (revolutions + 1, 5, nodes) float64
+        Newton's divided differences of the four numbers, and of ε (:mod:`.precession`) under J2;
+        none where limits are wide.
+    """
+
+    time: np.ndarray
+    coefficients: np.ndarray
+
 
 WIDE = 0.17
 """Half the span of the altitude limits, as a share of their mean radius, up to which this number of

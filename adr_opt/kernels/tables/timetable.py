@@ -24,7 +24,8 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.events import counted_event, earliest_taken
-from . import on_demand
+from ..core.memory import borrowed
+from . import on_demand, timetable
 
 LEAST_STEPS = 500
 """Least number of steps of the duration where events are irregular."""
@@ -274,3 +275,33 @@ def sample(table, departures, delta_v, duration):
                     dv, arrival = lookup(table, i, j, departures[d])
                     delta_v[d, i, j] = dv
                     duration[d, i, j] = arrival - departures[d]
+
+
+@kernel
+def from_source(source, origins, ready, destinations, delta_v, arrival):
+    """Connections computed on demand.
+
+    Parameters
+    ----------
+    source : adr_opt.kernels.tables.on_demand.Source
+    origins : (legs,) int64
+    ready : (legs,) float64
+        Since when a chaser is free there [s].
+    destinations : (legs,) int64
+    delta_v, arrival : (legs,) float64
+        Written: [m/s], [s]; +inf where there is none.
+    """
+    for leg in range(destinations.size):
+        delta_v[leg], arrival[leg] = on_demand.chosen(
+            source, origins[leg], destinations[leg], ready[leg]
+        )
+
+
+@kernel
+def from_rules(rules, origins, ready, destinations, delta_v, arrival):
+    """The same from the timetable of a mission, whether filled or on demand."""
+    rules = borrowed(rules)
+    for leg in range(destinations.size):
+        delta_v[leg], arrival[leg] = timetable.lookup(
+            rules.table, origins[leg], destinations[leg], ready[leg]
+        )

@@ -33,7 +33,7 @@ from ...kernels.legs.burns import (
     half_ellipse_speeds,
 )
 from ...kernels.legs.co_elliptic import TransferRule
-from ...kernels.legs.drift_laps import Split
+from ...kernels.legs.drift import Split
 from ...kernels.orbits import ephemeris
 from ...kernels.orbits.body_rows import with_orbit
 from ...plan.planes import Arcs, Plane, Turn, ahead, between, outward, turn_between, turned

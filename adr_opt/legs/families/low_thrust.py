@@ -8,7 +8,7 @@ import numpy as np
 
 from ...common.constants import SLACK_M_S, TURN_RAD
 from ...common.errors import InputError
-from ...kernels.legs import low_thrust, low_thrust_grid, low_thrust_windows
+from ...kernels.legs import low_thrust, low_thrust_windows
 from ...kernels.legs.drift_grid import LongTransfers
 from ...kernels.legs.drift_pair import DriftPair
 from ...kernels.legs.found import ConnectionArrays
@@ -48,14 +48,14 @@ class LowThrustLegs(LegFamily):
         thrust = Thrust(pushed, drive.exhaust_m_s)
         if ends.relaxed:
             resolution_m_s *= FINER
-        legs = low_thrust_grid.of_pair(
+        legs = low_thrust.of_pair(
             pair,
             thrust,
             ends.times,
             ends.latest_s,
             resolution_m_s,
             ends.relaxed,
-            low_thrust_grid.NONE_KNOWN,
+            low_thrust.NONE_KNOWN,
         )
         delta_v = legs.delta_v
         if ends.relaxed:  # also of the legs that are left out, as they save no more than that
@@ -76,7 +76,7 @@ class LowThrustLegs(LegFamily):
         times = ends.times._replace(most=min(ends.times.most, holds))
         known = heavier.departure / step, heavier.arrival / step
         leaves, lands = (np.rint(each).astype(np.int32) for each in known)
-        legs = low_thrust_grid.of_pair(
+        legs = low_thrust.of_pair(
             pair,
             thrust,
             times,

@@ -2,24 +2,70 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
+from ...common.constants import EARTH_RADIUS_M
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...kernels.orbits.gravity import FIELDS
 from ...mission.build_legs import tow_flown
 from ...mission.problem import Problem
 from ...mission.result import proven_of
 from ...plan.expense import cost_of_routes
 from ...plan.plan import Leg, Plan, Route, Unvisited
-from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...plan.routes import Flown, routes_of, weighed
 from ...plan.tows import removals_by_name
 from ...problem.chasers import AtStation
 from ...problem.instance import Instance
+from ..flight.refined_result import MOST_RELEASE_ECCENTRICITY, MOST_RELEASE_OFF_M
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
-from .releases import strayed
+from .bodies import Whereabouts, near_circle, state_of
 from .towing import towed
-from .whereabouts import Whereabouts
+
+
+class Strayed(NamedTuple):
+    """A release off the disposal orbit.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg that counts the tow.
+    name : str
+        Of the object.
+    off_m, eccentricity : float
+        Mean altitude above that of disposal [m], and mean eccentricity.
+    """
+
+    leg: int
+    name: str
+    off_m: float
+    eccentricity: float
+
+    def __str__(self) -> str:
+        return (
+            f"leg {self.leg}: {self.name} is released {self.off_m:.3g} m off the disposal orbit, "
+            f"with an eccentricity of {self.eccentricity:.2g}"
+        )
+
+
+def strayed(instance: Instance, refined: RefinedPlan) -> Iterator[Strayed]:
+    """Releases by spirals that ``fly`` does not let hold."""
+    for leg in refined.legs:
+        tows: list[tuple[str, RefinedTow | None]] = [(leg.destination, leg.tow)]
+        if leg.after_launch:
+            tows.insert(0, (leg.origin, leg.tow_before))
+        for name, tow in tows:
+            if tow is None or tow.thrust is None:
+                continue
+            mean = near_circle(state_of(tow.released), FIELDS[refined.gravity])
+            disposal_m = EARTH_RADIUS_M + (instance.mission.disposal_altitude_m or 0.0)
+            off_m, eccentricity = float(mean[0]) - disposal_m, math.hypot(mean[1], mean[2])
+            if abs(off_m) > MOST_RELEASE_OFF_M or eccentricity > MOST_RELEASE_ECCENTRICITY:
+                yield Strayed(leg.leg, name, off_m, eccentricity)
+
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a leg, as judged by `fly`."""
