@@ -238,17 +238,17 @@ def run(
     prover = wanted.bound or (DEFAULT_BOUND if spec_of(method, group).shows_evidence else None)
 
     def plan(limit_s: float) -> Result:
-        asked = replace(wanted, time_limit=limit_s, bound=None)
+        limited = replace(wanted, time_limit=limit_s, bound=None)
         heard = Relayed(lambda known, _: progress(known, math.inf), progress)
-        return once(group, whole, method, asked, heard)
+        return once(group, whole, method, limited, heard)
 
     def prove(limit_s: float, objective: float, routes: Routes) -> Result:
         start: Any = routes[0] if len(routes) == 1 else routes
-        asked = replace(
+        limited = replace(
             wanted, time_limit=limit_s, bound=None, repair=False, options={}, start=start or None
         )
         heard = by_masses.bounds_only(progress, objective)
-        return once(BOUNDS, whole.relaxed, str(prover), asked, heard)
+        return once(BOUNDS, whole.relaxed, str(prover), limited, heard)
 
     kept = whole.with_margin(wanted.margin) if wanted.margin else whole
     return by_masses.planned(kept, wanted.time_limit, plan, prove if prover else None)

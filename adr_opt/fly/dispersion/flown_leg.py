@@ -59,9 +59,9 @@ def fly_exactly(
         It leads away from the Earth or into its centre.
     """
     zonals, none = FIELDS[part.gravity], np.empty((0, 0))
-    docked, goal, elsewhere = part.start, part.goal, np.zeros(6)
+    docked, goal, moved_target = part.start, part.goal, np.zeros(6)
     if off is not None:
-        docked, goal, elsewhere = moved(docked, off.origin), moved(goal, off.target), off.target
+        docked, goal, moved_target = moved(docked, off.origin), moved(goal, off.target), off.target
     now, angle, spent = docked + begun, 0.0, 0.0
     last = part.times.size - 1
     for at, impulse in enumerate(part.impulses):
@@ -70,7 +70,7 @@ def fly_exactly(
             coast.coast(known, part.times[at] - part.times[0], zonals, none)
         else:
             known = now
-        target = elsewhere if at >= part.tracked else np.zeros(6)
+        target = moved_target if at >= part.tracked else np.zeros(6)
         burn = impulse + _correction(part, known, at, angle, target)
         burn = errors.of_burns(burn[:, None], drawn[at][:, None])[:, 0]
         spent += math.hypot(*burn)

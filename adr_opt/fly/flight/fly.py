@@ -12,10 +12,10 @@ from ...judge.admit import AnyPlan, admit
 from ...plan.plan import Burn, Leg
 from ...problem.instance import Instance
 from ...problem.orbit import Orbit
-from .aimed import Aim
 from .flyable import refuse_what_cannot_be_flown
 from .mean_flight import MeanDynamics, is_between_circles
 from .result import EccentricFlight, Flight, LegFlight
+from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
 from .two_body import State, TwoBody, distance, fly_eccentric
 
@@ -27,7 +27,7 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
     eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
-    (:mod:`.aimed`); in two-body motion a third time with them as they are. What the second flight
+    (:mod:`.retargeted`); in two-body motion a third time with them as they are. What the second flight
     takes, and what the burns of legs that drift take, is counted tank by tank.
 
     Parameters

@@ -1,7 +1,7 @@
 """Flight of a whole plan in mean motion on true orbits: ΔV per leg, and the remainder of each tank.
 
 What `solve` says of its plan when it ends. Legs between circles fly the plan's burns, and are asked
-whether they arrive; the burns of the others are aimed anew (:mod:`.aimed`). Nothing optional is
+whether they arrive; the burns of the others are aimed anew (:mod:`.retargeted`). Nothing optional is
 needed, and a leg takes some hundredths of a second, however long it drifts.
 
 `fly` restates the mean dynamics of J2 (docs/model.md sections 1 and 2) in :class:`MeanDynamics`
@@ -26,9 +26,9 @@ from ...problem.instance import Instance
 from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states, leaving_state
 from ..trajectory.kepler import drift
-from .aimed import Aim
 from .flyable import refuse_what_cannot_be_flown
 from .result import TankFlight
+from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
 from .two_body import State, TwoBody
 

@@ -114,18 +114,20 @@ def beginning(
         None if there is no such beginning with a leg.
     """
     instance = problem.instance
-    routes = [(flown, _held(problem, flown, refined)) for flown in routes_of(instance, plan)]
-    legs = [leg for flown, held in routes for _, leg in flown.legs[:held]]
+    routes = [
+        (flown, _holding_legs(problem, flown, refined)) for flown in routes_of(instance, plan)
+    ]
+    legs = [leg for flown, count in routes for _, leg in flown.legs[:count]]
     done = {leg.destination for leg in legs}
     if not legs or any(target.required and target.name not in done for target in instance.targets):
         return None
-    kept = [number for flown, held in routes for number, _ in flown.legs[:held]]
+    kept = [number for flown, count in routes for number, _ in flown.legs[:count]]
     bodies = problem.missions[0].numbers(leg.destination for leg in legs).tolist()
     objective = problem.prizes(bodies, [leg.free_s for leg in legs])
     dropped = tuple(
         Unvisited(target=leg.destination, reason="delta-v")
-        for flown, held in routes
-        for _, leg in flown.legs[held:]
+        for flown, count in routes
+        for _, leg in flown.legs[count:]
         if leg.destination not in instance.station_names
     )
     said = f"the first {len(kept)}" if len(routes) == 1 else f"{len(kept)}"
@@ -133,9 +135,9 @@ def beginning(
     shown = tuple(
         Route(
             chaser=_route_name(plan, flown),
-            legs=weighed(instance, flown.chaser, _ending(instance, flown, held)),
+            legs=weighed(instance, flown.chaser, _ending(instance, flown, count)),
         )
-        for flown, held in routes
+        for flown, count in routes
     )
     shorter = plan.replace(
         objective=objective,
@@ -156,15 +158,15 @@ def beginning(
     return shorter, _with(refined, renumbered).made_of(shorter)
 
 
-def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
+def _ending(instance: Instance, flown: Flown, count: int) -> Iterator[Leg]:
     """The first legs of a chaser, the last tow starting at once, as no leg follows.
 
     A spiral keeps its times, for which it was refined.
     """
     tows = removals_by_name(instance, None)
-    for at, (_, leg) in enumerate(flown.legs[:held], start=1):
+    for at, (_, leg) in enumerate(flown.legs[:count], start=1):
         by_spiral = leg.tow is None or not leg.tow.burns
-        if by_spiral or at < held or held == len(flown.legs):
+        if by_spiral or at < count or count == len(flown.legs):
             yield leg
         else:
             row = instance.orbits()[instance.names.index(leg.destination)]
@@ -187,7 +189,7 @@ def _route_name(plan: Plan, flown: Flown) -> str:
     return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
 
 
-def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+def _holding_legs(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
     """Maximum number of a chaser's legs that hold such that it may end after them."""
     numbers = [number for number, _ in flown.legs]
     for count in range(len(numbers), 0, -1):

@@ -93,7 +93,7 @@ def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 def _common() -> dict[str, Any]:
     """Compile timetables, rules, burns and low thrust, the check and the flight in mean motion."""
-    from ...fly.flight.aimed import practise
+    from ...fly.flight.retargeted import practise
     from ...judge.check.verdict import check
     from ...legs.least_thrust import too_weak
     from ...mission.certified import certify
