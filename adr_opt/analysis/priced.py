@@ -21,7 +21,7 @@ from ..problem.instance import AnyInstance, Instance
 from ..problem.rules import CAMPAIGNS, FIRST, Follower
 from ..problem.support import followed
 from ..run.legal_moves import why_illegal
-from .remedies import Remedy, Shortfall, remedies, missing
+from .remedies import Remedy, Shortfall, missing, remedies
 
 Route = Iterable[int | str]
 Asked = Plan | Mapping[str, Route] | Iterable[Any]

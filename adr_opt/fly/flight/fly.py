@@ -27,8 +27,8 @@ def fly(instance: Instance, plan: AnyPlan) -> Flight:
     there; the burns are taken from the plan as they are.
     Bodies move on the circles that the model plans with (docs/model.md section 1). A leg with an
     eccentric orbit is flown a second time on the true orbits, with its burns aimed anew
-    (:mod:`.retargeted`); in two-body motion a third time with them as they are. What the second flight
-    takes, and what the burns of legs that drift take, is counted tank by tank.
+    (:mod:`.retargeted`); in two-body motion a third time with them as they are. What the second
+    flight takes, and what the burns of legs that drift take, is counted tank by tank.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Flight of a whole plan in mean motion on true orbits: ΔV per leg, and the remainder of each tank.
 
 What `solve` says of its plan when it ends. Legs between circles fly the plan's burns, and are asked
-whether they arrive; the burns of the others are aimed anew (:mod:`.retargeted`). Nothing optional is
-needed, and a leg takes some hundredths of a second, however long it drifts.
+whether they arrive; the burns of the others are aimed anew (:mod:`.retargeted`). Nothing optional
+is needed, and a leg takes some hundredths of a second, however long it drifts.
 
 `fly` restates the mean dynamics of J2 (docs/model.md sections 1 and 2) in :class:`MeanDynamics`
 with nothing of :mod:`adr_opt.kernels` but constants: elements are moved by their rates in boinor's

@@ -239,7 +239,7 @@ def solve_refined(  # noqa: PLR0913
     refining = Wanted(gravity, freedom, jobs, None, over, lambda done, total: None, ephemerides)
     known: dict[Hashable, RefinedLeg] = {}
     while True:
-        here = mission.corrected(lessons.corrections) if held else mission
+        here = mission.corrected(lessons.corrections) if history else mission
         result = run(PLANNERS, here, method, wanted, stop=stop, progress=progress, **hearing)
         if result.plan is None:
             reason = f"round {len(history) + 1} found no plan: {method} ended with {result.status}"

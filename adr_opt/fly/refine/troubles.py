@@ -114,9 +114,7 @@ def beginning(
         None if there is no such beginning with a leg.
     """
     instance = problem.instance
-    routes = [
-        (flown, _holding_legs(problem, flown, refined)) for flown in routes_of(instance, plan)
-    ]
+    routes = [(flown, _holding(problem, flown, refined)) for flown in routes_of(instance, plan)]
     legs = [leg for flown, count in routes for _, leg in flown.legs[:count]]
     done = {leg.destination for leg in legs}
     if not legs or any(target.required and target.name not in done for target in instance.targets):
@@ -189,7 +187,7 @@ def _route_name(plan: Plan, flown: Flown) -> str:
     return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
 
 
-def _holding_legs(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+def _holding(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
     """Maximum number of a chaser's legs that hold such that it may end after them."""
     numbers = [number for number, _ in flown.legs]
     for count in range(len(numbers), 0, -1):
