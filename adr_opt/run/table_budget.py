@@ -207,7 +207,7 @@ def candidates(
         The time limit of everything [s].
     first : sequence of str or None
         Bodies that are wanted before all others, which come in order of their distance. None for
-        those to whom some of the pairs are of no use: they may spend the whole limit.
+        those that do not need some of the pairs: they may spend the whole limit.
     interrupted : callable
         Whether the user has interrupted.
     building : callable

@@ -24,7 +24,7 @@ class Deviations:
     Attributes
     ----------
     missed : tuple of str
-        Targets that were come to, and not serviced.
+        Targets that were reached, and not serviced.
     retry : bool
         Whether they may be tried again; else they are given up.
     services_s : mapping of str to float

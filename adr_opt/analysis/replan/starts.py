@@ -41,8 +41,8 @@ def in_order(instance: Instance, states: tuple[ChaserState, ...]) -> tuple[Chase
     """States in order of their starts, with launches kept apart and resumptions at distinct times.
 
     Where launches are kept apart, they are made in the order of the file. Of those that are put
-    somewhere no two begin at once: no other chaser comes to the first one's target in time, so
-    that it is put there, nor to that of the second one, and so on.
+    somewhere no two begin at once: no other chaser reaches the first one's target in time, so
+    that it is put there, nor that of the second one, and so on.
     """
     if not any(state.is_put for state in states):
         return states
@@ -70,7 +70,8 @@ def _begins_s(instance: Instance, state: ChaserState) -> float:
 def is_usurped(states: Sequence[ChaserState], made: Result) -> bool:
     """Whether another chaser reaches the target of a resuming chaser first.
 
-    That one is free for something better then, as nothing says who it is that has to be put there.
+    The instance cannot say which chaser has to be put there, so that the resuming one would be free
+    to do something better.
     """
     if made.plan is None:
         return False

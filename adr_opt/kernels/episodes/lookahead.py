@@ -199,6 +199,8 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
             most[place], slack[place] = 0.0, -1.0
             promised, time_left, lead = -1.0, 0.0, -1.0
             for chain in range(chains):
+                # Larger than every number before, so that the stamps of earlier chains need no
+                # clearing.
                 mark += 1
                 worth, collected, end, rest = greedy_chain(
                     rules,
@@ -226,6 +228,7 @@ def observe_lookahead(pool, episodes, order, first, last, into, prized, promises
             promises.time_left[e, row], promises.lead[e, row] = time_left, lead
             greatest = max(greatest, most[place])
             most_slack = max(most_slack, slack[place])
+        # Comparisons are with the best of all moves, which is known only now.
         for place in range(count):
             seen = moves[e, rows[place], begin:]
             seen[BEHIND] = 1.0
@@ -317,6 +320,8 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
     worth, collected = 0.0, 0.0
     choice = move
     _, _, chosen = rule_kernels.step(rules, state, choice)
+    # This ends: each move services a target that is new to the chain, or goes to the station, and
+    # the station is gone to from targets only.
     while choice >= 0:
         state = chosen
         body, time = choice, state.resources.time
@@ -344,6 +349,8 @@ def greedy_chain(rules, outlook, state, visited, move, gains, choosing, stamps):
                 if ready < guarded_until:
                     if lookup_in_column(home, table, k, ready)[0] > rest:
                         continue
+                # What the move after it adds is positive, so that what is too dear without it stays
+                # so.
                 if foresight > 0.0:
                     # In place: as a function of its own this took half of all the time.
                     next_cost = NOTHING_HOURS

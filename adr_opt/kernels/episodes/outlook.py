@@ -118,6 +118,8 @@ def fill(bodies, table, service, outlook):
         outlook.near[i] = -1
         write(outlook.near[i], items[:kept])
         write(outlook.near_angle[i], costs[:kept])
+        # Ready times are rounded up to a step. Whoever is ready before may have a better departure,
+        # so that lines say what to look at first, and the table what it costs.
         for m in range(outlook.ahead.shape[1]):
             ready = timetable.after_steps(table, i, m)
             kept = 0

@@ -1,7 +1,7 @@
-"""Undominated connections among those of a pair, in any order of arrival.
+"""Given connections of a pair: lists, and arrivals as functions of the departure.
 
-See docs/model.md section 9. Where a function jumps, the earlier arrival is that of who leaves by
-then, as with a train.
+Functions are piecewise linear and never fall (docs/model.md section 9). Where one jumps, a chaser
+that leaves at that time has the earlier arrival, as with a train. Lists are sifted by dominance.
 """
 
 import math
@@ -18,7 +18,7 @@ from .found import GIVEN, ConnectionArrays
 def leg_of(departures, arrivals, first, last, ready):
     """Departure and earliest arrival of a chaser that is ready at a time.
 
-    Who leaves later arrives no earlier, so that nobody waits but for the first departure.
+    A later departure arrives no earlier, so that a chaser waits for the first one only.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def leg_of(departures, arrivals, first, last, ready):
         else:
             high = middle
     # The first breakpoint that is not missed; at one that is met within the slack there is no
-    # arithmetic, so that rounding does not decide who is in time for it.
+    # arithmetic, so that rounding does not decide whether it is met.
     if low == first or departures[low] <= ready:
         return departures[low], arrivals[low]
     before = low - 1

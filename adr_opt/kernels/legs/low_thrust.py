@@ -131,6 +131,8 @@ def leg_below(pair, thrust, departure, arrival, below, relaxed):
     drift = pair.drift
     nearer = drift_pair.task_of(drift, departure, arrival, 0.0)
     best = LowThrustLeg(NEVER, 0.0, 1.0)
+    # Estimates with impulses are lower bounds up to this slack, so that what they refuse is refused
+    # by the leg itself. A window that is found lowers the limit of those after it.
     below = below + SLACK_M_S
     for turns in (0.0, -1.0, 1.0):
         if turns != 0.0 and nearer.span <= LONG_S:
@@ -265,6 +267,8 @@ def of_pair(pair, thrust, times, duration, resolution, relaxed, known):
     count = 0
     leaves, lands, paid = known
     before = leaves.size
+    # From the last departure to the first: a leg is dominated just where one that is known arrives
+    # by then for no more, and `cheapest` is the least of them up to each arrival.
     for begin in range(points - 2, -1, -1):
         while before > 0 and leaves[before - 1] >= begin:
             before -= 1

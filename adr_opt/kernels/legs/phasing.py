@@ -102,6 +102,9 @@ def curves_of(pair, rule):
             for part in range(4):
                 own[part, n] = values[part, n]
             own[4, n] = precession.carried(pair, rule, k, radius[n], time[k, n]) if drifts else 0.0
+        # Newton's divided differences, in place. The flight time rises with the radius, so that
+        # nodes are distinct; with Leja's order the products stay of one size, and no digits are
+        # lost.
         for first in range(1, NODES):
             for n in range(first, NODES):
                 share = 1.0 / (time[k, n] - time[k, first - 1])

@@ -43,6 +43,7 @@ def drawn_collisions(objects, tables, numbers, keys, first, last, sums, hits):
     found = 0
     for i in range(first, last):
         for j in range(i + 1, objects.tilts.size):
+            # Objects are in order of their lowest radius: no later one shares a shell either.
             if objects.shells[j, 0] >= objects.shells[i, 1]:
                 break
             rate, radius, made, catastrophic = outcome(objects, tables, i, j)
@@ -131,6 +132,7 @@ def fragment_hits(objects, tables, of, keys, first, last, sums, hits):
                     made += each * tables.fragments * (mass * speed / 1000.0) ** 0.75
                 rate += each
                 radii += each * radius
+            # The sum of Poisson processes is one, of the sum of their rates: one draw for a cloud.
             if ring + 1 < rings and clouds[ring + 1] == clouds[ring]:
                 continue
             if rate > 0.0:
