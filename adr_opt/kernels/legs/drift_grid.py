@@ -203,9 +203,9 @@ def of_pair(pair, zones, times, duration, resolution, shorts, kept):
             climb, tilt, least = free.climb, free.tilt, free.least
             lag, last_t = leg.lag, t
             if least - SLACK_M_S >= below:
-                # No leg costs less than the optimum of free phase, up to the slack, and that changes
-                # by `change` at most from one arrival to the next: so arrivals are passed over
-                # until it may have come down to the limit.
+                # No leg costs less than the optimum of free phase, up to the slack, and that
+                # changes by `change` at most from one arrival to the next: so arrivals are passed
+                # over until it may have come down to the limit.
                 if below < 0.7 * budget or below > budget:
                     budget, change = below, _change(pair, step, below)
                 looked = t + max(1, math.floor((least - SLACK_M_S - below) / change))
