@@ -357,12 +357,7 @@ def _beyond_the_model(problem: Problem, result: Result) -> Result:
     if plan is not None and (problem.margin or problem.connecting.corrections):
         # A plan file is read together with its instance, whose tanks may be used to the end, and
         # whose connections cost what the model says.
-        plan = plan.replace(
-            **proven_of(problem, plan.objective)._asdict(),
-            cost_bound=None,
-            cost_gap=None,
-            cost_status=None,
-        )
+        plan = proven_of(problem, plan.objective).of(plan)
     drift = None if plan is None else drift_warning(problem.instance, plan)
     quickest = None if registered_of(problem.instance) else too_short(problem.instance)
     idle = plan is not None and not plan.legs

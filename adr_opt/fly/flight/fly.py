@@ -125,18 +125,7 @@ def _fly_leg(
     eccentric: EccentricFlight | None,
 ) -> LegFlight:
     if not leg.traits.has_burns:
-        return LegFlight(
-            leg=number,
-            origin=leg.origin,
-            destination=leg.destination,
-            kind=leg.kind,
-            planned_delta_v_m_s=0.0,
-            burns_delta_v_m_s=0.0,
-            miss_m=0.0,
-            relative_speed_m_s=0.0,
-            arrival_miss_m=0.0,
-            eccentric=None,
-        )
+        return LegFlight(number, leg.origin, leg.destination, leg.kind)
     target = orbits[leg.destination]
     standoff = None
     try:

@@ -27,7 +27,7 @@ from ...problem.orbit import Orbit
 from ..trajectory.bodies import body_states, leaving_state
 from ..trajectory.kepler import drift
 from .flyable import refuse_what_cannot_be_flown
-from .result import TankFlight
+from .result import TankFlight, whole_sum
 from .retargeted import Aim
 from .tanks import burnt_m_s, plan_tanks
 from .two_body import State, TwoBody
@@ -258,12 +258,11 @@ def families_of(
 
 
 def _family(family: str, legs: list[tuple[float, float | None]]) -> FamilyFlight:
-    known = [flown for _, flown in legs if flown is not None]
     return FamilyFlight(
         family=family,
         legs=len(legs),
         planned_delta_v_m_s=math.fsum(planned for planned, _ in legs),
-        flown_delta_v_m_s=math.fsum(known) if len(known) == len(legs) else None,
+        flown_delta_v_m_s=whole_sum(flown for _, flown in legs),
     )
 
 

@@ -137,12 +137,9 @@ def beginning(
         )
         for flown, count in routes
     )
-    shorter = plan.replace(
+    shorter = proven_of(problem, objective).of(
+        plan,
         objective=objective,
-        **proven_of(problem, objective)._asdict(),
-        cost_bound=None,
-        cost_gap=None,
-        cost_status=None,
         cost=cost_of_routes(instance, shown),
         routes=shown,
         unvisited=(*plan.unvisited, *dropped),

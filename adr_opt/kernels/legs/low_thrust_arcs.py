@@ -80,31 +80,7 @@ def weighted(pair, turn):
         of.perigee_lag,
         of.perigee_lag_rate,
     )
-    return DriftPair(
-        linear,
-        pair.speed_i,
-        pair.climb,
-        pair.least_climb,
-        pair.most_climb,
-        pair.inclination_i,
-        pair.inclination_j,
-        pair.cosine,
-        pair.cosine_i,
-        pair.sine_i,
-        pair.cosine_j,
-        pair.node_rate_i,
-        pair.node_rate_j,
-        pair.latitude,
-        pair.latitude_rate_i,
-        pair.latitude_rate_j,
-        pair.lead,
-        pair.approach,
-        pair.half,
-        pair.fraction,
-        pair.oblateness,
-        pair.acceleration_i,
-        pair.acceleration_j,
-    )
+    return DriftPair(linear, *pair[1:])
 
 
 @inlined

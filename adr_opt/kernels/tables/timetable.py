@@ -24,8 +24,7 @@ import numpy as np
 
 from ..core.compile import inlined, kernel
 from ..core.events import counted_event, earliest_taken
-from ..core.memory import borrowed
-from . import on_demand, timetable
+from . import on_demand
 
 LEAST_STEPS = 500
 """Least number of steps of the duration where events are irregular."""
@@ -294,14 +293,4 @@ def from_source(source, origins, ready, destinations, delta_v, arrival):
     for leg in range(destinations.size):
         delta_v[leg], arrival[leg] = on_demand.chosen(
             source, origins[leg], destinations[leg], ready[leg]
-        )
-
-
-@kernel
-def from_rules(rules, origins, ready, destinations, delta_v, arrival):
-    """The same from the timetable of a mission, whether filled or on demand."""
-    rules = borrowed(rules)
-    for leg in range(destinations.size):
-        delta_v[leg], arrival[leg] = timetable.lookup(
-            rules.table, origins[leg], destinations[leg], ready[leg]
         )
