@@ -12,8 +12,8 @@ from ..common.errors import InputError
 from ..common.progress import Progress, Relayed, silent
 from ..common.stop import AnyOf, MaxIterations, MaxRuntime, Stop
 from ..legs.connection_finder import estimate
+from ..legs.families.low_thrust import too_weak
 from ..legs.families.registry import registered_of
-from ..legs.least_thrust import too_weak
 from ..legs.timetable_size import TABLE_BYTES, Size, too_large
 from ..mission.problem import AnyProblem, Problem, Routes, problem_of
 from ..mission.result import Result, noted, proven_of

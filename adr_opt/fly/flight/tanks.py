@@ -1,4 +1,4 @@
-"""ΔV taken from each tank by the legs of a refined plan."""
+"""ΔV taken from each tank by the flown legs of a plan, and by those of a refined one."""
 
 from __future__ import annotations
 

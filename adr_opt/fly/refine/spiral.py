@@ -25,9 +25,9 @@ from ...plan.refined_thrust import RefinedThrust
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
 from .bodies import TrueBodies, near_circle, recorded
-from .propelled import towing_by_leg
 from .thrust_guess import LEAST_THRESHOLD
 from .thrust_record import steered_arcs
+from .thrust_task import towing_by_leg
 
 ARC_S = 6.0 * 86400.0
 """Duration of arcs, about: in it the shadow moves by some degrees against the perigee."""
