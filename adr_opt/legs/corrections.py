@@ -1,6 +1,7 @@
 """Corrections to the modelled costs of transfers and times of services.
 
-Learned from refined legs (docs/model.md section 10), or drawn.
+Learned from refined legs (docs/model.md section 10), or drawn; or a charge for costing more than
+planned, so that tanks keep a reserve for it:
 
 A tank of ΔV B keeps a plan at a normal score z if the legs between two fillings, of mean cost a_k
 and variance v_k, leave

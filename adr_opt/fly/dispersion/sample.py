@@ -1,4 +1,4 @@
-"""Fly a refined plan many times with errors."""
+"""Fly a refined plan many times with errors, and tell what its tanks need."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Preconditions for flying a plan's burns, checked on its data alone."""
+"""Preconditions for flying a plan's burns, and how far its orbits are from circles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Corrections of the model learned from refined legs."""
+"""Corrections of the model learned from refined legs and spirals."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""Bodies of a plan's legs where their ephemerides say.
+"""Bodies of a plan's legs where their ephemerides say, and the ΔV of holding beside them.
 
 A leg begins at the position and velocity that is reported of its origin and ends at those reported
 of its destination. Between them it is a trajectory in the field; the bodies are on none, since
 their ephemerides know of other forces, and those of SGP4 have velocities that are not the
 derivatives of their positions.
 
-A body on its ephemeris is on no trajectory of the field: a chaser let go on a state by SGP4 is some
-hundreds of metres off after a revolution. Beside it, impulses lead from each reported position to
+So a chaser let go on a state by SGP4 is some hundreds of metres off after a revolution. The ΔV of
+holding is estimated and not flown: beside the body, impulses lead from each reported position to
 the next, :data:`PER_REVOLUTION` times a revolution; the first begins with the reported velocity,
 and a last one ends with it. For shorter intervals the sum tends to that of continuous thrust.
 """

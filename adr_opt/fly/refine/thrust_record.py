@@ -1,4 +1,4 @@
-"""Flown thrust as refined plans have it: arcs with their laws and windows."""
+"""Flown thrust as refined plans have it: arcs with their laws and windows, and states along it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A leg of low thrust as a task: from a state to another one, by two arcs."""
+"""A leg of low thrust as a task: its chaser, from a state to another one, by two arcs."""
 
 from __future__ import annotations
 

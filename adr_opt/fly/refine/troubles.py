@@ -1,4 +1,4 @@
-"""Whether a refined plan holds, and which part of it does otherwise."""
+"""Why a refined plan does not hold, and which part of it does."""
 
 from __future__ import annotations
 

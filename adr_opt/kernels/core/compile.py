@@ -1,7 +1,8 @@
 """Compiler settings of all kernels, and the time spent compiling.
 
 Numba optimises each function and emits its machine code, and does both again in every caller.
-A function that only kernels call needs neither: it is optimised in its callers.
+A function that only kernels call needs neither: it is an *inner* kernel, intermediate code that is
+linked into its callers and optimised there.
 """
 
 import gc

@@ -1,4 +1,4 @@
-"""Collisions of a year, drawn pair by pair from their rates (docs/scenarios.md)."""
+"""Collisions of a year, drawn by pair, or by object and cloud (docs/scenarios.md)."""
 
 import math
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Legs of low thrust: thrust, drift and thrust again, by class of mass (docs/model.md section 11)."""
+"""Legs of low thrust: thrust, drift, thrust, by class of mass (docs/model.md section 11)."""
 
 from __future__ import annotations
 
