@@ -1,9 +1,9 @@
 """Prizes of targets, required targets, and their combination for planners.
 
 Where prizes fall with time, what is lost of them enters the costs of labels, so that less lost
-comes before less cost: labels along an order are compared by one number. A multiple of a unit that no cost reaches, added
-to the cost, orders them by losses first: both are sums over legs. Losses are exact; costs of equal
-losses are told apart by :data:`FINEST` at least.
+comes before less cost: labels along an order are compared by one number. A multiple of a unit that
+no cost reaches, added to the cost, orders them by losses first: both are sums over legs. Losses are
+exact; costs of equal losses are told apart by :data:`FINEST` at least.
 """
 
 from __future__ import annotations

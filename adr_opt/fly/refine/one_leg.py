@@ -1,8 +1,8 @@
 """Refinement of one leg: from the docked start via the stand-off to the target; and of tows.
 
 The plan's tows are two burns against the motion between circles, the first half a revolution before
-the second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object on
-an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
+the second. An osculating orbit is no circle, by kilometres; burns of the same size leave the object
+on an orbit as near to one. Nothing is met at its end, so that there is nothing to correct: the next
 leg begins wherever the tow has led.
 """
 

@@ -1,10 +1,11 @@
 """Ends of legs: data that determine the legs of all pairs of an instance.
 
 They also say until when bodies can be met within the limits of altitude (docs/model.md section
-1.5). A chaser passes the perigee of a body on its true orbit, at the size that this has by then. Where
-the perigee is below ``min_altitude_m``, no leg leads there, and where it sinks below, none later. A
-body whose circle is below from the beginning is one that the mission means to meet: then the
-limit is that circle. Neither are objects towed whose release is not near the circle of disposal.
+1.5). A chaser passes the perigee of a body on its true orbit, at the size that this has by then.
+Where the perigee is below ``min_altitude_m``, no leg leads there, and where it sinks below, none
+later. A body whose circle is below from the beginning is one that the mission means to meet: then
+the limit is that circle. Neither are objects towed whose release is not near the circle of
+disposal.
 """
 
 from __future__ import annotations
