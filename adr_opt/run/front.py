@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from typing import Any
 
@@ -216,31 +217,18 @@ def run(
     """
     whole = problem_of(instance)
 
-    def once(
-        group: str, problem: Problem, method: str, wanted: RunOptions, heard: Progress
-    ) -> Result:
-        return _run(
-            group,
-            problem,
-            method,
-            wanted,
-            stop=stop,
-            progress=heard,
-            building=building,
-            sizing=sizing,
-        )
-
+    once = partial(_run, stop=stop, building=building, sizing=sizing)
     if not whole.depends_on_mass:
-        return once(group, whole, method, wanted, progress)
+        return once(group, whole, method, wanted, progress=progress)
     if group == BOUNDS:
-        found = once(group, whole.relaxed, method, wanted, by_masses.bounds_only(progress))
-        return by_masses.bounded(found)
+        heard = by_masses.bounds_only(progress)
+        return by_masses.bounded(once(group, whole.relaxed, method, wanted, progress=heard))
     prover = wanted.bound or (DEFAULT_BOUND if spec_of(method, group).shows_evidence else None)
 
     def plan(limit_s: float) -> Result:
         limited = replace(wanted, time_limit=limit_s, bound=None)
         heard = Relayed(lambda known, _: progress(known, math.inf), progress)
-        return once(group, whole, method, limited, heard)
+        return once(group, whole, method, limited, progress=heard)
 
     def prove(limit_s: float, objective: float, routes: Routes) -> Result:
         start: Any = routes[0] if len(routes) == 1 else routes
@@ -248,7 +236,7 @@ def run(
             wanted, time_limit=limit_s, bound=None, repair=False, options={}, start=start or None
         )
         heard = by_masses.bounds_only(progress, objective)
-        return once(BOUNDS, whole.relaxed, str(prover), limited, heard)
+        return once(BOUNDS, whole.relaxed, str(prover), limited, progress=heard)
 
     kept = whole.with_margin(wanted.margin) if wanted.margin else whole
     return by_masses.planned(kept, wanted.time_limit, plan, prove if prover else None)

@@ -51,7 +51,7 @@ def replan(  # noqa: PLR0913
     station, both are tried. What remains of the former plan, without what it cannot fly any more,
     is what the new one has to beat.
 
-    A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
+    A chaser with an object that it is still to tow is put onto that once more (:mod:`.starts`),
     and one that has begun its last tow goes on from the disposal orbit. The rules of the whole
     mission allow no wait there, so a note says so.
 

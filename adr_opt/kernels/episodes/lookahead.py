@@ -22,7 +22,7 @@ from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
 from .episodes import clip, outlook_of, rules_of, state_of
 from .observation import LIMIT, PER_HOUR, PER_KM_S, PER_TEN, observe_transfer
-from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY
+from .outlook import AHEAD, HOME, M_S_PER_HOUR, NOBODY, insert
 
 CHAINS = tuple((worth, share) for share in (0.0, 0.6) for worth in (200.0, 350.0, 600.0, 1200.0))
 """The chains: ΔV equivalent to an hour [m/s], and the share of the cheapest next move's cost that
@@ -270,14 +270,7 @@ def cheapest_moves(rules, state, per_gain, mask, rows):
         _, delta_v, after = rule_kernels.step(rules, state, row + 1)
         taken = after.resources.time - state.resources.time
         cost = (taken * PER_HOUR + delta_v / M_S_PER_HOUR) * per_gain[row + 1]
-        if count == FOLLOWED and cost >= costs[count - 1]:
-            continue
-        place = min(count, FOLLOWED - 1)
-        while place > 0 and costs[place - 1] > cost:
-            costs[place], rows[place] = costs[place - 1], rows[place - 1]
-            place -= 1
-        costs[place], rows[place] = cost, row
-        count = min(count + 1, FOLLOWED)
+        count = insert(cost, row, costs, rows, count)
     if mask[targets]:
         rows[count] = targets
         count += 1
