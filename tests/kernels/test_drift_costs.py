@@ -12,8 +12,8 @@ from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.drift import drift_cost
 from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_pair
+from adr_opt.kernels.legs.departure_events import Times
 from adr_opt.kernels.legs.short_transfers import Shorts
-from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns, ephemeris
 
 CASES = 1500

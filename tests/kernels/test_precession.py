@@ -22,8 +22,8 @@ from adr_opt.kernels.legs import (
     drifting_connections,
     precession,
 )
+from adr_opt.kernels.legs.departure_events import Times
 from adr_opt.kernels.legs.found import ConnectionArrays
-from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns
 from adr_opt.legs.connection_finder import ConnectionFinder
 from adr_opt.problem.settings import TransferSettings

@@ -93,7 +93,9 @@ def flown(
         for freedom in FREEDOM_S:
             if 2.0 * freedom > arrival - departure and freedom > FREEDOM_S[0]:
                 break
-            way = Drifting(orbit_i, orbit_j, rule, departure, arrival, freedom, keeps_altitudes=keeps_altitudes)
+            way = Drifting(
+                orbit_i, orbit_j, rule, departure, arrival, freedom, keeps_altitudes=keeps_altitudes
+            )
             found = way.flight()
             if found is not None:
                 return found

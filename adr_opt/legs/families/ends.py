@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, SLACK_M_S, SLACK_S
-from ...kernels.legs.times import Times
+from ...kernels.legs.departure_events import Times
 from ...kernels.orbits.ephemeris import EPOCH_S, revolution_at
 from ...plan.tows import RemovalFlight, leaving_eccentricity_delta_v, leaving_orbits, removals_of
 from ...problem.drives import Drive
