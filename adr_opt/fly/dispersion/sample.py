@@ -244,7 +244,7 @@ def _told(
             standoff_miss_m_s=Quantile.of(apart[at], share),
             arrival_miss_m=Quantile.of(flown[at].arrival_m, share),
             waits_share=float(waiting[at].mean()),
-            target_off_m=_quantile(flown[at].target_m, share),
+            target_off_m=None if (off := flown[at].target_m) is None else Quantile.of(off, share),
         )
         for at, leg in enumerate(refined.legs)
     )
@@ -271,10 +271,6 @@ def _told(
         leg_delta_v_m_s=spent,
         leg_standoff_miss_m=missed,
     )
-
-
-def _quantile(values: Array | None, share: float) -> Quantile | None:
-    return None if values is None else Quantile.of(values, share)
 
 
 def _next_departures(instance: Instance, refined: RefinedPlan) -> dict[int, float]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from statistics import LinearRegression, linear_regression
+from collections.abc import Mapping
+from statistics import linear_regression
 
 from ...legs.corrections import Corrections, Key, Span
 from ...plan.leg_kinds import leg_kinds
@@ -164,12 +164,8 @@ def _line(legs: list[Cost], least: float, *, drifts: bool) -> tuple[float, float
     factor = max(least, math.fsum(flown) / math.fsum(planned))
     if not drifts:
         return factor, 0.0
-    line = _regression(planned, flown) if len(set(planned)) >= MOST_OF_A_LINE else None
+    line = linear_regression(planned, flown) if len(set(planned)) >= MOST_OF_A_LINE else None
     if line is not None and line.slope >= least and line.intercept >= 0.0:
         return line.slope, line.intercept
     excess = (math.fsum(flown) - math.fsum(planned)) / len(legs)
     return (1.0, excess) if excess > 0.0 else (factor, 0.0)
-
-
-def _regression(planned: Iterable[float], flown: Iterable[float]) -> LinearRegression:
-    return linear_regression(tuple(planned), tuple(flown))

@@ -24,7 +24,6 @@ from ...problem.support import refuse
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import BOUNDS, PLANNERS
 from ..flight.flyable import REFINED
-from ..flight.result import TankFlight
 from ..flight.tanks import tanks_of
 from .all_legs import Wanted, refined_again
 from .lessons import Lessons
@@ -137,11 +136,6 @@ class _Best:
     def hear(self, found: tuple[Plan, RefinedPlan] | None) -> None:
         if found is not None and (self.kept is None or _rank(*found) > _rank(*self.kept)):
             self.kept = found
-
-
-def _overdrawn(tank: TankFlight) -> bool:
-    """Whether the model's ΔV overdraws a tank."""
-    return tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
 
 
 def _rank(plan: Plan, refined: RefinedPlan) -> tuple[float, float]:
@@ -304,7 +298,11 @@ def _ended(
             routes=routes,
             notes=tuple(dict.fromkeys((*result.notes, *plan.notes))),
         )
-    over = [tank for tank in tanks_of(mission.instance, kept) if _overdrawn(tank)]
+    over = [
+        tank
+        for tank in tanks_of(mission.instance, kept)
+        if tank.planned_delta_v_m_s > tank.budget_m_s + DELTA_V_TOLERANCE_M_S
+    ]
     if over:
         worst = max(over, key=lambda tank: tank.planned_delta_v_m_s - tank.budget_m_s)
         said = (

@@ -132,7 +132,7 @@ def beginning(
     # Kits that are left behind by legs that are not flown are not taken along.
     shown = tuple(
         Route(
-            chaser=_route_name(plan, flown),
+            chaser=plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name,
             legs=weighed(instance, flown.chaser, _ending(instance, flown, count)),
         )
         for flown, count in routes
@@ -177,11 +177,6 @@ def _towing(instance: Instance, refined: RefinedPlan, plan: Plan, leg: RefinedLe
         return leg
     bodies = Whereabouts.of(instance, refined)
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
-
-
-def _route_name(plan: Plan, flown: Flown) -> str:
-    """Name of a route's chaser as in the plan."""
-    return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
 
 
 def _holding(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
