@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import inlined, kernel
-from adr_opt.kernels.legs.given_functions import leg_of
+from adr_opt.kernels.legs.given import leg_of
 
 from .tour import TimedTour
 

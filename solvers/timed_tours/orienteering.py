@@ -17,7 +17,7 @@ from adr_opt.common.constants import SLACK_S
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.events import earliest_taken
 from adr_opt.kernels.core.windows import service_end
-from adr_opt.kernels.legs.given_functions import leg_of
+from adr_opt.kernels.legs.given import leg_of
 from adr_opt.mission.mission import Mission
 
 from .hashing import slot_of

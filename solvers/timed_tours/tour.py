@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.windows import service_end
-from adr_opt.kernels.legs.given_functions import leg_of
+from adr_opt.kernels.legs.given import leg_of
 from adr_opt.mission.mission import Mission
 from adr_opt.problem.chasers import AtStation
 

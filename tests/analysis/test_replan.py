@@ -17,7 +17,7 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import price, replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import InstanceReference, Plan

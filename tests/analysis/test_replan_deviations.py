@@ -24,8 +24,8 @@ from two_chasers import campaign, planned
 
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
-from adr_opt.analysis.deviations import Deviations
-from adr_opt.analysis.state import ChaserState, states_at
+from adr_opt.analysis.replan.chaser_states import ChaserState, states_at
+from adr_opt.analysis.replan.deviations import Deviations
 from adr_opt.common.constants import DAY_S
 from adr_opt.common.errors import InputError
 from adr_opt.plan.plan import Plan

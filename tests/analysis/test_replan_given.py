@@ -20,7 +20,7 @@ from toy_roads import HOUR_S, solved
 
 import adr_opt
 from adr_opt.analysis import replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance

@@ -22,7 +22,7 @@ from towed_fields import TANK
 
 import adr_opt
 from adr_opt.analysis import Replanned, price, replan
-from adr_opt.analysis.state import states_at
+from adr_opt.analysis.replan.chaser_states import states_at
 from adr_opt.common.errors import InputError
 from adr_opt.fly.flight import fly
 from adr_opt.kernels.orbits import columns, ephemeris

@@ -8,15 +8,7 @@ import threading
 import pytest
 
 from adr_opt.common.errors import InputError
-from adr_opt.common.stop import (
-    AnyOf,
-    Interrupted,
-    MaxIterations,
-    MaxRuntime,
-    NoImprovement,
-    Proven,
-    max_runtime,
-)
+from adr_opt.common.stop import AnyOf, Interrupted, MaxIterations, MaxRuntime, NoImprovement, Proven
 
 NOTHING = (-math.inf, math.inf)
 
@@ -38,7 +30,7 @@ def test_max_iterations_must_be_positive(limit: int) -> None:
 def test_max_runtime(monkeypatch: pytest.MonkeyPatch) -> None:
     """Not enough before the limit, enough after it, counted from the making of the criterion."""
     now = 1000.0
-    monkeypatch.setattr(max_runtime, "now_s", lambda: now)
+    monkeypatch.setattr("adr_opt.common.stop.now_s", lambda: now)
     stop = MaxRuntime(0.25)
     assert not stop(*NOTHING)
     assert stop.remaining_s() == 0.25

@@ -16,8 +16,8 @@ from plans import moved_to, solved, unjudged
 
 import adr_opt
 from adr_opt.fly.dispersion import Dispersion, FlightErrors, Quantile, sample_flights, usable_tank
-from adr_opt.fly.dispersion.exact import fly_exactly
 from adr_opt.fly.dispersion.feedback import LegPart, fly, parts_of
+from adr_opt.fly.dispersion.flown_leg import fly_exactly
 from adr_opt.fly.flight.tanks import legs_by_tank, tanks_of
 from adr_opt.plan.refined_plan import RefinedPlan
 from adr_opt.problem.instance import Instance

@@ -27,14 +27,12 @@ from adr_opt.export.flights.write import FlightFile
 from adr_opt.fly.dispersion import sample_flights
 from adr_opt.fly.flight import fly_refined
 from adr_opt.fly.flight.tanks import tanks_of
-from adr_opt.fly.refine.bodies import moved
+from adr_opt.fly.refine.bodies import Whereabouts, moved
 from adr_opt.fly.refine.ephemeris import tracks
-from adr_opt.fly.refine.holding import beginning
-from adr_opt.fly.refine.holding_estimate import following_m_s, holding_m_s
 from adr_opt.fly.refine.lessons import Lessons
 from adr_opt.fly.refine.one_leg import refine_leg
-from adr_opt.fly.refine.reported import ReportedBodies
-from adr_opt.fly.refine.whereabouts import Whereabouts
+from adr_opt.fly.refine.reported import ReportedBodies, following_m_s, holding_m_s
+from adr_opt.fly.refine.troubles import beginning
 from adr_opt.judge.refined import check_refined
 from adr_opt.mission.problem import Problem
 from adr_opt.plan.plan import Plan

@@ -11,9 +11,9 @@ from rows import HIGHEST_M, LOWEST_M, FloatArray, oblate_rule, row
 
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
 from adr_opt.judge.check.drift import drift_cost
-from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_laps, drift_pair
+from adr_opt.kernels.legs import drift, drift_arcs, drift_free, drift_grid, drift_pair
+from adr_opt.kernels.legs.departure_events import Times
 from adr_opt.kernels.legs.short_transfers import Shorts
-from adr_opt.kernels.legs.times import Times
 from adr_opt.kernels.orbits import columns, ephemeris
 
 CASES = 1500
@@ -157,7 +157,7 @@ def test_free_phase_costs_no_more_than_whole_laps():
         pair = drift_pair.prepare(first, second, RULE, 0.0)
         leg = drift_pair.task(pair, departure, departure + span)
         free = drift_free.free_phase(pair, leg, *drift_free.first_guess(pair, leg))
-        found = drift_laps.split(pair, leg, free).delta_v
+        found = drift.split(pair, leg, free).delta_v
         if found < DEAREST_M_S:
             assert free.least - drift_grid.SLACK_M_S <= found, (first, second, departure, span)
 

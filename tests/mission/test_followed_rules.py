@@ -15,7 +15,7 @@ from adr_opt.analysis import price, replan
 from adr_opt.analysis.priced import FOLLOWS as PRICED
 from adr_opt.analysis.rehearse.ground import FOLLOWS as REHEARSED
 from adr_opt.analysis.rehearse.sampling import rehearse
-from adr_opt.analysis.replan import FOLLOWS as REPLANNED
+from adr_opt.analysis.replan.replanning import FOLLOWS as REPLANNED
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.problem import Problem

@@ -13,7 +13,7 @@ from timed_fields import SPAN_S, drawn_function, timed_mission
 
 import adr_opt
 from adr_opt.common.errors import InputError
-from adr_opt.kernels.legs.given_functions import legs_of
+from adr_opt.kernels.legs.given import legs_of
 from adr_opt.problem.given import among, of_rows, only
 from adr_opt.problem.given_functions import of_breakpoints
 

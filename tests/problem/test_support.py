@@ -18,7 +18,7 @@ from adr_opt.analysis.comparison import compare
 from adr_opt.analysis.design.rating import rating_of
 from adr_opt.analysis.priced import price
 from adr_opt.analysis.rehearse.sampling import rehearse
-from adr_opt.analysis.replan import replan
+from adr_opt.analysis.replan.replanning import replan
 from adr_opt.analysis.robust.robust import robust
 from adr_opt.analysis.scenario.offer import check_template
 from adr_opt.analysis.trade.axes import Axis

@@ -6,8 +6,8 @@ import json
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from ...fly.refine.bodies import Whereabouts
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
-from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.kepler import revolution

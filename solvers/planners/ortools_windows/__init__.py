@@ -73,8 +73,8 @@ from adr_opt.mission.problem import Problem, problem_of
 from adr_opt.mission.result import Result
 from adr_opt.plan.plan import Plan
 from adr_opt.run.legal_moves import legal_beginning
+from adr_opt.run.run_options import Start
 from adr_opt.run.start_plan import start_destinations
-from adr_opt.run.starts import Start
 
 from ...beams.beams import USUAL, with_time_value
 from ...beams.greedy_order import guarded_sequence

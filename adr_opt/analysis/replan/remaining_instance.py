@@ -6,25 +6,28 @@ from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 from typing import Any
 
-from ..common.errors import InputError
-from ..judge.check.zone_crossings import crossed
-from ..plan.station_limits import StationLimits
-from ..problem.bodies import Station
-from ..problem.given import among
-from ..problem.instance import Instance
-from ..problem.numbering import Numbering
+from ...common.errors import InputError
+from ...judge.check.zone_crossings import crossed
+from ...plan.station_limits import StationLimits
+from ...plan.tows import released_orbit
+from ...problem.bodies import Station
+from ...problem.chasers import AtStation, Chaser, Expense, InOrbit
+from ...problem.drives import drive_of
+from ...problem.given import among
+from ...problem.instance import Instance
+from ...problem.numbering import LEO, Numbering
+from .chaser_states import ChaserState, heavier, put_s, tank_holding
 from .deviations import without_service
-from .state import ChaserState, as_flown, going_on, put_s
 
 
 def crossings(
-    zoned: Instance, states: Sequence[ChaserState], at_s: float, before: int
+    instance: Instance, states: Sequence[ChaserState], at_s: float, before: int
 ) -> Iterator[str]:
     """Notes on legs that cross new zones and can no longer be avoided.
 
     Parameters
     ----------
-    zoned : Instance
+    instance : Instance
         With the new zones, behind its own.
     states : sequence of ChaserState
     at_s : float
@@ -39,7 +42,7 @@ def crossings(
     """
     for state in states:
         for leg in state.legs:
-            new = [which for which in crossed(zoned, leg) if which >= before]
+            new = [which for which in crossed(instance, leg) if which >= before]
             if not new or leg.end_s <= at_s:
                 continue
             said = f"to {leg.destination!r} crosses new zone {new[0] - before + 1}"
@@ -52,7 +55,7 @@ def crossings(
 
 
 def remaining_instance(
-    zoned: Instance,
+    instance: Instance,
     states: Sequence[ChaserState],
     lost: Sequence[str],
     at_s: float,
@@ -62,7 +65,7 @@ def remaining_instance(
 
     Parameters
     ----------
-    zoned : Instance
+    instance : Instance
         With the new zones.
     states : sequence of ChaserState
         What is flown, and where it leads.
@@ -81,33 +84,33 @@ def remaining_instance(
     missed = {name for state in states for name in state.missed}
     done = {leg.destination for state in states for leg in state.legs} - missed
     gone = {*lost, *given_up}
-    names = {target.name for target in zoned.targets}
+    names = {target.name for target in instance.targets}
     for name in lost:
         if name not in names:
-            raise InputError(f"lost {name!r}: not a target of {zoned.name!r}")
+            raise InputError(f"lost {name!r}: not a target of {instance.name!r}")
         if name in done:
             raise InputError(
                 f"lost {name!r}: it is done by then, or the leg to it has begun; tell it as missed "
                 "if it is not serviced"
             )
-    put = {state.body: put_s(zoned, state) for state in states if state.is_put}
+    put = {state.body: put_s(instance, state) for state in states if state.is_put}
     targets = tuple(
         # A target still to be towed has no prize any more, and is there for its own chaser only.
         target.replace(prize=0.0, prize_until=None, required=True, window_s=put[target.name])
         if target.name in put
         else target
-        for target in zoned.targets
+        for target in instance.targets
         if target.name in put or (target.name not in done and target.name not in gone)
     )
-    chasers = tuple(going_on(zoned, state) for state in states)
+    chasers = tuple(_going_on(instance, state) for state in states)
     # Launches are kept apart by their times, and a chaser put at a target is not launched.
-    mission = zoned.mission.replace(launch_separation_s=None) if put else zoned.mission
-    name = f"{zoned.name}-from-{at_s:.0f}s"
-    stations = _stations_left(zoned, states)
+    mission = instance.mission.replace(launch_separation_s=None) if put else instance.mission
+    name = f"{instance.name}-from-{at_s:.0f}s"
+    stations = _stations_left(instance, states)
     if stations is None:
         return None
     return _changed(
-        zoned,
+        instance,
         states,
         name=name,
         targets=targets,
@@ -146,7 +149,7 @@ def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[S
     missed = [name for state in states for name in state.missed]
     limits = StationLimits(without_service(instance, missed))
     uses = [
-        limits.use(as_flown(state), [(leg.destination, leg.delta_v_m_s) for leg in state.legs])
+        limits.use(_as_flown(state), [(leg.destination, leg.delta_v_m_s) for leg in state.legs])
         for state in states
     ]
     if not limits.allow(uses):
@@ -159,3 +162,49 @@ def _stations_left(instance: Instance, states: Sequence[ChaserState]) -> tuple[S
         )
         for station in instance.stations
     )
+
+
+def _going_on(instance: Instance, state: ChaserState) -> Chaser:
+    """The chaser of a state, as part of an instance that begins there.
+
+    What it was launched for is paid, so that it has no expense any more.
+    """
+    chaser, stations = state.chaser, instance.station_names
+    done = sum(leg.destination not in (*stations, *state.missed) for leg in state.legs)
+    changes: dict[str, Any] = {"kits": state.kits}
+    if chaser.max_targets is not None:
+        changes["max_targets"] = max(chaser.max_targets - done, 0) + state.is_put
+    since_s = put_s(instance, state)[0] if state.is_put else state.free_s
+    changes["available_s"] = (since_s, _end_s(chaser, state.free_s))
+    body = state.body
+    if state.is_new or body is None:
+        return chaser.replace(**changes)
+    if chaser.expense is not None:
+        changes["expense"] = Expense()
+    chaser = heavier(chaser, state.idle_kits)
+    if body in stations:
+        return chaser.replace(
+            **changes, start=AtStation(station=body), tank=tank_holding(chaser, None, None)
+        )
+    changes["tank"] = tank_holding(chaser, state.left_m_s, state.propellant_kg)
+    if state.is_put:
+        return chaser.replace(**changes, start="anywhere")
+    if state.is_released:
+        drive = drive_of(chaser, instance.targets)
+        orbit = released_orbit(instance, drive, body, state.legs[-1].done_s)
+    else:
+        # Where connections are given there may be none, and nothing comes of the one that is said.
+        orbit = instance.known_orbits[instance.names.index(body)] or LEO
+    decay = instance.decay_of(body) or None
+    return chaser.replace(**changes, start=InOrbit(orbit=orbit, decay_m_per_day=decay))
+
+
+def _end_s(chaser: Chaser, free_s: float) -> float | None:
+    """When a chaser that is free at a time is gone; None for never [s]."""
+    end = chaser.available_s[1]
+    return None if end is None else max(end, free_s)
+
+
+def _as_flown(state: ChaserState) -> Chaser:
+    """The chaser as `check` follows it: full, and always with the kits still aboard."""
+    return heavier(state.chaser, state.weighed_kits + state.idle_kits)

@@ -1,12 +1,79 @@
-"""Undominated connections among those of a pair, in any order of arrival."""
+"""Given connections of a pair: lists, and arrivals as functions of the departure.
+
+Functions are piecewise linear and never fall (docs/model.md section 9). Where one jumps, a chaser
+that leaves at that time has the earlier arrival, as with a train. Lists are sifted by dominance.
+"""
 
 import math
 
 import numpy as np
 
-from ..core.compile import kernel
+from ..core.compile import inlined, kernel
+from ..core.events import earliest_taken
 from ..core.lists import chosen, filled, ranks
 from .found import GIVEN, ConnectionArrays
+
+
+@inlined
+def leg_of(departures, arrivals, first, last, ready):
+    """Departure and earliest arrival of a chaser that is ready at a time.
+
+    A later departure arrives no earlier, so that a chaser waits for the first one only.
+
+    Parameters
+    ----------
+    departures, arrivals : (breakpoints,) float64
+        Of all functions; none of a function falls [s].
+    first, last : int
+        The breakpoints of this one: ``first`` to ``last`` − 1; none where there is no function.
+    ready : float
+        [s].
+
+    Returns
+    -------
+    departure, arrival : float
+        [s]; +inf where nothing leaves any more.
+    """
+    earliest = earliest_taken(ready)
+    if first == last or departures[last - 1] < earliest:
+        return math.inf, math.inf
+    low, high = first, last - 1
+    while low < high:
+        middle = (low + high) // 2
+        if departures[middle] < earliest:
+            low = middle + 1
+        else:
+            high = middle
+    # The first breakpoint that is not missed; at one that is met within the slack there is no
+    # arithmetic, so that rounding does not decide whether it is met.
+    if low == first or departures[low] <= ready:
+        return departures[low], arrivals[low]
+    before = low - 1
+    rise = arrivals[low] - arrivals[before]
+    share = (ready - departures[before]) / (departures[low] - departures[before])
+    return ready, max(arrivals[before], min(arrivals[before] + rise * share, arrivals[low]))
+
+
+@kernel
+def legs_of(departures, arrivals, ready):
+    """Departures and arrivals by one function, for chasers that are ready at some times.
+
+    Parameters
+    ----------
+    departures, arrivals : (breakpoints,) float64
+        [s].
+    ready : (times,) float64
+        [s].
+
+    Returns
+    -------
+    departure, arrival : (times,) float64
+        [s], as of :func:`leg_of`.
+    """
+    leaves, lands = np.empty(ready.size), np.empty(ready.size)
+    for place in range(ready.size):
+        leaves[place], lands[place] = leg_of(departures, arrivals, 0, departures.size, ready[place])
+    return leaves, lands
 
 
 @kernel

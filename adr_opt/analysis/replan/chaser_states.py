@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from ..common.constants import SLACK_S
-from ..common.errors import InputError
-from ..legs.service_limits import limits_of, removal_times
-from ..plan.cargo import kits_of
-from ..plan.expense import carried_kg
-from ..plan.plan import Leg, Plan
-from ..plan.routes import Flown, routes_of
-from ..plan.tows import released_orbit
-from ..problem.chasers import AnyTank, AtStation, Chaser, Expense, InOrbit, TankByMass
-from ..problem.drives import drive_of
-from ..problem.instance import Instance
-from ..problem.numbering import LEO
+from ...common.constants import SLACK_S
+from ...common.errors import InputError
+from ...legs.service_limits import limits_of, removal_times
+from ...plan.cargo import kits_of
+from ...plan.expense import carried_kg
+from ...plan.plan import Leg, Plan
+from ...plan.routes import Flown, routes_of
+from ...problem.chasers import AnyTank, AtStation, Chaser, TankByMass
+from ...problem.instance import Instance
 from .deviations import (
     AS_PLANNED,
     Deviations,
@@ -287,12 +284,7 @@ def _loaded(instance: Instance, flown: Flown) -> Flown:
     least_kg = (carried_kg(instance, chaser, flown.spent) or 0.0) - kits_kg
     never_kg = flown.vented_kg[0] if flown.legs else 0.0  # is taken off once more
     holds_kg = min(least_kg + never_kg, tank.propellant_kg)
-    return replace(flown, chaser=chaser.replace(tank=_tank(chaser, None, holds_kg)))
-
-
-def as_flown(state: ChaserState) -> Chaser:
-    """The chaser as `check` follows it: full, and always with the kits still aboard."""
-    return heavier(state.chaser, state.weighed_kits + state.idle_kits)
+    return replace(flown, chaser=chaser.replace(tank=tank_holding(chaser, None, holds_kg)))
 
 
 def heavier(chaser: Chaser, kits: int) -> Chaser:
@@ -301,41 +293,6 @@ def heavier(chaser: Chaser, kits: int) -> Chaser:
     if not isinstance(tank, TankByMass) or kits_kg == 0.0:
         return chaser
     return chaser.replace(tank=tank.replace(dry_mass_kg=tank.dry_mass_kg + kits_kg))
-
-
-def going_on(instance: Instance, state: ChaserState) -> Chaser:
-    """The chaser of a state, as part of an instance that begins there.
-
-    What it was launched for is paid, so that it has no expense any more.
-    """
-    chaser, stations = state.chaser, instance.station_names
-    done = sum(leg.destination not in (*stations, *state.missed) for leg in state.legs)
-    changes: dict[str, Any] = {"kits": state.kits}
-    if chaser.max_targets is not None:
-        changes["max_targets"] = max(chaser.max_targets - done, 0) + state.is_put
-    since_s = put_s(instance, state)[0] if state.is_put else state.free_s
-    changes["available_s"] = (since_s, _end(chaser, state.free_s))
-    body = state.body
-    if state.is_new or body is None:
-        return chaser.replace(**changes)
-    if chaser.expense is not None:
-        changes["expense"] = Expense()
-    chaser = heavier(chaser, state.idle_kits)
-    if body in stations:
-        return chaser.replace(
-            **changes, start=AtStation(station=body), tank=_tank(chaser, None, None)
-        )
-    changes["tank"] = _tank(chaser, state.left_m_s, state.propellant_kg)
-    if state.is_put:
-        return chaser.replace(**changes, start="anywhere")
-    if state.is_released:
-        drive = drive_of(chaser, instance.targets)
-        orbit = released_orbit(instance, drive, body, state.legs[-1].done_s)
-    else:
-        # Where connections are given there may be none, and nothing comes of the one that is said.
-        orbit = instance.known_orbits[instance.names.index(body)] or LEO
-    decay = instance.decay_of(body) or None
-    return chaser.replace(**changes, start=InOrbit(orbit=orbit, decay_m_per_day=decay))
 
 
 def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
@@ -347,12 +304,7 @@ def put_s(instance: Instance, state: ChaserState) -> tuple[float, float]:
     return max(state.free_s - service_s, 0.0), state.free_s
 
 
-def _end(chaser: Chaser, free_s: float) -> float | None:
-    end = chaser.available_s[1]
-    return None if end is None else max(end, free_s)
-
-
-def _tank(chaser: Chaser, left_m_s: float | None, propellant_kg: float | None) -> AnyTank:
+def tank_holding(chaser: Chaser, left_m_s: float | None, propellant_kg: float | None) -> AnyTank:
     """The tank with a given content at the start."""
     tank = chaser.tank
     if isinstance(tank, TankByMass):

@@ -56,7 +56,7 @@ class Shortfall:
 
 
 @dataclass(frozen=True)
-class Mending:
+class Remedy:
     """A change of an order that makes all of it flyable.
 
     Attributes
@@ -84,9 +84,9 @@ class Mending:
         return {**asdict(self), "order": list(self.order)}
 
 
-def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
+def remedies(mission: Mission, moves: Moves) -> tuple[Remedy, ...]:
     """All single changes that repair an order, by remaining prize, then by cost."""
-    found: list[tuple[float, float, int, Mending]] = []
+    found: list[tuple[float, float, int, Remedy]] = []
     for kind, body, changed in _changes(mission, moves):
         timing = mission.time(changed)
         if timing.made < len(changed) or not mission.may_stop(changed):
@@ -94,8 +94,8 @@ def mendings(mission: Mission, moves: Moves) -> tuple[Mending, ...]:
         names = tuple(mission.names[j] for j in changed)
         prize = mission.prizes(changed, timing.ends.tolist())
         end_s = float(timing.ends[-1]) if changed else 0.0
-        mending = Mending(kind, mission.names[body], names, prize, timing.delta_v, end_s)
-        found.append((-prize, timing.cost, len(found), mending))
+        remedy = Remedy(kind, mission.names[body], names, prize, timing.delta_v, end_s)
+        found.append((-prize, timing.cost, len(found), remedy))
     return tuple(entry[-1] for entry in sorted(found))
 
 

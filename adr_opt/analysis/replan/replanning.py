@@ -1,23 +1,22 @@
-"""Replanning of the rest of a mission, from the chasers' current states and with changes."""
+"""Replanning of what remains of a mission, from the chasers' current states and with changes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ..common.clock import now_s
-from ..common.stop import Stop
-from ..judge.admit import AnyPlan, admit
-from ..problem.instance import Instance
-from ..problem.rules import CAMPAIGNS, FIRST, Follower
-from ..problem.settings import KeepOutZone
-from ..problem.support import refuse
+from ...common.clock import now_s
+from ...common.stop import Stop
+from ...judge.admit import AnyPlan, admit
+from ...problem.instance import Instance
+from ...problem.rules import CAMPAIGNS, FIRST, Follower
+from ...problem.settings import KeepOutZone
+from ...problem.support import refuse
+from .chaser_states import ChaserState, states_at
 from .deviations import Deviations
-from .launch_windows import in_order
 from .remaining_instance import crossings, remaining_instance
-from .replanned import PlannedRest, Replanned, compared
-from .rest import PlannerChoice, planned_rest
-from .restart_states import former_orders
-from .state import ChaserState, states_at
+from .remaining_plan import PlannerChoice, plan_remaining
+from .replanned import RemainingPlan, Replanned, compared
+from .starts import former_orders, in_order
 
 DEFAULT_TIME_LIMIT_S = 2.0
 
@@ -43,16 +42,16 @@ def replan(  # noqa: PLR0913
     seed: int = 0,
     stop: Stop | None = None,
 ) -> Replanned:
-    """Replan the rest of a mission.
+    """Replan what remains of a mission.
 
-    What has begun is finished (:func:`.state.states_at`). A chaser that has serviced a target
-    since it refuelled last may refuel at once; to be full earlier is never worse, so that is one
-    more beginning, by the connection that arrives first. Where the former plan is about to do so
-    it is taken; where it had ended, less than half a tank is left, or the chaser has to end at a
-    station, both are tried. The rest of the former plan, without what it cannot fly any more, is
-    what the new one has to beat.
+    What has begun is finished (:func:`.chaser_states.states_at`). A chaser that has serviced a
+    target since it refuelled last may refuel at once; to be full earlier is never worse, so that is
+    one more start, by the connection that arrives first. Where the former plan is about to do so it
+    is taken; where it had ended, less than half a tank is left, or the chaser has to end at a
+    station, both are tried. What remains of the former plan, without what it cannot fly any more,
+    is what the new one has to beat.
 
-    A chaser with an object that it is still to tow is put onto that once more (:mod:`.putting`),
+    A chaser with an object that it is still to tow is put onto that once more (:mod:`.starts`),
     and one that has begun its last tow goes on from the disposal orbit. The rules of the whole
     mission allow no wait there, so a note says so.
 
@@ -111,7 +110,7 @@ def replan(  # noqa: PLR0913
         return remaining_instance(zoned, now, gone, at_s, went.given_up)
 
     choice = PlannerChoice(method, time_limit, seed, stop)
-    best = planned_rest(zoned, left, states, former, choice)
+    best = plan_remaining(zoned, left, states, former, choice)
     notes = (*notes, *_waits(states, best))
     orders = tuple(former[state.chaser.name] for state in best.states)
     return compared(instance, best, orders, gone, went, notes, began)
@@ -121,7 +120,7 @@ def _each_once(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _waits(states: Sequence[ChaserState], found: PlannedRest) -> Iterator[str]:
+def _waits(states: Sequence[ChaserState], found: RemainingPlan) -> Iterator[str]:
     """Notes on chasers that continue from a disposal orbit after waiting there."""
     released = {state.chaser.name for state in states if state.is_released}
     instance, begun, made = found

@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ..common.card import Shown
-from ..common.clock import now_s
-from ..mission.result import Result
-from ..plan.plan import Plan, Route
-from ..problem.instance import Instance
+from ...common.card import Shown
+from ...common.clock import now_s
+from ...mission.result import Result
+from ...plan.plan import Plan, Route
+from ...problem.instance import Instance
+from .chaser_states import ChaserState
 from .deviations import Deviations
-from .state import ChaserState
 
 Orders = tuple[tuple[str, ...], ...]
 
 
 @dataclass(frozen=True, repr=False)
 class Replanned(Shown):
-    """The replanned rest of a mission.
+    """What remains of a mission, replanned.
 
     Attributes
     ----------
@@ -33,17 +33,17 @@ class Replanned(Shown):
     former : tuple of tuple of str
         What the plan was about to do, for each chaser.
     gained, dropped, lost : tuple of str
-        Targets that the former rest did not visit and the new one does; that it did, and which are
-        left out now though they could still be visited; and those that are lost.
+        Targets that only the new plan visits; that only the former one would have visited, though
+        they could still be; and those that are lost.
     missed, given_up : tuple of str
-        Targets that were come to and not serviced, and those of them that are not tried again.
+        Targets that were reached and not serviced, and those of them that are not tried again.
     prize_before, prize_after : float
-        Of the former rest, and of the new one.
+        Of what remained of the former plan, and of the new one.
     kept : int
-        Legs at the beginning of the new rest that lead where the former ones led.
+        Legs at the beginning of the new plan that lead where the former ones led.
     notes : tuple of str
     runtime_s : float
-        All of it, timetables included.
+        Of replanning, timetables included.
     """
 
     instance: Instance
@@ -63,11 +63,11 @@ class Replanned(Shown):
 
     @property
     def plan(self) -> Plan | None:
-        """The new plan of the rest; None if there is none."""
+        """The new plan; None if there is none."""
         return self.result.plan
 
     def whole(self) -> tuple[Route, ...]:
-        """Complete flight of each chaser: fixed legs, then the new rest.
+        """Complete flight of each chaser: fixed legs, then those of the new plan.
 
         Of legs that went otherwise than planned it has the times and costs that they had, and a
         target that was missed is tried again by a second leg to it.
@@ -76,10 +76,10 @@ class Replanned(Shown):
         new = {} if plan is None else {route.chaser: route.legs for route in plan.routes}
         routes = []
         for state in self.states:
-            legs, rest = list(state.legs), new.get(state.chaser.name, ())
-            if state.is_put and rest:
-                legs[-1] = legs[-1].replace(tow=rest[0].tow)
-            for leg in state.onward(rest):
+            legs, onward = list(state.legs), new.get(state.chaser.name, ())
+            if state.is_put and onward:
+                legs[-1] = legs[-1].replace(tow=onward[0].tow)
+            for leg in state.onward(onward):
                 where = legs[-1].destination if legs else state.chaser.start_name
                 free_s = legs[-1].free_s if legs else state.since_s
                 legs.append(leg.replace(origin=where, ready_s=free_s))
@@ -114,7 +114,7 @@ class Replanned(Shown):
         }
 
 
-class PlannedRest(NamedTuple):
+class RemainingPlan(NamedTuple):
     """The remaining instance with a plan.
 
     Attributes
@@ -134,20 +134,20 @@ class PlannedRest(NamedTuple):
 
 def compared(
     instance: Instance,
-    rest: PlannedRest,
+    found: RemainingPlan,
     former: Orders,
     lost: tuple[str, ...],
     went: Deviations,
     notes: tuple[str, ...],
     began: float,
 ) -> Replanned:
-    """Gains and losses of the new rest against the former one.
+    """Gains and losses of the new plan against what remained of the former one.
 
     Parameters
     ----------
     instance : Instance
         The whole mission.
-    rest : PlannedRest
+    found : RemainingPlan
     former : tuple of tuple of str
         What the plan was about to do, for each chaser.
     lost : tuple of str
@@ -156,7 +156,7 @@ def compared(
     began : float
         When replanning began, by the performance counter [s].
     """
-    chosen, states, result = rest
+    remaining, states, result = found
     prizes = {target.name: target.prize for target in instance.targets}
     before = [name for order in former for name in order if name in prizes]
     plan = result.plan
@@ -167,7 +167,7 @@ def compared(
         after += [name for name in new if name in prizes]
         kept += _common(new, order)
     return Replanned(
-        instance=chosen,
+        instance=remaining,
         result=result,
         states=states,
         former=former,

@@ -1,25 +1,71 @@
-"""Whether a refined plan holds, and which part of it does otherwise."""
+"""Why a refined plan does not hold, and which part of it does."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
+from ...common.constants import EARTH_RADIUS_M
 from ...judge.check.violation import DELTA_V_TOLERANCE_M_S
+from ...kernels.orbits.gravity import FIELDS
 from ...mission.build_legs import tow_flown
 from ...mission.problem import Problem
 from ...mission.result import proven_of
 from ...plan.expense import cost_of_routes
 from ...plan.plan import Leg, Plan, Route, Unvisited
-from ...plan.refined_plan import RefinedLeg, RefinedPlan
+from ...plan.refined_plan import RefinedLeg, RefinedPlan, RefinedTow
 from ...plan.routes import Flown, routes_of, weighed
 from ...plan.tows import removals_by_name
 from ...problem.chasers import AtStation
 from ...problem.instance import Instance
+from ..flight.refined_result import MOST_RELEASE_ECCENTRICITY, MOST_RELEASE_OFF_M
 from ..flight.result import tank_name
 from ..flight.tanks import legs_by_tank, tanks_of
-from .releases import strayed
-from .towing import towed
-from .whereabouts import Whereabouts
+from .bodies import Whereabouts, near_circle, state_of
+from .one_leg import towed
+
+
+class Strayed(NamedTuple):
+    """A release off the disposal orbit.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg that counts the tow.
+    name : str
+        Of the object.
+    off_m, eccentricity : float
+        Mean altitude above that of disposal [m], and mean eccentricity.
+    """
+
+    leg: int
+    name: str
+    off_m: float
+    eccentricity: float
+
+    def __str__(self) -> str:
+        return (
+            f"leg {self.leg}: {self.name} is released {self.off_m:.3g} m off the disposal orbit, "
+            f"with an eccentricity of {self.eccentricity:.2g}"
+        )
+
+
+def strayed(instance: Instance, refined: RefinedPlan) -> Iterator[Strayed]:
+    """Releases by spirals that ``fly`` does not let hold."""
+    for leg in refined.legs:
+        tows: list[tuple[str, RefinedTow | None]] = [(leg.destination, leg.tow)]
+        if leg.after_launch:
+            tows.insert(0, (leg.origin, leg.tow_before))
+        for name, tow in tows:
+            if tow is None or tow.thrust is None:
+                continue
+            mean = near_circle(state_of(tow.released), FIELDS[refined.gravity])
+            disposal_m = EARTH_RADIUS_M + (instance.mission.disposal_altitude_m or 0.0)
+            off_m, eccentricity = float(mean[0]) - disposal_m, math.hypot(mean[1], mean[2])
+            if abs(off_m) > MOST_RELEASE_OFF_M or eccentricity > MOST_RELEASE_ECCENTRICITY:
+                yield Strayed(leg.leg, name, off_m, eccentricity)
+
 
 MOST_MISS_M, MOST_MISS_M_S = 1.0, 1e-3
 """Largest miss of a leg, as judged by `fly`."""
@@ -68,35 +114,32 @@ def beginning(
         None if there is no such beginning with a leg.
     """
     instance = problem.instance
-    routes = [(flown, _held(problem, flown, refined)) for flown in routes_of(instance, plan)]
-    legs = [leg for flown, held in routes for _, leg in flown.legs[:held]]
+    routes = [(flown, _holding(problem, flown, refined)) for flown in routes_of(instance, plan)]
+    legs = [leg for flown, count in routes for _, leg in flown.legs[:count]]
     done = {leg.destination for leg in legs}
     if not legs or any(target.required and target.name not in done for target in instance.targets):
         return None
-    kept = [number for flown, held in routes for number, _ in flown.legs[:held]]
+    kept = [number for flown, count in routes for number, _ in flown.legs[:count]]
     bodies = problem.missions[0].numbers(leg.destination for leg in legs).tolist()
     objective = problem.prizes(bodies, [leg.free_s for leg in legs])
     dropped = tuple(
         Unvisited(target=leg.destination, reason="delta-v")
-        for flown, held in routes
-        for _, leg in flown.legs[held:]
+        for flown, count in routes
+        for _, leg in flown.legs[count:]
         if leg.destination not in instance.station_names
     )
     said = f"the first {len(kept)}" if len(routes) == 1 else f"{len(kept)}"
     # Kits that are left behind by legs that are not flown are not taken along.
     shown = tuple(
         Route(
-            chaser=_route_name(plan, flown),
-            legs=weighed(instance, flown.chaser, _ending(instance, flown, held)),
+            chaser=plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name,
+            legs=weighed(instance, flown.chaser, _ending(instance, flown, count)),
         )
-        for flown, held in routes
+        for flown, count in routes
     )
-    shorter = plan.replace(
+    shorter = proven_of(problem, objective).of(
+        plan,
         objective=objective,
-        **proven_of(problem, objective)._asdict(),
-        cost_bound=None,
-        cost_gap=None,
-        cost_status=None,
         cost=cost_of_routes(instance, shown),
         routes=shown,
         unvisited=(*plan.unvisited, *dropped),
@@ -110,15 +153,15 @@ def beginning(
     return shorter, _with(refined, renumbered).made_of(shorter)
 
 
-def _ending(instance: Instance, flown: Flown, held: int) -> Iterator[Leg]:
+def _ending(instance: Instance, flown: Flown, count: int) -> Iterator[Leg]:
     """The first legs of a chaser, the last tow starting at once, as no leg follows.
 
     A spiral keeps its times, for which it was refined.
     """
     tows = removals_by_name(instance, None)
-    for at, (_, leg) in enumerate(flown.legs[:held], start=1):
+    for at, (_, leg) in enumerate(flown.legs[:count], start=1):
         by_spiral = leg.tow is None or not leg.tow.burns
-        if by_spiral or at < held or held == len(flown.legs):
+        if by_spiral or at < count or count == len(flown.legs):
             yield leg
         else:
             row = instance.orbits()[instance.names.index(leg.destination)]
@@ -136,12 +179,7 @@ def _towing(instance: Instance, refined: RefinedPlan, plan: Plan, leg: RefinedLe
     return leg.replace(tow=towed(bodies, leg.destination, tow.burns))
 
 
-def _route_name(plan: Plan, flown: Flown) -> str:
-    """Name of a route's chaser as in the plan."""
-    return plan.routes[0].chaser if len(plan.routes) == 1 else flown.chaser.name
-
-
-def _held(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
+def _holding(problem: Problem, flown: Flown, refined: RefinedPlan) -> int:
     """Maximum number of a chaser's legs that hold such that it may end after them."""
     numbers = [number for number, _ in flown.legs]
     for count in range(len(numbers), 0, -1):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from ..common.constants import SLACK_M_S, SLACK_S
-from ..common.errors import InputError
-from ..common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S
-from ..legs.service_limits import service_begins
-from ..plan.plan import Leg, Plan
-from ..plan.routes import Flown
-from ..problem.instance import Instance
+from ...common.constants import SLACK_M_S, SLACK_S
+from ...common.errors import InputError
+from ...common.records import LARGEST_DELTA_V_M_S, LARGEST_DURATION_S
+from ...legs.service_limits import service_begins
+from ...plan.plan import Leg, Plan
+from ...plan.routes import Flown
+from ...problem.instance import Instance
 
 Numbered = tuple[tuple[int, Leg], ...]
 """Legs in order, each with its number in the plan."""
@@ -24,7 +24,7 @@ class Deviations:
     Attributes
     ----------
     missed : tuple of str
-        Targets that were come to, and not serviced.
+        Targets that were reached, and not serviced.
     retry : bool
         Whether they may be tried again; else they are given up.
     services_s : mapping of str to float
