@@ -18,7 +18,7 @@ DOORS = {
     # that knows their spellings
     "json.load": (PRODUCT, set()),
     "json.loads": (PRODUCT, {"adr_opt/common/json_text.py"}),
-    "JSONDecoder": (PRODUCT, {"adr_opt/sources/catalogue/omm_json.py"}),
+    "JSONDecoder": (PRODUCT, {"adr_opt/sources/catalogue/omm_formats.py"}),
     "validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
     "model_validate_json": (PRODUCT, {"adr_opt/common/json_text.py"}),
     "parse_raw": (PRODUCT, set()),

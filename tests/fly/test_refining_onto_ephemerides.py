@@ -48,7 +48,7 @@ from adr_opt.sources.ephemerides import ephemerides_of
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.oem import read_oem
 from adr_opt.sources.ephemerides.of_instance import of_contents
-from adr_opt.ui.plot.costs import costs_chart
+from adr_opt.ui.plot.budget import costs_chart
 from adr_opt.ui.report.flights import complaints, section
 from adr_opt.ui.report.sections import costs_note
 

@@ -40,7 +40,7 @@ from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import Plane, ahead, outward
 from adr_opt.plan.tows import leaving_orbits, removals_of
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.plot.segments import segments
+from adr_opt.ui.plot.gantt import segments
 
 
 @cache

@@ -16,9 +16,7 @@ import adr_opt
 from adr_opt import Instance, Plan
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.ephemeris import ORBIT_COLUMNS
-from adr_opt.plan import plan as plan_module
 from adr_opt.plan.plan import cost_of
-from adr_opt.problem import instance as instance_module
 from adr_opt.problem.bodies import Station
 from adr_opt.problem.chasers import AtStation, Chaser, Expense, InOrbit, Tank, free_name
 from adr_opt.problem.settings import MissionSettings, Objective, TransferSettings
@@ -103,7 +101,7 @@ def test_whatever_is_stated_survives_a_round_trip(instance: Instance) -> None:
     assert again == instance
     assert again.to_json() == text
     assert again.sha256 == instance.sha256
-    jsonschema.validate(json.loads(text), instance_module.json_schema())
+    jsonschema.validate(json.loads(text), adr_opt.Instance.json_schema())
     assert pickle.loads(pickle.dumps(instance)) == instance
 
 
@@ -197,7 +195,7 @@ def test_plans_survive_a_round_trip(planned: tuple[Instance, Plan]) -> None:
     again = Plan.from_json(plan.to_json())
     assert again == plan
     assert again.to_json() == plan.to_json()
-    jsonschema.validate(json.loads(plan.to_json()), plan_module.json_schema())
+    jsonschema.validate(json.loads(plan.to_json()), adr_opt.Plan.json_schema())
     assert plan.legs == plan.routes[0].legs
     assert {leg.kind for leg in plan.legs} == {"short"}
 

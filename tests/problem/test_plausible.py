@@ -11,8 +11,8 @@ from conftest import Cli
 
 import adr_opt
 from adr_opt.problem.plausible import USUAL, doubts
-from adr_opt.sources.asked.by_option import by_option
 from adr_opt.sources.generator.families import FAMILIES
+from adr_opt.sources.mission_options import by_option
 
 DAY_S = 86400.0
 

@@ -52,7 +52,7 @@ from adr_opt.problem.rules import (
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.method_spec import MethodSpec
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
-from adr_opt.ui.cli.verbs import VERBS, command
+from adr_opt.ui.cli.entry import VERBS, command
 from adr_opt.ui.report import page
 
 METHODS = [(group, name) for group in (PLANNERS, BOUNDS) for name in names(group)]

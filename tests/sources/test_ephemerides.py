@@ -26,16 +26,15 @@ from adr_opt.problem.frame_rotation import from_gcrf, teme_axes
 from adr_opt.sources.catalogue import ElementSet, read, to_instance
 from adr_opt.sources.catalogue.propagation import state as sgp4_state
 from adr_opt.sources.ephemerides import ephemerides_of, ephemeris_of
-from adr_opt.sources.ephemerides.by_sgp4 import ByElements
 from adr_opt.sources.ephemerides.coverage import Coverage
 from adr_opt.sources.ephemerides.elements_file import read_elements, to_text
+from adr_opt.sources.ephemerides.ephemeris import TurningAxes
 from adr_opt.sources.ephemerides.fit import fitted, j3_offset
 from adr_opt.sources.ephemerides.imported import with_ephemerides
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import left_over, planned_states
 from adr_opt.sources.ephemerides.oem import read_oem
-from adr_opt.sources.ephemerides.of_instance import of_contents
-from adr_opt.sources.ephemerides.turning import TurningAxes
+from adr_opt.sources.ephemerides.of_instance import ByElements, of_contents
 
 pytest.importorskip("sgp4.api")
 pytest.importorskip("erfa")

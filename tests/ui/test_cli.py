@@ -20,7 +20,7 @@ import adr_opt
 from adr_opt.plan.plan import load_plan
 from adr_opt.run import methods
 from adr_opt.sources import generator
-from adr_opt.ui.cli.verbs import VERBS
+from adr_opt.ui.cli.entry import VERBS
 
 PYTHON = [sys.executable, "-m", "adr_opt"]
 

@@ -8,7 +8,7 @@ import click
 import pytest
 from conftest import Cli
 
-from adr_opt.ui.cli.verbs import command
+from adr_opt.ui.cli.entry import command
 
 CLOUD = str(Path(__file__).parents[2] / "examples/catalogue/cloud.tle")
 NUMBERS = ("1e308", "-1e308", "1e-320", "nan", "inf", "-0.0", "99999999999999999999")

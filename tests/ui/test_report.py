@@ -22,14 +22,14 @@ from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.settings import KeepOutZone
 from adr_opt.ui import plot
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.strands import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 
 from adr_opt.ui.report import figures, page, write_report  # noqa: E402
-from adr_opt.ui.report.controls import leg_options  # noqa: E402
 from adr_opt.ui.report.facts import facts  # noqa: E402
 from adr_opt.ui.report.figures.orbits import MOST_RINGS  # noqa: E402
+from adr_opt.ui.report.space import leg_options  # noqa: E402
 
 ROOT = Path(__file__).parents[2]
 EVIL = (

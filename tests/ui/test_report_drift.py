@@ -27,7 +27,7 @@ from adr_opt.plan.refined_plan import Missing
 from adr_opt.ui import plot
 from adr_opt.ui.plot.budget import budget
 from adr_opt.ui.plot.nodes import Nodes, nodes_of, of_body, of_track
-from adr_opt.ui.plot.tracks import tracks
+from adr_opt.ui.plot.strands import tracks
 
 plotly_graph_objects = pytest.importorskip("plotly.graph_objects")
 

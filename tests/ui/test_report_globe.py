@@ -19,8 +19,7 @@ from adr_opt.kernels.orbits.sunlight import shadow
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.frame import Frame
 from adr_opt.problem.instance import Instance
-from adr_opt.ui.report.greenwich import J2000
-from adr_opt.ui.report.sun import Sun, sun
+from adr_opt.ui.report.sun import J2000, Sun, sun
 
 pytest.importorskip("plotly.graph_objects")
 

@@ -21,10 +21,10 @@ from adr_opt.plan.palette import chaser_colours
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.routes import routes_of
 from adr_opt.problem.instance import Instance
-from adr_opt.sources.generator.removal import LIGHT_KG
+from adr_opt.sources.generator.rocket_bodies import LIGHT_KG
 from adr_opt.ui import plot
-from adr_opt.ui.plot.mass import masses
-from adr_opt.ui.plot.segments import segments
+from adr_opt.ui.plot.budget import masses
+from adr_opt.ui.plot.gantt import segments
 from adr_opt.ui.plot.thrust_arcs import thrust_arcs
 
 pytest.importorskip("plotly.graph_objects")

@@ -25,8 +25,8 @@ from serve_desks import session_of
 
 import adr_opt
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
 from adr_opt.ui.serve.planner_process import PlannerProcess
+from adr_opt.ui.serve.planning import PlanningOrder
 
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
@@ -170,16 +170,20 @@ def test_a_planning_process_that_dies_is_said_and_replaced(tmp_path: Path) -> No
         work.begin(
             adr_opt.generate("nominal", 0, targets=30), PlanningOrder("local-search", 3600.0), None
         )
-        until(lambda: work.look().phase == "planning")
+        until(lambda: work.progress().phase == "planning")
         assert work._process is not None
         os.kill(work._process.pid, signal.SIGKILL)
         assert work.wait(60.0)
-        look = work.look()
+        look = work.progress()
         assert (look.number, look.phase) == (1, "failed")
         assert look.said.startswith("the process that plans has ended by signal 9")
         work.begin(hand_made(), PlanningOrder("greedy-guarded", 20.0), None)
         assert work.wait(60.0)
-        assert (work.look().number, work.look().phase, work.look().said) == (2, "done", "well")
+        assert (work.progress().number, work.progress().phase, work.progress().said) == (
+            2,
+            "done",
+            "well",
+        )
         assert len(results) == 1
     finally:
         work.close()

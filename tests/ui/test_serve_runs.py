@@ -20,9 +20,9 @@ from adr_opt.mission.problem import problem_of
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
-from adr_opt.ui.serve import incumbents
+from adr_opt.ui.serve import work
 from adr_opt.ui.serve.folder import Folder
-from adr_opt.ui.serve.looks import PlanningOrder
+from adr_opt.ui.serve.planning import PlanningOrder
 from adr_opt.ui.serve.project import results
 from adr_opt.ui.serve.session import EditingSession
 
@@ -207,11 +207,9 @@ def test_an_unfinished_plan_is_taken_up(session: EditingSession, tmp_path: Path)
 
 def test_a_watch_makes_plans_of_the_best_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Routes that are better than those before become plans; half a plan and worse ones do not."""
-    monkeypatch.setattr(incumbents, "PAUSE_S", 0.01)
+    monkeypatch.setattr(work, "PAUSE_S", 0.01)
     found: list[Plan] = []
-    watch = incumbents.IncumbentWatch(
-        problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append
-    )
+    watch = work.IncumbentWatch(problem_of(hand_made()), PlanningOrder("beam", 1.0), found.append)
     with watch:
         for routes, count in (
             ((numbers(HALF),), 1),

@@ -9,7 +9,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.wording import counted
-from . import take
+from . import param
 from .output import emit, emit_json, emit_rich, say, terminal_width
 from .parameters import check_out
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 
 @click.command("price", short_help="Time an order of bodies, and suggest repairs.")
-@take.instance
+@param.instance
 @click.argument("names", nargs=-1, metavar="NAME...")
-@take.file("--file", "File with the order, one name per line.", name="file_path")
-@take.word("--out", "PLAN", "Plan file to write if the order can be flown.")
-@take.as_json
-@take.quiet
+@param.file("--file", "File with the order, one name per line.", name="file_path")
+@param.word("--out", "PLAN", "Plan file to write if the order can be flown.")
+@param.as_json
+@param.quiet
 def command(
     instance_path: str,
     names: tuple[str, ...],

@@ -8,7 +8,7 @@ import click
 
 from ...common.errors import InputError
 from ...common.processors import usable_cores
-from . import complete, take
+from . import complete, param
 from .output import emit, emit_json, say
 
 if TYPE_CHECKING:
@@ -21,9 +21,9 @@ ENVIRONMENT = "environment"
 
 @click.command("warm-up", short_help="Compile what methods need, once and for all runs.")
 @click.argument("methods", nargs=-1, metavar="[METHOD]...", shell_complete=complete.methods)
-@take.count("--jobs", "N", "Processes side by side; one for each core.")
-@take.as_json
-@take.quiet
+@param.count("--jobs", "N", "Processes side by side; one for each core.")
+@param.as_json
+@param.quiet
 def command(methods: tuple[str, ...], jobs: int | None, as_json: bool, quiet: bool) -> int:
     """Compile the kernels of METHODs, by default of all planners and bounds.
 
