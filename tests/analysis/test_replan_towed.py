@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from brute_force import tow_of
 from on_from import Field, most, violations
+from plain_world import tow_of
 from random_rules import (
     carrying,
     drifting_mission,

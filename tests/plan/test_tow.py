@@ -8,7 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from brute_force import brute_force_campaign, tow_of
+from brute_force import brute_force_campaign
+from plain_world import tow_of
 from plans import unjudged
 from random_rules import (
     carrying,
