@@ -14,6 +14,7 @@ from itertools import product
 from operator import add, le
 from typing import Any
 
+import numpy as np
 from plain_rules import (
     Leg,
     State,
@@ -62,10 +63,11 @@ class Legs:
 
 def worth_having(things: dict[Vector, Any]) -> dict[Vector, Any]:
     """Of things by what they take, those than which no other one takes less, or as much, of all."""
-    kept: dict[Vector, Any] = {}
-    for each in sorted(things):
-        if not any(all(map(le, other, each)) for other in kept):
-            kept[each] = things[each]
+    prices, kept = np.array(sorted(things)), {}
+    while prices.size:
+        best = tuple(prices[0].tolist())
+        kept[best] = things[best]
+        prices = prices[(prices < best).any(axis=1)]
     return kept
 
 
