@@ -78,12 +78,12 @@ GIVE_BACK = pytest.StashKey[Callable[[], None]]()
 
 @pytest.fixture
 def cli(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Cli:
-    """Run the command line in this process, in an empty folder."""
+    """Run the command line in this process, in an empty folder: a line of words, and more words."""
     monkeypatch.chdir(tmp_path)
 
-    def call(*arguments: object) -> Outcome:
+    def call(line: str = "", *more: object) -> Outcome:
         capsys.readouterr()
-        status = main([str(argument) for argument in arguments])
+        status = main([*line.split(), *map(str, more)])
         said = capsys.readouterr()
         return Outcome(status, said.out, said.err)
 

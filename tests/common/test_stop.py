@@ -1,12 +1,14 @@
-"""Stopping criteria: each says enough when it should, and not before."""
+"""Stopping criteria and their clock: each says enough when it should, and not before."""
 
 from __future__ import annotations
 
 import math
 import threading
+import time
 
 import pytest
 
+from adr_opt.common import clock
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import (
     AnyOf,
@@ -137,3 +139,17 @@ def test_any_of_nothing_never_ends() -> None:
     """Without criteria there is no reason to stop."""
     assert not AnyOf()(*NOTHING)
     assert AnyOf().remaining_s() == math.inf
+
+
+def test_processor_time_stands_still_while_others_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that sleeps uses none, and one that works does; pauses count no more."""
+    monkeypatch.setattr(clock, "_seconds", clock._seconds)
+    monkeypatch.setattr(clock, "_pauses", [lambda: time.perf_counter()])
+    clock.count_processor_time()
+    began = clock.now_s()
+    time.sleep(0.2)
+    assert 0.0 <= clock.now_s() - began < 0.1
+    until = time.process_time() + 0.02
+    while time.process_time() < until:
+        pass
+    assert clock.now_s() - began >= 0.02

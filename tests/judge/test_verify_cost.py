@@ -256,15 +256,7 @@ def test_the_command_states_the_verified_cost(cli: Cli, tmp_path):
     adr_opt.generate("tiny", 0).save(instance)
     plan, certificate = tmp_path / "plan.json", tmp_path / "proof.json"
     cli(
-        "solve",
-        instance,
-        "--method",
-        "exact",
-        "--option",
-        "cost=true",
-        "--out",
-        plan,
-        "--certificate",
+        f"solve {instance} --method exact --option cost=true --out {plan} --certificate",
         certificate,
     )
     said = cli("verify", instance, plan, certificate)

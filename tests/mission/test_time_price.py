@@ -324,15 +324,7 @@ def test_the_verb_writes_the_frontier(cli: Cli, tmp_path) -> None:
     """CSV, page and JSON have the same last days; what has no frontier is refused in a sentence."""
     hand_made().save("instance.json")
     outcome = cli(
-        "tradeoff",
-        "instance.json",
-        "--frontier",
-        "front.csv",
-        "--page",
-        "front.html",
-        "--time-limit",
-        10,
-        "--json",
+        "tradeoff instance.json --frontier front.csv --page front.html --time-limit 10 --json"
     )
     assert outcome.status == 0, outcome.err
     stated = json.loads(outcome.out)["frontier"]

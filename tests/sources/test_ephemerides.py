@@ -382,9 +382,7 @@ def test_an_object_that_comes_down_is_one_sentence(cli: Cli) -> None:
     Path("all.json").write_text(as_json([falling]), encoding="utf-8")
     refused(
         cli(
-            "import",
-            "all.json",
-            "--epoch",
+            "import all.json --epoch",
             falling.epoch.isoformat(),
             "--duration-days",
             "30",
