@@ -144,3 +144,18 @@ def load() -> Iterator[Load]:
     sys.path.insert(0, str(BENCH))
     yield importlib.import_module
     sys.path.remove(str(BENCH))
+
+
+@pytest.fixture
+def imported(cli: Cli) -> Cli:
+    """`import` of a catalogue of twelve, with more options."""
+    from catalogue_files import as_csv, field
+
+    Path("a.csv").write_text(as_csv(field(12)), encoding="utf-8")
+    return lambda *more: cli("import a.csv --out out.json", *more)
+
+
+@pytest.fixture
+def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No network of all connections fits into memory."""
+    monkeypatch.setattr("solvers.progress.proof_size.available_bytes", lambda: 0.0)

@@ -12,16 +12,8 @@ import numpy as np
 import pytest
 from brute_force import brute_force, brute_force_campaign
 from conftest import Cli
-from random_rules import (
-    carrying,
-    drifting_mission,
-    given_field,
-    mixed_campaign,
-    random_campaign,
-    random_mission,
-    towing,
-    towing_mission,
-)
+from drawn_expenses import laden_campaign
+from random_rules import carrying, drifting_mission, given_field, random_mission, towing_mission
 from seeds import over_kinds
 
 import adr_opt
@@ -91,12 +83,7 @@ def test_a_verified_cost_is_that_of_enumeration(draw, seeds):
 
 def campaign(seed: int, draw: Callable[[int], Instance]) -> Instance:
     """A campaign with kits, tows, and a price of time."""
-    instance = (random_campaign, mixed_campaign)[seed % 2](seed, draw)
-    if seed % 3:
-        instance = carrying(instance, seed)
-    if seed % 4 == 0 and instance.given is None:
-        instance = towing(instance, seed)
-    return priced(instance, seed)
+    return priced(laden_campaign(seed, draw), seed)
 
 
 @over_kinds(
