@@ -7,28 +7,14 @@ connection, by the rules of `plain_rules`.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache, lru_cache
 from itertools import product
 from operator import add, le
-from typing import Any
 
 import numpy as np
-from plain_rules import (
-    Leg,
-    State,
-    World,
-    begin,
-    cost,
-    limits,
-    may_end,
-    may_go,
-    move,
-    price,
-    sequence,
-)
-from plain_world import legs_of, world_of
+from plain_rules import Counts, Leg, Numbers, State, World, begin, cost, limits, may_go, move, price
+from plain_world import Pairs, legs_of, world_of
 
 from adr_opt.common.constants import SLACK_S
 from adr_opt.mission.mission import Mission
@@ -42,74 +28,108 @@ Ways = dict[Targets, dict[Vector, tuple[int, ...]]]
 
 
 class Legs:
-    """All connections from one place to another."""
+    """All connections from one place to another, as rows of departure, arrival and ΔV."""
 
-    def __init__(self, legs: Iterable[Leg]) -> None:
-        self._by_departure = sorted(legs)
-        self.worth_taking = cache(self._worth_taking)
+    def __init__(self, rows: tuple[Vector, ...]) -> None:
+        self._rows = np.array(sorted(rows)).reshape(-1, 3)
+        self._since = cache(self._worth_taking)
 
-    def since(self, ready_s: float) -> tuple[Leg, ...]:
-        """Those that depart then or later and are worth taking."""
-        return self.worth_taking(bisect_left(self._by_departure, (ready_s - SLACK_S,)))
+    def since(self, ready_s: Numbers) -> tuple[Counts, Leg]:
+        """For each that is ready then, by its number, the legs from then on worth taking."""
+        firsts = np.searchsorted(self._rows[:, 0], ready_s - SLACK_S).tolist()
+        taken = [self._since(first) for first in firsts]
+        who = np.repeat(np.arange(len(taken)), [len(rows) for rows in taken])
+        return who, Leg(*np.concatenate(taken).T)
 
-    def _worth_taking(self, first: int) -> tuple[Leg, ...]:
+    def _worth_taking(self, first: int) -> Numbers:
         """Of the later ones, each that needs less ΔV than all that arrive no later."""
-        kept: list[Leg] = []
-        for leg in sorted(self._by_departure[first:], key=lambda leg: leg[1:]):
-            if not kept or leg.delta_v_m_s < kept[-1].delta_v_m_s:
-                kept.append(leg)
-        return tuple(kept)
+        later = self._rows[first:]
+        later = later[np.lexsort((later[:, 2], later[:, 1]))]
+        least = np.minimum.accumulate(later[:, 2])
+        return later[later[:, 2] < np.append(np.inf, least)[: len(later)]]
 
 
-def worth_having(things: dict[Vector, Any]) -> dict[Vector, Any]:
-    """Of things by what they take, those than which no other one takes less, or as much, of all."""
-    prices, kept = np.array(sorted(things)), {}
-    while prices.size:
-        best = tuple(prices[0].tolist())
-        kept[best] = things[best]
-        prices = prices[(prices < best).any(axis=1)]
-    return kept
+def worth_having(prices: Numbers) -> Counts:
+    """The rows than which no other is less, or equal, in all columns; of equal ones the first."""
+    left, kept = np.lexsort(prices.T[::-1]), []
+    while left.size:
+        kept.append(left[0])
+        left = left[(prices[left] < prices[left[0]]).any(axis=1)]
+    return np.array(kept, np.int64)
 
 
-def states(world: World, pairs: tuple[tuple[tuple[Leg, ...], ...], ...]) -> Iterator[State]:
-    """All states worth having, each after the one that leads to it.
+def joined(states: list[State]) -> State:
+    """All of them in one."""
+    return State(*(np.concatenate(columns) for columns in zip(*states, strict=True)))
 
-    A move to a target adds to those that are done, and one to a station leads away from a target:
-    states with equal targets, place and kits are all known before one of them is gone on from.
+
+def best_of_equals(world: World, states: State) -> State:
+    """Of states at one place with equal targets and kits those that are worth having."""
+    prices, alike = price(world, states), np.lexsort((states.kits, states.done))
+    keys = np.column_stack((states.done, states.kits))[alike]
+    ends = np.flatnonzero((keys[1:] != keys[:-1]).any(axis=1)) + 1
+    return states.of(
+        np.concatenate([each[worth_having(prices[each])] for each in np.split(alike, ends)])
+    )
+
+
+def levels(world: World, pairs: Pairs) -> Iterator[tuple[int, State]]:
+    """All states worth having, place by place, each after the one that leads to it.
+
+    A move to a target adds to those that are done, and one to a station leads away from a target.
+    So, by the number of targets, states at targets come first, and then those at stations: all are
+    known before one of them is gone on from. They are numbered as they come.
     """
-    legs = [[Legs(rows) for rows in row] for row in pairs]
-    waiting: dict[tuple[int, bool], dict[Any, dict[Vector, State]]] = {}
+    legs = {pair: Legs(rows) for pair, rows in pairs}
+    bodies, count = range(len(world.places)), 0
+    waiting: dict[tuple[int, bool, int], list[State]] = {}
 
-    def wait(state: State) -> None:
-        turn = len(state.done), world.places[state.place].kind == "station"
-        alike = waiting.setdefault(turn, {}).setdefault((state.done, state.place, state.kits), {})
-        alike.setdefault(price(world, state), state)
+    def wait(place: int, states: State) -> None:
+        for targets in np.unique(states.targets).tolist():
+            turn = targets, world.places[place].kind == "station", place
+            waiting.setdefault(turn, []).append(states.of(states.targets == targets))
 
-    for kits in range(len(world.tank.full)):
-        wait(begin(world, kits))
+    wait(world.start, begin(world))
     while waiting:
-        for alike in waiting.pop(min(waiting)).values():
-            for state in worth_having(alike).values():
-                yield state
-                for there in range(len(world.places)):
-                    if may_go(world, state, there):
-                        for leg in legs[state.place][there].since(state.ready_s):
-                            if (after := move(world, state, there, leg)) is not None:
-                                wait(after)
+        turn = min(waiting)
+        here, states = turn[2], best_of_equals(world, joined(waiting.pop(turn)))
+        yield here, states
+        numbers, count = np.arange(count, count + states.done.size), count + states.done.size
+        for there in bodies:
+            may = np.flatnonzero(may_go(world, states, here, there))
+            if may.size and (here, there) in legs:
+                who, leg = legs[here, there].since(states.ready_s[may])
+                going = may[who]
+                wait(there, move(world, states.of(going), numbers[going], there, leg))
 
 
 @lru_cache(maxsize=128)  # many tests ask of the same few missions
-def ways_of(world: World, pairs: tuple[tuple[tuple[Leg, ...], ...], ...]) -> Ways:
+def ways_of(world: World, pairs: Pairs) -> Ways:
     """Ways of a chaser to do sets of targets and to end where it has to.
 
     A chaser that brings kits back could have left them at home.
     """
+    places: list[int] = []
+    before: list[int] = []
+    ends: dict[int, list[tuple[Vector, int]]] = {}
+    for place, states in levels(world, pairs):
+        first = len(places)
+        places += [place] * states.done.size
+        before += states.before.tolist()
+        if world.end in (None, place):
+            takes = np.column_stack((cost(world, states), states.lost, states.uses)).tolist()
+            for number, (done, each) in enumerate(zip(states.done.tolist(), takes, strict=True)):
+                ends.setdefault(done, []).append((tuple(each), first + number))
+
+    def sequence(number: int) -> tuple[int, ...]:
+        return () if before[number] < 0 else (*sequence(before[number]), places[number])
+
     ways: Ways = {}
-    for state in states(world, pairs):
-        if may_end(world, state):
-            takes = cost(world, state), state.lost, *state.uses
-            ways.setdefault(state.done, {}).setdefault(takes, sequence(state))
-    return {done: worth_having(known) for done, known in ways.items()}
+    for done, found in ends.items():
+        targets = frozenset(place for place in range(len(world.places)) if done >> place & 1)
+        kept = worth_having(np.array([takes for takes, _ in found])).tolist()
+        ways[targets] = {found[each][0]: sequence(found[each][1]) for each in kept}
+    return ways
 
 
 def ways_of_mission(mission: Mission) -> Ways:
@@ -146,7 +166,7 @@ def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
     Every partition of every set of targets among them. Prizes are −inf where no plan keeps to all
     rules.
     """
-    instance, most = campaign.instance, limits(world_of(campaign.missions[0]))
+    instance, most = campaign.instance, limits(world_of(campaign.missions[0])).tolist()
     together: Ways = {frozenset(): {(0.0,) * (2 + len(most)): ()}}
     for mission in campaign.missions:
         joint: Ways = {}
@@ -159,5 +179,8 @@ def brute_force_campaign(campaign: Problem) -> tuple[float, float]:
                     spent = max(one[0], other[0])
                 if all(map(le, uses, most)):
                     joint.setdefault(done | more, {})[spent, lost, *uses] = ()
-        together = {done: worth_having(ways) for done, ways in joint.items()}
+        together = {}
+        for done, ways in joint.items():
+            taken = list(ways)
+            together[done] = {taken[each]: () for each in worth_having(np.array(taken))}
     return best_of(instance, together)[:2]

@@ -1,8 +1,10 @@
-"""The rules of a mission once more, one small function for each, over a small frozen state.
+"""The rules of a mission once more, one small function for each, over small frozen states.
 
-Plain Python, and independent of the rules of planners and judges: nothing is imported from them.
-``move`` applies one rule after the other, in the order of the mission. Every rule is monotone:
-whoever is ready earlier, has more left and has spent less may do whatever another one may.
+Plain NumPy, and independent of the rules of planners and judges: nothing is imported from them. A
+rule is read as that of one state and one leg to one place; states and legs are arrays, so that it
+holds for many at once. `move` applies one rule after the other, in the order of the mission. Every
+rule is monotone: who is ready earlier, has more left and has spent less may do whatever another
+one may.
 """
 
 from __future__ import annotations
@@ -11,15 +13,22 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from adr_opt.common.constants import SLACK_M_S, SLACK_S
+
+Numbers = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int64]
+Truth = npt.NDArray[np.bool_]
 
 
 class Leg(NamedTuple):
-    """A connection: when it departs and arrives, and its ΔV."""
+    """Connections between two places: when they depart and arrive, and their ΔV."""
 
-    departure_s: float
-    arrival_s: float
-    delta_v_m_s: float
+    departure_s: Numbers
+    arrival_s: Numbers
+    delta_v_m_s: Numbers
 
 
 class Tow(NamedTuple):
@@ -62,16 +71,20 @@ class Tank:
     dry_kg: float = 0.0
     kit_kg: float = 0.0
 
-    def after(self, content: float, delta_v_m_s: float) -> float:
+    def filled(self, kits: Counts) -> Numbers:
+        """What it holds after refuelling."""
+        return np.array(self.full)[kits]
+
+    def after(self, content: Numbers, delta_v_m_s: Numbers | float) -> Numbers:
         """What a burn leaves: less ΔV, or less mass by the equation of Tsiolkovsky."""
         if self.exhaust_m_s == 0.0:
             return content - delta_v_m_s
-        return content * math.exp(-delta_v_m_s / self.exhaust_m_s)
+        return content * np.exp(-delta_v_m_s / self.exhaust_m_s)
 
-    def empty(self, kits: int) -> float:
+    def empty(self, kits: Counts) -> Numbers:
         """The least content that is legal: nothing, or the dry mass with its kits, less slack."""
         if self.exhaust_m_s == 0.0:
-            return 0.0
+            return np.zeros(kits.shape)
         return self.after(self.dry_kg + kits * self.kit_kg, SLACK_M_S)
 
 
@@ -96,108 +109,126 @@ class World:
 
 
 class State(NamedTuple):
-    """A chaser at a place, having serviced some targets.
+    """Chasers at one place, having serviced some targets.
 
     Attributes
     ----------
-    done : frozenset of int
-    place : int
-    kits : int
+    done : (states,) int
+        A bit for each place that has been serviced.
+    targets : (states,) int
+        How many these are.
+    kits : (states,) int
         Aboard.
-    ready_s : float
-    content : float
+    ready_s : (states,) float
+    content : (states,) float
         Of the tank.
-    spent_m_s : float
-    launched_kg : float
+    spent_m_s : (states,) float
+    launched_kg : (states,) float
         Mass at launch that what is no longer aboard has taken.
-    per_kg : float
+    per_kg : (states,) float
         Mass at launch for each kilogram that is still aboard; 0 once the first tank is done.
-    lost : float
+    lost : (states,) float
         What prizes have fallen by.
-    uses : tuple of float
+    uses : (states, 2 * stations) float
         How often it has refuelled at each station with a limit, and by how many kilograms.
-    before : State or None
-        The one that it was before its last move.
+    before : (states,) int
+        Number of the one that it was before its last move; −1 at the start.
     """
 
-    done: frozenset[int]
-    place: int
-    kits: int
-    ready_s: float
-    content: float
-    spent_m_s: float = 0.0
-    launched_kg: float = 0.0
-    per_kg: float = 1.0
-    lost: float = 0.0
-    uses: tuple[float, ...] = ()
-    before: State | None = None
+    done: Counts
+    targets: Counts
+    kits: Counts
+    ready_s: Numbers
+    content: Numbers
+    spent_m_s: Numbers
+    launched_kg: Numbers
+    per_kg: Numbers
+    lost: Numbers
+    uses: Numbers
+    before: Counts
+
+    def of(self, which: Counts | Truth) -> State:
+        """Some of them."""
+        return State(*(column[which] for column in self))
 
 
-def begin(world: World, kits: int) -> State:
-    """At the start, with some kits aboard."""
+def begin(world: World) -> State:
+    """At the start, with any number of kits aboard."""
+    kits = np.arange(len(world.tank.full))
+    none, nothing = np.zeros(kits.size, np.int64), np.zeros(kits.size)
     return State(
-        done=frozenset(),
-        place=world.start,
+        done=none,
+        targets=none,
         kits=kits,
-        ready_s=world.since_s,
-        content=world.tank.at_start[kits],
-        uses=(0.0,) * len(limits(world)),
+        ready_s=nothing + world.since_s,
+        content=np.array(world.tank.at_start),
+        spent_m_s=nothing,
+        launched_kg=nothing,
+        per_kg=nothing + 1.0,
+        lost=nothing,
+        uses=np.zeros((kits.size, limits(world).size)),
+        before=none - 1,
     )
 
 
-def may_go(world: World, state: State, there: int) -> bool:
+def may_go(world: World, state: State, here: int, there: int) -> Truth:
     """A target once, if the number allows and a kit is left; a station from targets only."""
     place = world.places[there]
     if place.kind == "station":
-        return world.places[state.place].kind == "target"
-    return (
-        place.kind == "target"
-        and there not in state.done
-        and len(state.done) < world.most_targets
-        and (state.kits > 0 or not place.takes_kit)
-    )
+        return np.full(state.done.shape, world.places[here].kind == "target")
+    is_new = (state.done >> there & 1 == 0) & (state.targets < world.most_targets)
+    return is_new & (state.kits >= place.takes_kit) & (place.kind == "target")
 
 
-def end_of_stay(place: Place, arrival_s: float, until_s: float) -> float | None:
-    """A stay begins in its window and ends in it; it ends in the mission, and so does a tow."""
-    end_s = max(arrival_s, place.opens_s) + place.stay_s
-    if end_s > min(place.closes_s, until_s) + SLACK_S:
-        return None
-    if place.tow is not None:
-        end_s += place.tow.time_s
-    return end_s if end_s <= until_s + SLACK_S else None
+def may_leave(state: State, leg: Leg) -> Truth:
+    """A chaser departs when it is ready, or later."""
+    return leg.departure_s >= state.ready_s - SLACK_S
 
 
-def content_after(world: World, state: State, place: Place, leg: Leg) -> float | None:
-    """The tank suffices for the leg, and then for a tow; a station fills it, and a kit stays."""
+def end_of_stay(world: World, place: Place, leg: Leg) -> Numbers:
+    """A stay begins in its window and ends in it; it ends in the mission, and so does a tow.
+
+    Infinite if not.
+    """
+    end_s = np.maximum(leg.arrival_s, place.opens_s) + place.stay_s
+    closes_s = min(place.closes_s, world.until_s)
+    done_s = end_s + (place.tow.time_s if place.tow else 0.0)
+    in_time = (end_s <= closes_s + SLACK_S) & (done_s <= world.until_s + SLACK_S)
+    return np.where(in_time, done_s, np.inf)
+
+
+def content_after(world: World, state: State, place: Place, leg: Leg) -> Numbers:
+    """The tank suffices for the leg, and then for a tow; a station fills it, and a kit stays.
+
+    Minus infinity if it does not suffice.
+    """
     tank = world.tank
     content = tank.after(state.content, leg.delta_v_m_s)
-    if content < tank.empty(state.kits):
-        return None
+    suffices = content >= tank.empty(state.kits)
     if place.kind == "station":
-        return tank.full[state.kits]
+        content = tank.filled(state.kits)
     if place.takes_kit:
-        content -= tank.kit_kg
+        content = content - tank.kit_kg
     if place.tow is not None:
         both = content + place.tow.mass_kg
         content = tank.after(both, place.tow.delta_v_m_s) - place.tow.mass_kg
-        if content < tank.empty(state.kits):
-            return None
-    return content
+        suffices &= content >= tank.empty(state.kits)
+    return np.where(suffices, content, -np.inf)
 
 
-def launched(world: World, state: State, place: Place, leg: Leg) -> tuple[float, float]:
+def launched(world: World, state: State, place: Place, leg: Leg) -> tuple[Numbers, Numbers]:
     """The mass at launch that is accounted for, and that of each kilogram that is still aboard.
 
     A burn of the first tank multiplies what is aboard after it. What is left at a place, what a tow
     burns for what it pulls, and at a station the whole chaser, is accounted for there.
     """
-    if world.cost != "mass" or state.per_kg == 0.0:
+    if world.cost != "mass":
         return state.launched_kg, state.per_kg
     tank = world.tank
-    per_kg = state.per_kg * math.exp(leg.delta_v_m_s / tank.exhaust_m_s)
+    per_kg = state.per_kg * np.exp(leg.delta_v_m_s / tank.exhaust_m_s)
     if place.kind == "station":
-        return state.launched_kg + per_kg * (tank.dry_kg + state.kits * tank.kit_kg), 0.0
+        whole_kg = tank.dry_kg + state.kits * tank.kit_kg
+        return state.launched_kg + per_kg * whole_kg, np.zeros(per_kg.shape)
     if place.takes_kit:
         return state.launched_kg + per_kg * tank.kit_kg, per_kg
     if place.tow is not None:
@@ -206,92 +237,78 @@ def launched(world: World, state: State, place: Place, leg: Leg) -> tuple[float,
     return state.launched_kg, per_kg
 
 
-def loss(place: Place, end_s: float) -> float:
+def loss(place: Place, end_s: Numbers) -> Numbers:
     """What the prize has fallen by when a service ends then."""
-    for until_s, prize in place.prizes:
-        if end_s <= until_s + SLACK_S:
-            return place.prizes[0][1] - prize
-    return 0.0
+    lost = np.zeros(end_s.shape)
+    for (until_s, _), (_, prize) in zip(place.prizes, place.prizes[1:], strict=False):
+        lost[end_s > until_s + SLACK_S] = place.prizes[0][1] - prize
+    return lost
 
 
-def limits(world: World) -> tuple[float, ...]:
+def limits(world: World) -> Numbers:
     """Of each station, the most refuellings and the most kilograms."""
     stations = (place for place in world.places if place.kind == "station")
-    return tuple(most for place in stations for most in (place.refuellings, place.propellant_kg))
+    return np.array([most for each in stations for most in (each.refuellings, each.propellant_kg)])
 
 
-def uses_after(world: World, state: State, there: int, leg: Leg) -> tuple[float, ...] | None:
-    """One more refuelling, by what is missing in the tank; none beyond the limits of a station."""
-    place, tank = world.places[there], world.tank
-    if place.kind != "station" or min(place.refuellings, place.propellant_kg) == math.inf:
-        return state.uses
-    times, drawn_kg = state.uses[2 * there] + 1.0, state.uses[2 * there + 1]
-    if tank.exhaust_m_s > 0.0:
-        drawn_kg += tank.full[state.kits] - tank.after(state.content, leg.delta_v_m_s)
-    if times > place.refuellings or drawn_kg > place.propellant_kg:
-        return None
-    return (*state.uses[: 2 * there], times, drawn_kg, *state.uses[2 * there + 2 :])
+def uses_after(world: World, state: State, there: int, leg: Leg) -> Numbers:
+    """One more refuelling, by what is missing in the tank, where a station has limits."""
+    place, tank, uses = world.places[there], world.tank, state.uses.copy()
+    if place.kind == "station" and min(place.refuellings, place.propellant_kg) < math.inf:
+        uses[:, 2 * there] += 1.0
+        if tank.exhaust_m_s > 0.0:
+            left = tank.after(state.content, leg.delta_v_m_s)
+            uses[:, 2 * there + 1] += tank.filled(state.kits) - left
+    return uses
 
 
-def move(world: World, state: State, there: int, leg: Leg) -> State | None:
-    """The state after a leg to a place where ``may_go``, and the stay there; None if illegal."""
+def move(world: World, state: State, number: Counts, there: int, leg: Leg) -> State:
+    """The states after legs to a place where they `may_go`, and the stay there, of legal ones.
+
+    ``number`` is that of each state before.
+    """
     place = world.places[there]
-    if leg.departure_s < state.ready_s - SLACK_S:
-        return None
+    ready_s = end_of_stay(world, place, leg)
     content = content_after(world, state, place, leg)
-    if content is None:
-        return None
-    ready_s = end_of_stay(place, leg.arrival_s, world.until_s)
-    if ready_s is None:
-        return None
     uses = uses_after(world, state, there, leg)
-    if uses is None:
-        return None
     launched_kg, per_kg = launched(world, state, place, leg)
-    return State(
-        state.done | {there} if place.kind == "target" else state.done,
-        there,
-        state.kits - place.takes_kit,
-        ready_s,
-        content,
-        state.spent_m_s + leg.delta_v_m_s + (place.tow.delta_v_m_s if place.tow else 0.0),
-        launched_kg,
-        per_kg,
-        state.lost + loss(place, ready_s),
-        uses,
-        state,
+    is_target = place.kind == "target"
+    towed_m_s = place.tow.delta_v_m_s if place.tow else 0.0
+    after = State(
+        done=state.done | (is_target << there),
+        targets=state.targets + is_target,
+        kits=state.kits - place.takes_kit,
+        ready_s=ready_s,
+        content=content,
+        spent_m_s=state.spent_m_s + leg.delta_v_m_s + towed_m_s,
+        launched_kg=launched_kg,
+        per_kg=per_kg,
+        lost=state.lost + loss(place, ready_s),
+        uses=uses,
+        before=number,
     )
+    is_within = (uses <= limits(world)).all(axis=1)
+    return after.of(may_leave(state, leg) & (ready_s < np.inf) & (content > -np.inf) & is_within)
 
 
-def may_end(world: World, state: State) -> bool:
-    """A route ends where its chaser has to be in the end."""
-    return world.end in (None, state.place)
-
-
-def price(world: World, state: State) -> tuple[float, ...]:
+def price(world: World, state: State) -> Numbers:
     """All that is better if it is less, among states with equal targets, place and kits."""
-    always = state.ready_s, -state.content, state.lost, *state.uses
-    if world.cost == "delta-v":
-        return *always, state.spent_m_s
-    return (*always, state.launched_kg, state.per_kg) if world.cost == "mass" else always
+    of_cost = {"mass": (state.launched_kg, state.per_kg), "delta-v": (state.spent_m_s,)}
+    always = state.ready_s, -state.content, state.lost
+    return np.column_stack((*always, *of_cost.get(world.cost, ()), state.uses))
 
 
-def cost(world: World, state: State) -> float:
-    """What a route costs that ends here; nothing if it has no legs."""
-    if state.before is None:
-        return 0.0
-    if world.cost == "duration":
-        return state.ready_s
-    if world.cost == "delta-v":
-        return state.spent_m_s + world.per_s * (state.ready_s - world.since_s)
+def cost(world: World, state: State) -> Numbers:
+    """What routes cost that end here; nothing if they have no legs."""
     fixed, per_kg, per_kg_squared = world.expense
-    if world.cost == "expense":
-        return fixed
-    dry_kg, kits_kg = world.tank.dry_kg, state.kits * world.tank.kit_kg
-    weight_kg = state.launched_kg + state.per_kg * (dry_kg + kits_kg) - dry_kg
-    return fixed + per_kg * weight_kg + per_kg_squared * weight_kg**2
-
-
-def sequence(state: State) -> tuple[int, ...]:
-    """The places that a chaser has gone to, from the first."""
-    return () if state.before is None else (*sequence(state.before), state.place)
+    if world.cost == "duration":
+        paid = state.ready_s
+    elif world.cost == "delta-v":
+        paid = state.spent_m_s + world.per_s * (state.ready_s - world.since_s)
+    elif world.cost == "expense":
+        paid = np.full(state.ready_s.shape, fixed)
+    else:
+        whole_kg = world.tank.dry_kg + state.kits * world.tank.kit_kg
+        weight_kg = state.launched_kg + state.per_kg * whole_kg - world.tank.dry_kg
+        paid = fixed + per_kg * weight_kg + per_kg_squared * weight_kg**2
+    return np.where(state.before < 0, 0.0, paid)

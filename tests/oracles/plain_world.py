@@ -6,7 +6,7 @@ import math
 from collections import defaultdict
 from itertools import product
 
-from plain_rules import Leg, Place, Tank, Tow, World
+from plain_rules import Place, Tank, Tow, World
 
 from adr_opt.common.constants import SLACK_M_S
 from adr_opt.mission.mission import Mission
@@ -151,21 +151,24 @@ def world_of(mission: Mission) -> World:
     )
 
 
-def legs_of(mission: Mission) -> tuple[tuple[tuple[Leg, ...], ...], ...]:
+Pairs = tuple[tuple[tuple[int, int], tuple[tuple[float, ...], ...]], ...]
+"""Of pairs of bodies with connections, their departures, arrivals and ΔV."""
+
+
+def legs_of(mission: Mission) -> Pairs:
     """All connections of all pairs: those of the model, or all that are given, useless or not."""
     instance, given, found = mission.instance, mission.instance.given, defaultdict(list)
     if given is not None:
         numbers = [instance.names.index(n) if n in instance.names else -1 for n in given.names]
         rows = given.origin, given.destination, given.departure, given.arrival, given.cost
         for origin, destination, *leg in zip(*(row.tolist() for row in rows), strict=True):
-            found[numbers[origin], numbers[destination]].append(Leg(*leg))
+            found[numbers[origin], numbers[destination]].append(tuple(leg))
     # Where planes drift, what saves no more than the resolution is no part of the problem.
     drifts = given is None and instance.dynamics == "j2"
     resolution = instance.transfer.delta_v_resolution_m_s if drifts else 0.0
-    bodies = range(len(instance.names))
-    for i, j in product(bodies, bodies):
+    for i, j in product(range(len(instance.names)), repeat=2):
         if given is None or i in instance.launches or j in instance.launches:
             pair = mission.timetable.connections(i, j, resolution_m_s=resolution)
             columns = pair.departure, pair.arrival, pair.delta_v
-            found[i, j] = [Leg(*row) for row in zip(*(c.tolist() for c in columns), strict=True)]
-    return tuple(tuple(tuple(found[i, j]) for j in bodies) for i in bodies)
+            found[i, j] = list(zip(*(column.tolist() for column in columns), strict=True))
+    return tuple((pair, tuple(legs)) for pair, legs in found.items() if legs)
