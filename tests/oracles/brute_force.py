@@ -133,6 +133,7 @@ def ways_of(world: World, pairs: Pairs) -> Ways:
 
 
 def ways_of_mission(mission: Mission) -> Ways:
+    """The same of the chaser of a mission."""
     return ways_of(world_of(mission), legs_of(mission))
 
 
