@@ -11,16 +11,9 @@ import pytest
 from against_enumeration import held, held_costs, optimal
 from plain_world import tow_of
 from plans import unjudged
-from random_rules import (
-    carrying,
-    drifting_mission,
-    mixed_campaign,
-    random_campaign,
-    random_mission,
-    towing,
-)
+from random_rules import drifting_mission, towing
 from seeds import over_kinds
-from towed_fields import field
+from towed_fields import drawn, field
 
 import adr_opt
 from adr_opt.common.constants import SLACK_M_S
@@ -40,7 +33,6 @@ from adr_opt.plan.cargo import followed, loads_of
 from adr_opt.plan.plan import Plan
 from adr_opt.plan.planes import Plane, ahead, outward
 from adr_opt.plan.tows import leaving_orbits, removals_of
-from adr_opt.problem.instance import Instance
 from adr_opt.ui.plot.segments import segments
 
 
@@ -51,14 +43,6 @@ def planned(dynamics: str = "two-body") -> Plan:
     assert plan is not None
     assert len(plan.lead_ins) > 0
     return plan
-
-
-def drawn(seed: int) -> Instance:
-    """One chaser or several that tow, by turns with kits, in all dynamics."""
-    draw = drifting_mission if seed % 2 else random_mission
-    make = (draw, lambda n: random_campaign(n, draw), lambda n: mixed_campaign(n, draw))[seed % 3]
-    made = make(seed // 2)
-    return towing(carrying(made, seed) if seed % 4 < 2 else made, seed)
 
 
 some_seeds = over_kinds("seeds", drawn=(range(96), 6))
@@ -332,16 +316,6 @@ def test_given_connections_know_no_tows():
     costs = np.ones((1, len(instance.names), len(instance.names)))
     with pytest.raises(InputError, match="given connections hold no costs"):
         adr_opt.Timetable.from_matrices(instance, [0.0], costs, costs)
-
-
-def test_files_without_tows_do_not_speak_of_them():
-    """Instances and plans without tows are written as before; those with tows are read again."""
-    plain = adr_opt.generate("tiny", 0)
-    assert "disposal" not in plain.to_json()
-    assert '"tow"' not in adr_opt.solve(plain, "greedy").plan.to_json()
-    instance, plan = field(), planned()
-    assert Instance.from_json(instance.to_json()) == instance
-    assert Plan.from_json(plan.to_json()) == plan
 
 
 def test_who_knows_no_tows_says_so():

@@ -438,13 +438,6 @@ def test_fits_of_real_motion_are_near() -> None:
         assert left.along_m < 5e3
 
 
-def test_files_without_ephemerides_stay_as_they_are() -> None:
-    """Fields that are not set stand neither in the file nor in its digest."""
-    text = adr_opt.generate("tiny", 0).to_json()
-    for field_name in ("ephemerides", "decay_m_per_day", "fit"):
-        assert field_name not in text
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
