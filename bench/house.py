@@ -35,6 +35,9 @@ MOST_ARGUMENTS = 8
 
 TOW = re.compile(r"(?:^|_)tow(?:s|ed|ing|er)?(?:_|$)|Tow")
 
+VISITS = re.compile(r"visits.between.refuel")
+"""The rule of visits between refuellings, by its field or its word."""
+
 Imports = Mapping[str, set[str]]
 
 
@@ -130,6 +133,18 @@ def identifiers(tree: ast.AST) -> Iterator[str]:
             value = getattr(node, field, None)
             if isinstance(value, str):
                 yield value
+
+
+def knows_visits(tree: ast.AST) -> bool:
+    """Whether a module knows of the rule of visits between refuellings, or of its limit."""
+    for node in ast.walk(tree):
+        name = node.arg if isinstance(node, ast.keyword) else getattr(node, "attr", None)
+        words = [name, getattr(node, "id", None), getattr(node, "value", None)]
+        if name == "between" or any(
+            isinstance(each, str) and VISITS.search(each) for each in words
+        ):
+            return True
+    return False
 
 
 def is_window_rule(node: ast.AST) -> bool:

@@ -170,6 +170,15 @@ CASES = {
         "five legs take 500 s; A, B, depot take 300",
     ),
     "most targets": Case(chaser(max_targets=2), 2, 20, "A, B"),
+    "visits between refuellings": Case(
+        chaser(max_visits_between_refuels=2), 3, 40, "A, B, depot, C, or A, depot, B, C"
+    ),
+    "one visit between refuellings": Case(
+        {**holding(99.0, max_visits_between_refuels=1), "mission": {"duration_s": 450.0}},
+        2,
+        30,
+        "A, depot, B; C comes at 500 s, behind another refuelling",
+    ),
     "available": Case(
         {**chaser(available_s=(150.0, 450.0)), **BY_TIME}, 2, 400, "departures at 200 and 300 s"
     ),

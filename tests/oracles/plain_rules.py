@@ -103,6 +103,7 @@ class World:
     since_s: float = 0.0
     until_s: float = math.inf
     most_targets: float = math.inf
+    most_between_refuels: float = math.inf
     cost: str = "delta-v"
     per_s: float = 0.0
     expense: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -117,6 +118,8 @@ class State(NamedTuple):
         A bit for each place that has been serviced.
     targets : (states,) int
         How many these are.
+    visits : (states,) int
+        Of targets since the last refuelling, or since the start.
     kits : (states,) int
         Aboard.
     ready_s : (states,) float
@@ -137,6 +140,7 @@ class State(NamedTuple):
 
     done: Counts
     targets: Counts
+    visits: Counts
     kits: Counts
     ready_s: Numbers
     content: Numbers
@@ -159,6 +163,7 @@ def begin(world: World) -> State:
     return State(
         done=none,
         targets=none,
+        visits=none,
         kits=kits,
         ready_s=nothing + world.since_s,
         content=np.array(world.tank.at_start),
@@ -172,11 +177,12 @@ def begin(world: World) -> State:
 
 
 def may_go(world: World, state: State, here: int, there: int) -> Truth:
-    """A target once, if the number allows and a kit is left; a station from targets only."""
+    """A target once, if both numbers allow and a kit is left; a station from targets only."""
     place = world.places[there]
     if place.kind == "station":
         return np.full(state.done.shape, world.places[here].kind == "target")
     is_new = (state.done >> there & 1 == 0) & (state.targets < world.most_targets)
+    is_new &= state.visits < world.most_between_refuels
     return is_new & (state.kits >= place.takes_kit) & (place.kind == "target")
 
 
@@ -277,6 +283,7 @@ def move(world: World, state: State, number: Counts, there: int, leg: Leg) -> St
     after = State(
         done=state.done | (is_target << there),
         targets=state.targets + is_target,
+        visits=(state.visits + 1) * is_target,
         kits=state.kits - place.takes_kit,
         ready_s=ready_s,
         content=content,
@@ -294,8 +301,9 @@ def move(world: World, state: State, number: Counts, there: int, leg: Leg) -> St
 def price(world: World, state: State) -> Numbers:
     """All that is better if it is less, among states with equal targets, place and kits."""
     of_cost = {"mass": (state.launched_kg, state.per_kg), "delta-v": (state.spent_m_s,)}
-    always = state.ready_s, -state.content, state.lost
-    return np.column_stack((*always, *of_cost.get(world.cost, ()), state.uses))
+    always = state.ready_s, -state.content, state.lost, *of_cost.get(world.cost, ())
+    visits = (state.visits,) if world.most_between_refuels < math.inf else ()
+    return np.column_stack((*always, *visits, state.uses))
 
 
 def cost(world: World, state: State) -> Numbers:

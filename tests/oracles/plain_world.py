@@ -145,6 +145,7 @@ def world_of(mission: Mission) -> World:
         since_s=launch_s(mission),
         until_s=min(instance.mission.duration_s, math.inf if until_s is None else until_s),
         most_targets=math.inf if chaser.max_targets is None else chaser.max_targets,
+        most_between_refuels=chaser.max_visits_between_refuels or math.inf,
         cost="mass" if cost == "expense" and tank.dry_kg > 0.0 else cost,
         per_s=price_of_time(instance),
         expense=(paid.fixed, paid.per_kg, paid.per_kg_squared),
