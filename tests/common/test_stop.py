@@ -31,10 +31,13 @@ def test_max_iterations() -> None:
 
 
 @pytest.mark.parametrize("limit", [0, -1])
-def test_max_iterations_must_be_positive(limit: int) -> None:
-    """No iterations at all is refused, and the sentence says the number."""
-    with pytest.raises(InputError, match=f"iterations = {limit}: must be positive"):
-        MaxIterations(limit)
+@pytest.mark.parametrize(
+    ("stop", "said"), [(MaxIterations, "iterations"), (NoImprovement, "without improvement")]
+)
+def test_numbers_must_be_positive(stop: type, said: str, limit: int) -> None:
+    """No iterations and no patience at all are refused, and the sentence says the number."""
+    with pytest.raises(InputError, match=f"{said} = {limit}: must be positive"):
+        stop(limit)
 
 
 def test_max_runtime(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,13 +79,6 @@ def test_no_improvement_looks_at_the_incumbent_alone() -> None:
     stop = NoImprovement(2)
     assert [stop(1.0, bound) for bound in (9.0, 8.0, 7.0)] == [False, False, True]
     assert stop.remaining_s() == math.inf
-
-
-@pytest.mark.parametrize("limit", [0, -5])
-def test_no_improvement_must_be_positive(limit: int) -> None:
-    """No patience at all is refused."""
-    with pytest.raises(InputError, match=f"without improvement = {limit}: must be positive"):
-        NoImprovement(limit)
 
 
 @pytest.mark.parametrize(
