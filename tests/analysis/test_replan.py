@@ -340,14 +340,7 @@ def test_the_verb_writes_the_rest(cli: Cli) -> None:
     plan.save("p.json")
     Path("z.json").write_text(json.dumps([json.loads(ZONE.model_dump_json())]))
     outcome = cli(
-        "replan",
-        "i.json",
-        "p.json",
-        "--at",
-        "9.6h",
-        "--zones",
-        "z.json",
-        "--lost",
+        "replan i.json p.json --at 9.6h --zones z.json --lost",
         plan.destinations[-1],
         "--out",
         "r.json",

@@ -494,22 +494,8 @@ def test_the_verb_takes_all_that_went_otherwise(cli: Cli) -> None:
     plan.save("p.json")
     at = f"{plan.legs[2].end_s + 1.0}s"
     outcome = cli(
-        "replan",
-        "i.json",
-        "p.json",
-        "--at",
-        at,
-        "--missed",
-        "north",
-        "--retry",
-        "--service-took",
-        "south=900s",
-        "--cost",
-        "3=140",
-        "--out",
-        "r.json",
-        "--out-instance",
-        "ri.json",
+        f"replan i.json p.json --at {at} --missed north --retry --service-took south=900s "
+        "--cost 3=140 --out r.json --out-instance ri.json"
     )
     assert outcome.status == 0, outcome
     assert "missed, and may be tried again: 1 target: north" in outcome.out

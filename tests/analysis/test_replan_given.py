@@ -144,10 +144,7 @@ def test_files_of_the_rest_leave_those_of_the_whole_alone(cli: Cli) -> None:
     hours = f"{plan.legs[0].end_s / HOUR_S}h"
     for number, lost in enumerate(([], ["--lost", plan.destinations[1]])):
         outcome = cli(
-            "replan",
-            "roads.json",
-            "plan.json",
-            "--at",
+            "replan roads.json plan.json --at",
             hours,
             *lost,
             "--out",

@@ -250,16 +250,7 @@ def test_the_command_line_refines_onto_ephemerides(cli: Cli, files: Mission) -> 
     flown = cli("fly", "my.json", "again.json")
     assert flown.status == 0, flown.out
     assert "onto ephemerides" in flown.out
-    looped = cli(
-        "solve",
-        "my.json",
-        "--refine",
-        "--ephemerides",
-        "--method",
-        QUICK,
-        "--refined-out",
-        "looped.json",
-    )
+    looped = cli(f"solve my.json --refine --ephemerides --method {QUICK} --refined-out looped.json")
     assert looped.status == 0, looped.err
     assert "of holding beside ephemerides" in looped.out
     assert cli("fly", "my.json", "looped.json").status == 0
@@ -379,9 +370,7 @@ def test_low_thrust_is_one_sentence(cli: Cli) -> None:
     """Such missions are refused with ephemerides before anything is planned."""
     Path("all.json").write_text(as_json(records(3)), encoding="utf-8")
     made = cli(
-        "import",
-        "all.json",
-        "--epoch",
+        "import all.json --epoch",
         EPOCH.isoformat(),
         "--duration-days",
         "2",

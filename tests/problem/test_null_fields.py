@@ -1,12 +1,14 @@
-"""Null means that nothing is stated: it is never read as a number by the way."""
+"""Null means that nothing is stated, and what is worked out of a copy is its own."""
 
 from __future__ import annotations
 
 import ast
+import pickle
 import typing
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 from toy_roads import order_of_all
@@ -75,3 +77,23 @@ def test_null_is_not_read_as_a_number() -> None:
 def test_a_limit_of_no_targets_is_a_limit(most, asks) -> None:
     """A plan is an order of all targets unless the chaser may not service all, or none."""
     assert Problem(order_of_all(most)).asks_for_least_end is asks
+
+
+def test_rows_of_orbits_are_those_of_the_copy() -> None:
+    """A changed or unchecked copy has rows of its own orbits, and nobody changes those kept."""
+    drawn = adr_opt.generate("tiny", 3, targets=5)
+    rows = drawn.orbits()
+    rows[:] = 0.0
+    fresh = adr_opt.generate("tiny", 3, targets=5)
+    assert np.array_equal(drawn.orbits(), fresh.orbits(), equal_nan=True)
+    turned = drawn.targets[::-1]
+    replaced, copied = drawn.replace(targets=turned), drawn.model_copy(update={"targets": turned})
+    first = drawn.first_target
+    for other in (replaced, copied):
+        assert np.array_equal(other.orbits()[first:], fresh.orbits()[first:][::-1])
+    assert np.array_equal(drawn.orbits(), fresh.orbits(), equal_nan=True)
+    drifting = drawn.model_copy(update={"dynamics": "j2"})
+    assert not np.array_equal(drifting.orbits(), fresh.orbits(), equal_nan=True)
+    again = pickle.loads(pickle.dumps(drawn))
+    assert again == drawn
+    assert np.array_equal(again.orbits(), fresh.orbits(), equal_nan=True)

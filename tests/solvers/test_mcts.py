@@ -129,22 +129,6 @@ def test_legal_with_zones(family, options):
     assert result.objective > 0.0
 
 
-@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
-def test_no_targets(options):
-    """Without targets the plan is empty and optimal."""
-    mission = Mission(adr_opt.generate("tiny", 0, targets=0))
-    result = plan(mission, **options)
-    assert (result.sequence, result.status) == ((), "optimal")
-
-
-@pytest.mark.parametrize("options", [{}, {"preset": "tuned"}])
-def test_nothing_reachable(tiny, options):
-    """Where no move is legal the plan is empty and the search still ends when told to."""
-    instance = tiny.instance
-    minute = instance.with_limits(duration_s=60.0)
-    assert plan(Mission(minute), 5, **options).sequence == ()
-
-
 def test_stop_is_asked_before_every_step(nominal):
     """A mission stopped after some steps is the beginning of the one that was not stopped."""
     whole = plan(nominal)
