@@ -22,8 +22,8 @@ from ..common.files import check_writable, parse_content, read_model, write_text
 from ..common.records import Window
 from ..common.sentences import sentence
 from ..kernels.legs.co_elliptic import TransferRule
+from ..kernels.orbits.eccentricity import matchings
 from ..kernels.orbits.ephemeris import EPOCH_S
-from ..kernels.orbits.matchings import matchings
 from .chasers import availability
 from .function_files import read_functions, write_functions
 from .given import Given, only

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -42,3 +44,11 @@ def wait(desk: EditingSession) -> planning.PlanningProgress:
     """The run once it is over."""
     assert desk._work.wait(60.0)
     return desk.progress()
+
+
+def until(condition: Callable[[], Any]) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)

@@ -381,9 +381,7 @@ def test_an_object_that_comes_down_is_one_sentence(cli: Cli) -> None:
     Path("all.json").write_text(as_json([falling]), encoding="utf-8")
     refused(
         cli(
-            "import",
-            "all.json",
-            "--epoch",
+            "import all.json --epoch",
             falling.epoch.isoformat(),
             "--duration-days",
             "30",
@@ -437,13 +435,6 @@ def test_fits_of_real_motion_are_near() -> None:
         left = left_over(ephemeris, fitted(ephemeris, 3.0 * DAY_S), 3.0 * DAY_S)
         assert left.epoch_m < 1e3
         assert left.along_m < 5e3
-
-
-def test_files_without_ephemerides_stay_as_they_are() -> None:
-    """Fields that are not set stand neither in the file nor in its digest."""
-    text = adr_opt.generate("tiny", 0).to_json()
-    for field_name in ("ephemerides", "decay_m_per_day", "fit"):
-        assert field_name not in text
 
 
 @pytest.mark.parametrize(

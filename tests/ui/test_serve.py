@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import at_hand, files_under, of, session_of, wait
+from serve_desks import at_hand, files_under, of, session_of, until, wait
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -386,12 +386,6 @@ def test_stop_ends_a_run_and_a_second_press_the_first(
         return "well"
 
     made, field = Work(done), adr_opt.generate("tiny", 0)
-
-    def until(condition: Any) -> None:
-        end = time.monotonic() + 60.0
-        while not condition():
-            assert time.monotonic() < end, made.progress()
-            time.sleep(0.01)
 
     made.begin(field, PlanningOrder("patient", 3600.0), None)
     until(lambda: made.progress().incumbent == 1.0)

@@ -10,11 +10,9 @@ import socket
 import stat
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 from interruptible import CHILD
@@ -22,7 +20,7 @@ from interruptible import CHILD
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 
-from serve_desks import session_of
+from serve_desks import session_of, until
 
 from adr_opt.ui.serve import server as serving
 from adr_opt.ui.serve.backend import Backend
@@ -75,14 +73,6 @@ def ended(one: socket.socket) -> bool:
         return False
     except OSError:
         return True
-
-
-def until(condition: Callable[[], Any]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 def test_strangers_keep_nobody_out(server: Server) -> None:

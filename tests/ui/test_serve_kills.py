@@ -11,7 +11,6 @@ import stat
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,7 +20,7 @@ from urllib.parse import urlsplit
 import pytest
 from conftest import Cli, refused
 from hand_made import hand_made
-from serve_desks import session_of
+from serve_desks import session_of, until
 
 import adr_opt
 from adr_opt.ui.serve.folder import Folder
@@ -119,14 +118,6 @@ def alive(process: int) -> bool:
     with suppress(OSError):
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     return False
-
-
-def until(condition: Any) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.02)
 
 
 @pytest.mark.slow

@@ -5,13 +5,13 @@ from __future__ import annotations
 import io
 import json
 import os
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hand_made import hand_made
+from serve_desks import until
 
 import adr_opt
 from adr_opt.plan.plan import Plan
@@ -82,14 +82,6 @@ def stage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
     for puppet in made.puppets:
         puppet.fall_silent()
     made.planner.close()
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 def test_last_words_of_a_dead_process_are_of_its_own_run(stage: Stage) -> None:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import socket
 import threading
-import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import browser
 import pytest
 from hand_made import hand_made
 from serve_catalogue import catalogue
-from serve_desks import session_of
+from serve_desks import session_of, until
 from serve_tab import Tabs, click, drop, on_page, put, text
 
 for package in ("plotly", "starlette", "uvicorn", "sgp4"):
@@ -64,14 +63,6 @@ def streams(desk: Backend, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[st
     server.start()
     yield server.url, held
     server.close()
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait until something holds."""
-    end = time.monotonic() + 20.0
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
 
 
 SEEN = "document.visibilityState === 'visible'"

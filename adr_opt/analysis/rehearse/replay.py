@@ -20,7 +20,7 @@ from ...problem.instance import Instance
 from ...problem.numbering import LEO
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.world import DrawnWorld
-from ..state import heavier
+from ..replan.chaser_states import heavier
 from .crafts import DRY, LATE, REFUELLED, SERVICED, Craft, Made, full_of
 from .flight import FlownMission
 from .ground import Ground

@@ -11,9 +11,8 @@ import numpy as np
 from ...common.constants import EARTH_RADIUS_M
 from ...common.errors import InputError
 from ...kernels.orbits.collisions import CollidingObjects, CollisionTables
-from ...kernels.orbits.drawn_collisions import drawn_collisions
+from ...kernels.orbits.drawn_collisions import HitKeys, drawn_collisions, fragment_hits
 from ...kernels.orbits.encounters import LEAST_WIDTH_M
-from ...kernels.orbits.fragment_hits import HitKeys, fragment_hits
 from ...kernels.orbits.keyed_draws import keyed_draws
 from ...sources.worth.air import FLOAT, YEAR_S
 from ...sources.worth.breakup import CATASTROPHIC_J_KG, FRAGMENTS

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
+from ...fly.refine.bodies import Whereabouts
 from ...fly.refine.ephemeris import EphemerisTrack, tracks
-from ...fly.refine.whereabouts import Whereabouts
 from ...fly.trajectory.axes import Axes
 from ...fly.trajectory.clock import UtcClock
 from ...fly.trajectory.sampling import LONG_STEP_S, SHORTEST_ARC_S, STEP_S, Arc

@@ -9,8 +9,7 @@ from itertools import pairwise
 
 from ...common.errors import InputError
 from ...fly.flight.tanks import refined_routes
-from ...fly.refine.bodies import moved
-from ...fly.refine.states import state_of
+from ...fly.refine.bodies import moved, state_of
 from ...fly.trajectory.axes import Axes
 from ...kernels.orbits.short_periods import Array
 from ...plan.refined_plan import RefinedLeg, RefinedPlan

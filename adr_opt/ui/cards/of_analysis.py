@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...analysis.design import DesignPoint, DesignStudy
     from ...analysis.priced import PricedOrder, PricedRoute
     from ...analysis.rehearse.rehearsals import Rehearsals
-    from ...analysis.replanned import Replanned
+    from ...analysis.replan.replanned import Replanned
     from ...analysis.trade.points import Point, Tradeoff
 
 
@@ -135,7 +135,7 @@ def of_priced_order(priced: PricedOrder) -> Card:
         details.append((route.chaser, order_words(route.order) or "stays"))
         if not route.holds:
             details.append(("breaks", f"leg {len(route.legs) + 1} {route.reason}"))
-            ways = dict.fromkeys((MENDED[each.kind], each.body) for each in route.mendings)
+            ways = dict.fromkeys((MENDED[each.kind], each.body) for each in route.remedies)
             details += list(ways)[:MOST_MENDINGS]
     if priced.lacking:
         details.append(("required, and lacking", ", ".join(priced.lacking)))

@@ -38,7 +38,7 @@ def command(
     plan, states, burns and arcs are judged by a propagation of their own. Exit status 1: there are
     violations.
     """
-    from ...fly.flight.off_circles import off_circles
+    from ...fly.flight.flyable import off_circles
     from ...plan.refined_plan import is_refined
 
     if is_refined(plan_path):

@@ -92,7 +92,7 @@ def command(
         return fly_and_tell(refined, plan_path, out, as_json, quiet, sampling)
 
     from ...fly.flight import fly
-    from ...fly.flight.off_circles import off_circles
+    from ...fly.flight.flyable import off_circles
 
     admitted = admitted_plan(instance_path, plan_path, unjudged=unjudged)
     say_unjudged(admitted, plan_path, quiet=quiet)

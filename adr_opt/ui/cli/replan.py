@@ -16,8 +16,8 @@ from .output import emit, emit_json, emit_rich, say_written, terminal_width
 from .parameters import admitted_plan, check_out, is_same_file
 
 if TYPE_CHECKING:
-    from ...analysis.replanned import Replanned
-    from ...analysis.state import ChaserState
+    from ...analysis.replan.chaser_states import ChaserState
+    from ...analysis.replan.replanned import Replanned
     from ...problem.instance import Instance
     from ...problem.settings import KeepOutZone
 
@@ -87,7 +87,7 @@ def command(
     chasers' states at that time, and its plan. Exit status 1: the rest has no plan.
     """
     from ...analysis.orders import BodyNames
-    from ...analysis.replan import DEFAULT_TIME_LIMIT_S, replan
+    from ...analysis.replan.replanning import DEFAULT_TIME_LIMIT_S, replan
     from .work import work
 
     admitted = admitted_plan(instance_path, plan_path)

@@ -93,9 +93,9 @@ def compile_for(methods: list[str], jobs: int) -> list[dict[str, Any]]:
 
 def _common() -> dict[str, Any]:
     """Compile timetables, rules, burns and low thrust, the check and the flight in mean motion."""
-    from ...fly.flight.aimed import practise
+    from ...fly.flight.retargeted import practise
     from ...judge.check.verdict import check
-    from ...legs.least_thrust import too_weak
+    from ...legs.families.low_thrust import too_weak
     from ...mission.certified import certify
     from ...run.warm_up import practice_mission, thrusting_problem
 
