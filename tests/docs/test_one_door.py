@@ -27,7 +27,7 @@ DOORS = {
     "sched_getaffinity": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
     "cpu_count": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
     # without the settings that all runs need
-    "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat_solver.py"}),
+    "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat.py"}),
 }
 """Names that only some modules may call, by the folders that are searched."""
 

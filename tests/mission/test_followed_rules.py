@@ -26,7 +26,7 @@ from adr_opt.problem.support import binding, follows_all
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.run.methods import BOUNDS, PLANNERS, names, spec
 
-LONG = {"ortools", "cpsat", "mip"}
+LONG = {"ortools", "mip"}
 METHODS = [
     pytest.param(group, name, marks=[pytest.mark.slow] if name in LONG else [])
     for group in (PLANNERS, BOUNDS)

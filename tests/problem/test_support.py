@@ -230,7 +230,7 @@ def test_a_refusal_names_methods_of_the_same_kind() -> None:
     limited = instance.replace(chasers=(chaser,))
     for call, name, others in (
         (adr_opt.solve, "local-search", PLANNERS),
-        (adr_opt.bound, "cpsat", BOUNDS),
+        (adr_opt.bound, "mip", BOUNDS),
     ):
         with pytest.raises(InputError, match="does not follow visits between") as error:
             call(limited, name, time_limit=1.0)

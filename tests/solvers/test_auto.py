@@ -21,7 +21,7 @@ from adr_opt.mission.result import Result
 from adr_opt.run.method_call import warm_up
 from adr_opt.run.methods import PLANNERS
 from solvers.beams import timely_beams
-from solvers.beams.time_value import TIME_VALUE_M_S_PER_H
+from solvers.beams.beams import TIME_VALUE_M_S_PER_H
 from solvers.planners import one_route
 from solvers.planners.auto import auto
 from solvers.planners.beam import beam

@@ -14,7 +14,7 @@ import adr_opt
 from adr_opt.common.stop import Interrupted, MaxIterations
 from adr_opt.mission.mission import Mission
 from adr_opt.mission.result import Result
-from solvers.planners.mcts import mcts, planner
+from solvers.planners.mcts import mcts
 from solvers.planners.mcts import policy as policies
 from solvers.planners.mcts.settings import PUBLISHED
 
@@ -187,7 +187,7 @@ def test_prizes_count(tiny):
 
 def test_memory_bounds_tree_not_plan(nominal, monkeypatch):
     """A kept tree that runs out of memory is begun anew, and the mission goes on."""
-    monkeypatch.setattr(planner, "LARGEST_TREE", 1)
+    monkeypatch.setattr("solvers.planners.mcts.LARGEST_TREE", 1)
     result = plan(nominal, 40, preset="tuned", simulations=100)
     assert adr_opt.check(nominal.instance, result.plan) == ()
     assert result.objective >= 25.0

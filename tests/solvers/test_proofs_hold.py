@@ -23,7 +23,7 @@ from adr_opt.mission.result import Result
 from adr_opt.problem.instance import Instance
 from adr_opt.run.methods import BOUNDS, PLANNERS, get, names, spec
 
-PROVERS = ("auto", "exact", "mip", "cpsat")
+PROVERS = ("auto", "exact", "mip")
 
 SEEDS = [*range(40), *range(1000, 1300)]
 

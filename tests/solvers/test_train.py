@@ -32,8 +32,8 @@ from adr_opt.sources.library import load_library  # noqa: E402
 from solvers.policies import load_policy  # noqa: E402
 from solvers.training import configs, trainer  # noqa: E402
 from solvers.training.checkpoints import read_checkpoint, read_state, write_checkpoint  # noqa: E402
-from solvers.training.held import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
 from solvers.training.runs import Run, locked  # noqa: E402
+from solvers.training.trainer import FAMILIES, HELD_FIELDS, HELD_SEED  # noqa: E402
 
 
 def _call(folder: Path, *more: str) -> list[str]:
@@ -257,7 +257,7 @@ def test_a_full_disk_ends_a_training_in_a_sentence(
         "enough": lambda: False,
         "report": lambda done, means: done and full_disk(),
     }
-    monkeypatch.setattr("solvers.training.held.HELD_FIELDS", 1)
+    monkeypatch.setattr("solvers.training.trainer.HELD_FIELDS", 1)
     for checkpoint_s in (0.0, 1e9):
         with pytest.raises(adr_opt.common.errors.InputError, match="cannot be written"):
             trainer.train(config, tmp_path / str(checkpoint_s), checkpoint_s=checkpoint_s, **calls)

@@ -345,6 +345,18 @@ def test_methods_explains_one(cli: Cli) -> None:
     assert "method 'magic' is unknown; use one of: auto, beam" in wrong.err
 
 
+def test_a_method_that_went_says_so(cli: Cli, tiny_file: Path) -> None:
+    """A removed method is refused with the names of those that prove; its plans are still read."""
+    for verb in ("solve", "bound"):
+        gone = cli(verb, tiny_file, "--method", "cpsat")
+        assert gone.status == 2
+        assert "'cpsat' was removed in 2.0; use 'exact', or 'mip'" in gone.err
+    cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")
+    plan = json.loads(Path("plan.json").read_text("utf-8")) | {"method": "cpsat"}
+    Path("plan.json").write_text(json.dumps(plan), "utf-8")
+    assert cli("check", tiny_file, "plan.json").status == 0
+
+
 def test_check_accepts_a_good_plan(cli: Cli, tiny_file: Path) -> None:
     """A plan without violations ends with 0 and an empty list."""
     cli("solve", tiny_file, "--method", "greedy", "--out", "plan.json")

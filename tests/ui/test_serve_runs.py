@@ -63,15 +63,12 @@ def test_plans_are_shown_to_those_that_want_to_see_them() -> None:
 
 @pytest.mark.parametrize(
     ("method", "chasers"),
-    [
-        (method, 1)
-        for method in ("auto", "exact", "local-search", "beam", "mcts", "ortools", "cpsat")
-    ]
+    [(method, 1) for method in ("auto", "exact", "local-search", "beam", "mcts", "ortools")]
     + [(method, 2) for method in ("auto", "exact", "ortools")],
 )
 def test_planners_show_legal_plans(method: str, chasers: int) -> None:
     """What a planner shows are routes that can be flown, the last as good as its result."""
-    if method in ("ortools", "cpsat"):
+    if method == "ortools":
         pytest.importorskip("ortools")
     instance, shown = hand_made(), list[Any]()
     one = instance.chasers[0]

@@ -10,7 +10,7 @@ from ..networks.arrays import Network
 from ..networks.buckets import Buckets
 
 
-def fallen(
+def prize_losses(
     network: Network, buckets: Buckets, falls: Falls | None, unit: float, bits: int
 ) -> np.ndarray | None:
     """Losses of the prizes of services that end in each bucket, no more than the truth.

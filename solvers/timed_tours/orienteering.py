@@ -224,6 +224,9 @@ def grow(legs, question, routes, table, cursor):
         First label that is not extended, the one after the last, and the number of labels; the
         first and the last are updated.
     """
+    # Labels of a layer are all routes of so many legs that no other dominates. One is extended by
+    # all legs or by none: ``cursor`` stands at one whose legs are all still to come, so the search
+    # goes on where it stopped once there is more room.
     terms = question.terms
     bodies, count, label = terms.service.size, cursor[2], cursor[0]
     while label < cursor[1]:
@@ -254,6 +257,7 @@ def grow(legs, question, routes, table, cursor):
                 continue
             until = min(terms.closes[j], terms.duration)
             is_function, earliest = legs.is_function[pair], earliest_taken(time)
+            # Of a function the leg that leaves now is enough: who leaves later arrives no earlier.
             for row in range(begin, begin + 1 if is_function else end):
                 cost, leaves, lands = legs.cost[row], legs.departure[row], legs.arrival[row]
                 if is_function:

@@ -34,7 +34,7 @@ Set = tuple[int, frozenset[int], tuple[int, ...]]
 """Chaser type, targets, and refuellings at limited stations once known."""
 
 
-class CostFinish:
+class CheapestSets:
     """Determines the least cost of plans made of listed sets.
 
     Parameters
@@ -44,16 +44,21 @@ class CostFinish:
         Told of cheaper plans.
     pool : RoutePool
         Of routes; added to.
-    asked : float
+    least_worth : float
         What a plan has to be worth.
     stop : Stop
     """
 
     def __init__(
-        self, problem: Problem, certificate: GapTracker, pool: RoutePool, asked: float, stop: Stop
+        self,
+        problem: Problem,
+        certificate: GapTracker,
+        pool: RoutePool,
+        least_worth: float,
+        stop: Stop,
     ) -> None:
         self._problem, self._certificate, self._pool = problem, certificate, pool
-        self._asked, self._stop = asked, stop
+        self._least_worth, self._stop = least_worth, stop
         self._least: dict[Set, float] = {}
         self._route: dict[Set, tuple[int, ...]] = {}
         self._known: set[Set] = set()
@@ -146,7 +151,7 @@ class CostFinish:
         sets = list(self._least)
         costs = np.array([self._least[key] for key in sets])
         worths = np.array([self._problem.collected(targets) for _, targets, _ in sets])
-        scale = 1.0 / max(self._asked, 1e-300)
+        scale = 1.0 / max(self._least_worth, 1e-300)
         # What is dearer than the plan known is in none that is cheaper; and what HiGHS may be off
         # by is little in such units.
         known = self._certificate.cost
@@ -160,7 +165,7 @@ class CostFinish:
                     [self._problem.limits.refuellings(stops) for *_, stops in sets],
                     all_flown=True,
                 ),
-                LinearConstraint(scale * worths[None, :], scale * self._asked, np.inf),
+                LinearConstraint(scale * worths[None, :], scale * self._least_worth, np.inf),
             ],
             self._stop.remaining_s(),
             gap=1e-9,

@@ -18,20 +18,84 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .free_walks import evaluated
+from adr_opt.kernels.core.compile import kernel
+
 from .layers import LayerSearch, Outcome, windows_of
-from .memories import memories_of
+from .memories import NearMemories, memories_of
 from .relaxation import (
     NEVER,
     UNITS,
     Relaxation,
+    TimeSteps,
     bound_units,
+    level,
+    lower,
     narrowed,
     relaxed,
     steps_of,
     whole_bands,
 )
 from .tour import TimedTour, deadlines
+
+
+@kernel
+def _fill(steps, memories, multipliers, values):
+    """Fill the values of all places and steps, from the last step back; each leg takes a step."""
+    places, size = values.shape[0], values.shape[2] - 1
+    for step in range(steps.total, -1, -1):
+        for place in range(places):
+            row = values[place, step]
+            for memory in range(size):
+                row[memory] = steps.ends[place, step]
+            row[size] = NEVER
+            for j in range(multipliers.size):
+                then = max(step + 1, np.int64(steps.after[place, j, step]))
+                if j == place or then > steps.total:
+                    continue
+                source = values[j, then]
+                onward, charge = memories.onward[place, j], np.int32(multipliers[j])
+                lower(row, source, onward, charge)
+            level(row)
+
+
+@kernel
+def _visits(steps, memories, multipliers, values):
+    """How often the best one does each target."""
+    count = np.zeros(multipliers.size, np.int64)
+    place, step, memory = np.int64(multipliers.size), np.int64(0), np.int64(0)
+    while True:
+        value, found = values[place, step, memory], np.int64(-1)
+        for j in range(multipliers.size):
+            then = max(step + 1, np.int64(steps.after[place, j, step]))
+            if j == place or then > steps.total:
+                continue
+            after = np.int64(memories.onward[place, j, memory])
+            if values[j, then, after] + multipliers[j] == value:
+                found = np.int64(j)
+                step, memory = then, after
+                break
+        if found < 0:
+            return count
+        count[found] += 1
+        place = found
+
+
+def evaluated(
+    steps: TimeSteps,
+    memories: NearMemories,
+    multipliers: npt.NDArray[np.int64],
+    room: npt.NDArray[np.int32] | None = None,
+) -> tuple[int, npt.NDArray[np.int64], npt.NDArray[np.int32]]:
+    """Value [units] and services of the best relaxed tour, and the room, to be used again."""
+    targets = multipliers.size
+    shape = targets + 1, steps.total + 1, memories.onward.shape[2] + 1
+    if room is None or room.shape != shape:
+        room = np.empty(shape, dtype=np.int32)
+    _fill(steps, memories, multipliers, room)
+    least = int(room[targets, 0, 0])
+    value = NEVER if least >= NEVER else least - int(multipliers.sum())
+    return value, _visits(steps, memories, multipliers, room), room
+
 
 TOLERANCE = 5e-7
 """Relative improvement that is not looked for."""
@@ -250,13 +314,13 @@ class EarliestEnd:
             if self._over() or self.proven:
                 return
             below = self._below()
-            asked = self.bound_s + share * (below - self.bound_s)
+            within = self.bound_s + share * (below - self.bound_s)
             if share == SHARES[-1] or below - self.bound_s < 0.01 * below:
-                asked = below
-            outcome = search.search(self._units(relaxation, asked), self._most_labels)
+                within = below
+            outcome = search.search(self._units(relaxation, within), self._most_labels)
             self._take(outcome)
             if not outcome.whole:
                 return
             # Of the tours that end by then the best one is known.
-            self.bound_s = max(self.bound_s, min(asked, self._below()))
+            self.bound_s = max(self.bound_s, min(within, self._below()))
             yield
