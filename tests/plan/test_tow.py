@@ -52,7 +52,7 @@ some_seeds = over_kinds("seeds", drawn=(range(96), 6))
 @pytest.mark.parametrize("method", ["auto", "least cost", "greedy"])
 def test_plans_pass_and_bounds_hold(method, seeds):
     """What is planned passes `check`, and enumeration knows nothing above what is proven."""
-    margins = (0.0, 0.2, 0.0)
+    margins = (0.0, 0.0 if method == "least cost" else 0.2, 0.0)  # no cost is proven with one
     campaigns = (Problem(drawn(seed), margin=margins[seed % 3]) for seed in seeds)
     results = held_costs(campaigns) if method == "least cost" else held(campaigns, method)
     towed = sum(leg.tow is not None for _, result in results for leg in result.plan.legs)
