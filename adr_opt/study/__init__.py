@@ -1,0 +1,7 @@
+"""Studies: rows that are functions of their keys, made once, in one file to go on from."""
+
+from .run import Run, check_jobs, run
+from .study import Place, Study
+from .workers import WorkerDied
+
+__all__ = ["Place", "Run", "Study", "WorkerDied", "check_jobs", "run"]
