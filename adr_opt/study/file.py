@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..common.errors import InputError
+from ..common.files import check_writable
 from ..common.json_text import parse_json
 from ..common.lock import locked
 from .study import Study, text_of
@@ -73,6 +74,7 @@ class StudyFile:
     def __init__(self, path: str | os.PathLike[str], study: Study[Any, Any]) -> None:
         self._path, self._held = Path(path), ExitStack()
         self._flushed_s = -math.inf
+        check_writable(path)
         try:
             # Without a buffer, of which a rest would be written when the file is closed.
             self._file: FileIO = self._held.enter_context(self._path.open("ab+", buffering=0))
