@@ -158,6 +158,18 @@ def read(path: str | os.PathLike[str], study: Study[Any, Any]) -> dict[str, Stor
     return rows_of(Path(path), content, study)
 
 
+def check_file(path: str | os.PathLike[str] | None, study: Study[Any, Any]) -> None:
+    """Refuse, before any work, a file that a study cannot go on with.
+
+    Raises
+    ------
+    InputError
+        It is there and cannot be read, or is no file of this study.
+    """
+    if path is not None and Path(path).exists():
+        read(path, study)
+
+
 def head_of(study: Study[Any, Any]) -> dict[str, Any]:
     """The first line of a study's file."""
     of = dict(study.of)

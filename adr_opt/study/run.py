@@ -17,6 +17,12 @@ from .workers import Here, Made, Workers
 POLL_S = 0.1
 """Longest time after which a stop is noticed [s]."""
 
+SHARE = 4
+"""Least number of calls for each process, so that all end at about the same time."""
+
+FEWEST_OF_CLUSTER = 16
+"""Number of workers that a cluster is taken to have at least, for the size of calls."""
+
 Told = Callable[[int, int], None]
 
 
@@ -172,6 +178,7 @@ def run(
     cluster: str | None = None,
     stop: Stop | None = None,
     told: Told = lambda done, of: None,
+    most: int = 1,
 ) -> dict[K, V]:
     """Rows of hashable keys, in the order of the keys; of those that a stop left out, none.
 
@@ -181,7 +188,9 @@ def run(
         As :class:`Run` takes them.
     keys : iterable
     told : callable
-        Called with the numbers of finished rows and of all.
+        Called with the numbers of finished rows and of all, for each row that is made.
+    most : int
+        Most rows that a process makes for a call, where rows are many and quick.
 
     Raises
     ------
@@ -190,7 +199,15 @@ def run(
     """
     wanted, found = tuple(dict.fromkeys(keys)), dict[K, V]()
     with Run(study, path, jobs=jobs, cluster=cluster, stop=stop) as running:
-        for key, row in running.rows((key,) for key in wanted):
+        for key in wanted:
+            row = running.known(key)
+            if row is not None:
+                found[key] = row
+        left = [key for key in wanted if key not in found]
+        count = FEWEST_OF_CLUSTER if cluster is not None else jobs or usable_cores()
+        size = max(1, min(most, len(left) // (SHARE * count)))
+        groups = (tuple(left[at : at + size]) for at in range(0, len(left), size))
+        for key, row in running.rows(groups):
             found[key] = row
             told(len(found), len(wanted))
     return {key: found[key] for key in wanted if key in found}
