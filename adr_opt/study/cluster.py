@@ -140,9 +140,10 @@ class Elsewhere:
 
     def __init__(self, row: Row, address: str) -> None:
         self._cluster = Cluster(address)
-        import cloudpickle  # comes with distributed
+        from cloudpickle import dumps  # comes with distributed
 
-        self._row, self._token = cloudpickle.dumps(row), secrets.token_hex(8)
+        self._dumps = dumps
+        self._row, self._token = dumps(row), secrets.token_hex(8)
         self._out: dict[Future[list[Made]], tuple[Any, ...]] = {}
 
     @property
@@ -157,7 +158,9 @@ class Elsewhere:
 
     def submit(self, keys: tuple[Any, ...]) -> None:
         """Have the rows of a group made; they all come at its end."""
-        self._out[self._cluster.submit(_made_there, self._token, self._row, keys)] = keys
+        self._out[self._cluster.submit(_made_there, self._token, self._row, self._dumps(keys))] = (
+            keys
+        )
 
     def wait(self, longest_s: float) -> list[tuple[Any, Made]]:
         """What has come of keys since the last call, after a wait for the first of them."""
@@ -183,8 +186,8 @@ _mine: tuple[str, Row] | None = None
 """The latest row that this worker made, with its token."""
 
 
-def _made_there(token: str, row: bytes, keys: tuple[Any, ...]) -> list[Made]:
+def _made_there(token: str, row: bytes, keys: bytes) -> list[Made]:
     global _mine
     if _mine is None or _mine[0] != token:
         _mine = token, pickle.loads(row)
-    return [sendable(made_of(_mine[1], key, Place(alone=False))) for key in keys]
+    return [sendable(made_of(_mine[1], key, Place(alone=False))) for key in pickle.loads(keys)]

@@ -86,6 +86,11 @@ class Run(Generic[K, V]):
         """Whether the file had rows before this run."""
         return bool(self._found)
 
+    @property
+    def workers(self) -> int:
+        """Number of rows that are made at once."""
+        return self._started().count
+
     def known(self, key: K) -> V | None:
         """The row of a key from the file; None if it has none.
 
