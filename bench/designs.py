@@ -21,7 +21,7 @@ import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, DesignStudy, design_study
 from adr_opt.problem.chasers import TankByMass
 from adr_opt.sources import catalogue, worth
-from adr_opt.ui.report.designs import cells, designs_page, headings
+from adr_opt.ui.report.designs import design_columns, designs_page
 
 DODGING = ("RELAY*", "HIGH RELAY*")
 """Constellations of the population, whose satellites are taken to dodge."""
@@ -61,10 +61,10 @@ def candidates_of(folder: Path, count: int) -> tuple[adr_opt.Instance, worth.Set
 
 def print_study(study: DesignStudy) -> None:
     """Print the table of a study."""
-    titles = headings(study)
+    titles = design_columns(study)
     print(f"| {' | '.join(titles)} |\n|{'---|' * len(titles)}")
-    for at in range(len(study.points)):
-        print(f"| {' | '.join(cells(study, at))} |")
+    for each in enumerate(study.points):
+        print(f"| {' | '.join(tell(*each) for tell in titles.values())} |")
 
 
 def main() -> None:

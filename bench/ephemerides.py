@@ -26,11 +26,11 @@ from adr_opt.common.errors import InputError
 from adr_opt.kernels.orbits.ephemeris import secular_rates
 from adr_opt.problem.fit import Fit
 from adr_opt.sources import catalogue
-from adr_opt.sources.ephemerides.by_sgp4 import ByElements
+from adr_opt.sources.ephemerides.ephemeris import TurningAxes
 from adr_opt.sources.ephemerides.fit import FittedOrbit, fitted, sample_times
 from adr_opt.sources.ephemerides.interpolation import interpolated
 from adr_opt.sources.ephemerides.left_over import LeftOver, left_over
-from adr_opt.sources.ephemerides.turning import TurningAxes
+from adr_opt.sources.ephemerides.of_instance import ByElements
 
 TARGETS = 60
 DAYS = (7.0, 30.0)

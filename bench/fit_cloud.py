@@ -5,7 +5,7 @@
 The file is a table of mean elements with the columns of an orbit mean-elements message (OMM) as
 public catalogues give them. Printed are the percentiles of perigee altitude, apogee minus perigee
 altitude and inclination over all objects, the densest plane, how far from it the nearest objects
-lie, and rank correlations. `adr_opt/sources/generator/cloud.py` states them, rounded.
+lie, and rank correlations. `adr_opt/sources/generator/clouds.py` states them, rounded.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 
 from adr_opt.common.constants import EARTH_RADIUS_M, MU_M3_S2
-from adr_opt.sources.generator.cloud import PERCENTILES, TARGETS
+from adr_opt.sources.generator.clouds import CLOUD_TARGETS as TARGETS
+from adr_opt.sources.generator.clouds import PERCENTILES
 
 DENSE_DEG = 10.0
 """The densest plane has the most objects within this distance in RAAN."""

@@ -18,10 +18,8 @@ from machine import heading
 
 import adr_opt
 from adr_opt.common.constants import DAY_S
-from adr_opt.fly.refine.bodies import TrueBodies
-from adr_opt.fly.refine.near_circle import near_circle
+from adr_opt.fly.refine.bodies import TrueBodies, near_circle, state_of
 from adr_opt.fly.refine.spiral import NoSpiral, SpiralTow, towed_by_spiral
-from adr_opt.fly.refine.states import state_of
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.thrusting import Push
 from adr_opt.plan.tows import removals_by_name

@@ -31,8 +31,8 @@ import adr_opt
 from adr_opt.common.constants import DAY_S, OBLATENESS_M2
 from adr_opt.fly.flight import RefinedFlight, fly_refined
 from adr_opt.fly.refine.bodies import Gravity, moved
-from adr_opt.fly.refine.holding_estimate import following_m_s
 from adr_opt.fly.refine.one_leg import refine_leg
+from adr_opt.fly.refine.reported import following_m_s
 from adr_opt.kernels.orbits import elements
 from adr_opt.kernels.orbits.gravity import FIELDS
 from adr_opt.kernels.orbits.short_periods import Array, osculating

@@ -23,7 +23,7 @@ from refine_loop import instances
 import adr_opt
 from adr_opt.common.constants import DAY_S
 from adr_opt.fly.trajectory.bodies import body_states
-from adr_opt.kernels.orbits.matchings import matchings
+from adr_opt.kernels.orbits.eccentricity import matchings
 from adr_opt.plan.refined_plan import RefinedLeg
 from adr_opt.problem.instance import Instance
 

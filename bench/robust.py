@@ -32,7 +32,7 @@ import adr_opt
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths
 from adr_opt.analysis.robust.robust import robust
-from adr_opt.legs.risk_charge import Moments, RiskCharge
+from adr_opt.legs.corrections import Moments, RiskCharge
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty

@@ -26,9 +26,8 @@ from population import write_population
 from adr_opt.common.constants import EARTH_RADIUS_M
 from adr_opt.kernels.orbits.encounters import BLUR_M, encounter_rate
 from adr_opt.sources import catalogue, worth
-from adr_opt.sources.worth.air import ACTIVITIES
-from adr_opt.sources.worth.lifetimes import YEAR_S, lifetimes
-from adr_opt.sources.worth.speeds import mean_speeds
+from adr_opt.sources.worth.air import ACTIVITIES, YEAR_S, lifetimes
+from adr_opt.sources.worth.pairs import mean_speeds
 
 LARGE, MIDDLE = 24_000, 20_000
 """Objects of the population that is timed, and of that whose ranks are told."""
