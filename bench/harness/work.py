@@ -10,7 +10,6 @@ import math
 import platform
 import socket
 import time
-from functools import cache
 from typing import Any
 
 from machine import processor
@@ -36,16 +35,22 @@ WARM_LIMIT_S = 20.0
 _warm: set[object] = set()
 
 
-@cache
+# Without functools.cache, whose functions cannot be sent to a cluster by value.
+_environment: dict[str, Any] = {}
+_problems: dict[tuple[bool, bool], Problem] = {}
+
+
 def environment() -> dict[str, Any]:
     """Host, processor, number of cores, Python and packages of this process."""
-    return {
-        "host": socket.gethostname(),
-        "processor": processor(),
-        "cores": usable_cores(),
-        "python": platform.python_version(),
-        "versions": "; ".join(f"{name} {number}" for name, number in versions().items()),
-    }
+    if not _environment:
+        _environment.update(
+            host=socket.gethostname(),
+            processor=processor(),
+            cores=usable_cores(),
+            python=platform.python_version(),
+            versions="; ".join(f"{name} {number}" for name, number in versions().items()),
+        )
+    return dict(_environment)
 
 
 class Rows:
@@ -155,11 +160,15 @@ def warm_up(method: Method | BoundCall, drifts: bool = False, campaign: bool = F
     return time.perf_counter() - began
 
 
-@cache
 def _small(drifts: bool, campaign: bool) -> Problem:
-    if campaign or drifts:
-        return practice_problem(drifts, campaign)
-    return problem_of(adr_opt.generate("tiny", 0, zones=2), threads=1)
+    kind = drifts, campaign
+    if kind not in _problems:
+        _problems[kind] = (
+            practice_problem(drifts, campaign)
+            if campaign or drifts
+            else problem_of(adr_opt.generate("tiny", 0, zones=2), threads=1)
+        )
+    return _problems[kind]
 
 
 def _solve_small(method: Method | BoundCall, drifts: bool = False, campaign: bool = False) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -154,6 +156,29 @@ def test_files_of_others_and_of_the_version_before_are_refused(
             assert said in capsys.readouterr().err
         assert path.read_bytes() == before
         path.unlink()
+
+
+def test_rows_can_be_made_where_the_benchmark_is_not_installed(load: Load) -> None:
+    """What is sent to a cluster needs adr-opt there, and none of the scripts of the benchmark."""
+    cloudpickle = pytest.importorskip("cloudpickle")
+    load("run_all")._by_value("dask://a:1")
+    asked = protocol(load, "greedy", fields=1, iterations=1, zones=0, suites=("tiny",))
+    ((wanted,),) = [asked.wanted(trial) for trial in asked.trials()]
+    made = subprocess.run(
+        [sys.executable, "-c", ELSEWHERE],
+        input=cloudpickle.dumps((load("harness.work").Rows().row, wanted)),
+        capture_output=True,
+        check=False,
+    )
+    assert made.stdout.decode().strip() == "legal", made.stderr.decode()
+
+
+ELSEWHERE = """
+import pickle, sys
+from adr_opt.study import Place
+row, wanted = pickle.loads(sys.stdin.buffer.read())
+print(row(wanted, Place(alone=False))["outcome"])
+"""
 
 
 # --- bad input ------------------------------------------------------------------------------------
