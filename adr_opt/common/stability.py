@@ -41,8 +41,7 @@ STABLE_FORMATS = _names("""
 """File formats that are read, with the same meaning, by every version 1.x."""
 
 PROVISIONAL_FORMATS = _names("""
-    adr-opt-project/1 adr-opt-result/1 adr-opt-rehearsals/1 adr-opt-scenario/1 adr-opt-designs/1
-    adr-opt-policy/1 adr-opt-next-leg/1
+    adr-opt-project/1 adr-opt-result/1 adr-opt-study/1 adr-opt-policy/1 adr-opt-next-leg/1
 """)
 """File formats that a version may replace by others, with a line in the changelog."""
 

@@ -35,7 +35,7 @@ from .checkpoints import read_checkpoint, write_checkpoint
 from .configs import Config
 from .export import write_onnx
 from .policies import SetPolicy
-from .runs import Run, locked
+from .runs import TrainingRun, locked
 
 
 def model_of(config: Config, env: MissionVecEnv, seed: int, device: str) -> MaskablePPO:
@@ -70,7 +70,7 @@ class Keeper(BaseCallback):
 
     Parameters
     ----------
-    run : Run
+    run : TrainingRun
     config : Config
     every : int
         Steps between evaluations.
@@ -82,7 +82,7 @@ class Keeper(BaseCallback):
 
     def __init__(
         self,
-        run: Run,
+        run: TrainingRun,
         config: Config,
         every: int,
         checkpoint_s: float,
@@ -208,7 +208,7 @@ def train(  # noqa: PLR0913
     with ExitStack() as stack:
         stack.enter_context(_full_disks_said(folder))
         stack.enter_context(locked(folder))
-        run = Run(folder, config, seed)
+        run = TrainingRun(folder, config, seed)
         torch.set_num_threads(jobs)
         done = int(run.state.get("steps", 0))
         if done >= config.steps and run.last.exists():

@@ -55,7 +55,7 @@ ROWS = 11
     "--shells", "LO:HI:N", "Altitude shells [km].", default="200:2000:36", show_default=True
 )
 @param.many("--species", "KIND=NAME", "Name of a species in --removals; repeatable.")
-@param.word("--folder", "DIR", "Folder with a file for each seed, to resume from.")
+@param.word("--folder", "DIR", "Folder for a file of all years, to resume from.")
 @param.file("--out", "CSV file of objects by year, case, species and shell.")
 @param.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
 @param.file("--page", "HTML file to write.", name="page_path")
