@@ -113,7 +113,7 @@ def compared(
     return closed(one, other) / rate - 1.0, error / rate
 
 
-def population(out: Path, count: int = 20_000, seed: int = 0) -> None:
+def population(out: Path = Path(), count: int = 20_000, seed: int = 0) -> None:
     """Write the synthetic population as OMM and satcat files."""
     out.mkdir(parents=True, exist_ok=True)
     for path in write_population(out, count, seed):

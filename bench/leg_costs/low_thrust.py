@@ -1,30 +1,22 @@
-"""Low-thrust legs: the closed form against optimised transfers, masses, and speed of computation.
-
-    python bench/low_thrust.py
-
-Pairs of circles are drawn 650 to 950 km high, up to 60 km, 0.2° and 6° of node apart, with 20 to
-160 days and an acceleration of 1 to 5 · 10⁻⁴ m/s². For each the closed form with a free phase, with
-thrust in windows of ±90°, ±60° and ±30°, stands against the least ΔV of the averaged equations of
-motion: two arcs of two parts each, all of whose durations and directions are free.
-"""
+"""The closed form of low-thrust legs against optimised transfers, other masses, and its speed."""
 
 from __future__ import annotations
 
-import argparse
 import math
-import statistics
 import time
+from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from machine import heading
 from scipy.optimize import minimize
+from tables import head, row
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, MU_M3_S2, OBLATENESS_M2
 from adr_opt.kernels.core.compile import kernel
-from adr_opt.kernels.legs import drift_pair, low_thrust, low_thrust_split, low_thrust_windows
+from adr_opt.kernels.legs import drift_pair, low_thrust_split, low_thrust_windows
+from adr_opt.kernels.legs import low_thrust as thrusting
 from adr_opt.kernels.legs.low_thrust_arcs import Thrust, weighted
 from adr_opt.kernels.legs.low_thrust_windows import WINDOWS_RAD, prepare
 from adr_opt.problem.orbit import Orbit
@@ -35,9 +27,6 @@ EXHAUST_M_S = 1500.0 * 9.80665
 
 PARTS = 4
 """Parts of constant direction, half of them before the drift."""
-
-LIGHTER = (0.95, 0.9, 0.8)
-"""Masses of lighter chasers, over that of the heaviest."""
 
 STEPS = 24
 """Steps of the integration of each part."""
@@ -67,14 +56,14 @@ def drawn(rng: np.random.Generator) -> Pair:
     return Pair(*ends, span, 10.0 ** rng.uniform(-4.0, math.log10(5e-4)))
 
 
-def row(
+def body_row(
     body: tuple[float, float, float],
     latitude_deg: float,
     *,
     eccentricity: float = 0.0,
     perigee_deg: float = 0.0,
 ) -> FloatArray:
-    """The row of a body, as kernels take it."""
+    """The body_row of a body, as kernels take it."""
     radius, inclination, node = body
     orbit = Orbit(
         semi_major_axis_m=radius,
@@ -232,39 +221,6 @@ def repeated(pair, thrust, departures, arrivals):
     return total
 
 
-def print_accuracy(number: int) -> None:
-    """Print the closed form against the optimum, by windows of thrust."""
-    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
-    print(f"\nClosed form against optimised averaged transfers, {number} drawn pairs\n")
-    print("| window | legs | total | mean absolute error | largest | no leg |")
-    print("|---|---|---|---|---|---|")
-    totals = np.zeros(2)
-    for window in WINDOWS_RAD:
-        rng = np.random.default_rng(11)
-        said, true, none = [], [], 0
-        for _ in range(number):
-            pair = drawn(rng)
-            thrust = Thrust(pair.acceleration, EXHAUST_M_S)
-            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
-            made = prepare(*bodies, rule._replace(approach_revolutions=0.0), math.nan, 0.0)
-            split, node = free(made, thrust, window, pair.span)
-            if not sum(split.times) < pair.span:  # infinite if there is no leg
-                none += 1
-                continue
-            best = optimum(pair, thrust, window, split, float(node))
-            if math.isfinite(best):
-                said.append(split.delta_v)
-                true.append(best)
-        off = np.array(said) / np.array(true) - 1.0
-        totals += sum(said), sum(true)
-        total = sum(said) / sum(true) - 1.0
-        print(
-            f"| ±{math.degrees(window):.0f}° | {len(said)} | {total:+.2%} | "
-            f"{np.abs(off).mean():.2%} | {np.abs(off).max():.1%} | {none} |"
-        )
-    print(f"\nAll: {totals[0] / totals[1] - 1.0:+.2%}.")
-
-
 @kernel
 def bound_and_costs(pair, lightest, masses, departure, arrival):
     """The lower bound for all masses, and the least ΔV and its time of thrust for some of them."""
@@ -278,15 +234,85 @@ def bound_and_costs(pair, lightest, masses, departure, arrival):
     return bound, least, thrusting
 
 
-def print_bounds(number: int) -> None:
-    """Print how many lower bounds some chaser undercuts, over pairs of all kinds."""
+def low_thrust(pairs: int = 200, bounds: int = 200_000, repeats: int = 15) -> None:
+    """Low-thrust legs: the closed form against optimised transfers, masses, bounds, and speed.
+
+    Pairs of circles are drawn 650 to 950 km high, up to 60 km, 0.2° and 6° of node apart, with 20
+    to 160 days and an acceleration of 1 to 5 · 10⁻⁴ m/s². For each the closed form with a free
+    phase, with thrust in windows of ±90°, ±60° and ±30°, stands against the least ΔV of the
+    averaged equations of motion: two arcs of two parts each, all of whose durations and directions
+    are free.
+    """
     rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
-    rng, legs, below, thrusting = np.random.default_rng(17), 0, [], []
+    _accuracy(rule, pairs)
+    _masses(rule, pairs)
+    _bounds(rule, bounds)
+    _speed(rule, repeats)
+
+
+def _accuracy(rule: NamedTuple, number: int) -> None:
+    """Print the closed form against the optimum, by windows of thrust."""
+    head("window", "legs", "total", "mean absolute error", "largest", "no leg")
+    totals = np.zeros(2)
+    for window in WINDOWS_RAD:
+        rng, said, true, none = np.random.default_rng(11), [], [], 0
+        for _ in range(number):
+            pair = drawn(rng)
+            thrust = Thrust(pair.acceleration, EXHAUST_M_S)
+            bodies = body_row(pair.first, 0.0), body_row(pair.second, rng.uniform(0.0, 360.0))
+            made = prepare(*bodies, rule._replace(approach_revolutions=0.0), math.nan, 0.0)
+            split, node = free(made, thrust, window, pair.span)
+            if not sum(split.times) < pair.span:  # infinite if there is no leg
+                none += 1
+                continue
+            best = optimum(pair, thrust, window, split, float(node))
+            if math.isfinite(best):
+                said.append(split.delta_v)
+                true.append(best)
+        off = np.array(said) / np.array(true) - 1.0
+        totals += sum(said), sum(true)
+        row(
+            f"±{math.degrees(window):.0f}°",
+            len(said),
+            f"{sum(said) / sum(true) - 1.0:+.2%}",
+            f"{np.abs(off).mean():.2%}",
+            f"{np.abs(off).max():.1%}",
+            none,
+        )
+    print(f"\nAll: {totals[0] / totals[1] - 1.0:+.2%}.")
+
+
+def _masses(rule: NamedTuple, number: int) -> None:
+    """Print how much cheaper legs of lighter chasers are, of those that both can fly."""
+    head("mass", "legs", "total", "largest saving", "no leg if heavier")
+    for mass in (0.95, 0.9, 0.8):
+        rng, costs = np.random.default_rng(13), []
+        for _ in range(number):
+            pair = drawn(rng)
+            bodies = body_row(pair.first, 0.0), body_row(pair.second, rng.uniform(0.0, 360.0))
+            made = prepare(*bodies, rule, rng.uniform(0.0, 365.0) * DAY_S, 0.0)
+            both = (Thrust(pair.acceleration / each, EXHAUST_M_S) for each in (1.0, mass))
+            costs.append([thrusting.delta_v(made, each, 0.0, pair.span) for each in both])
+        known = np.array(costs)
+        both = known[np.isfinite(known).all(axis=1)]
+        least = both.min(axis=1)  # a lighter chaser may throttle
+        row(
+            f"{mass:.0%}",
+            len(both),
+            f"{least.sum() / both[:, 0].sum() - 1.0:+.2%}",
+            f"{(least / both[:, 0] - 1.0).min():+.1%}",
+            int((np.isinf(known[:, 0]) & np.isfinite(known[:, 1])).sum()),
+        )
+
+
+def _bounds(rule: NamedTuple, number: int) -> None:
+    """Print how many lower bounds some chaser undercuts, over pairs of all kinds."""
+    rng, legs, below, burning = np.random.default_rng(17), 0, [], []
     for _ in range(number):
         inclination, raan = float(rng.choice([0.9, 1.24, 1.5, 1.71])), rng.uniform(-3.0, 3.0)
         apart = 0.01 * rng.normal(), 0.05 * rng.normal()
         bodies = [
-            row(
+            body_row(
                 (EARTH_RADIUS_M + rng.uniform(500e3, 1200e3), inclination + tilt, raan + turn),
                 rng.uniform(0.0, 360.0),
                 eccentricity=rng.uniform(0.0, 0.01) * rng.integers(2),
@@ -298,82 +324,33 @@ def print_bounds(number: int) -> None:
         epoch = float(rng.choice([math.nan, rng.uniform(-1e9, 1e9)]))
         lightest = Thrust(10.0 ** rng.uniform(-4.3, -3.0), EXHAUST_M_S)
         masses = np.linspace(1.0, rng.uniform(1.0, 2.0), 7)
-        bound, least, time = bound_and_costs(
+        bound, least, burns = bound_and_costs(
             prepare(*bodies, rule, epoch, 0.0), lightest, masses, departure, departure + span
         )
         legs += least < math.inf
         if least < bound:
             below.append(1.0 - least / bound)
-            thrusting.append(time / span)
+            burning.append(burns / span)
     print(
         f"\n{number} drawn pairs, seven masses: {legs} have a leg, {len(below)} one below the "
         f"lower bound, by {max(below, default=0.0):.1%} at most, with thrust on for at least "
-        f"{min(thrusting, default=0.0):.0%} of the time."
+        f"{min(burning, default=0.0):.0%} of the time."
     )
 
 
-def print_speed(repeats: int) -> None:
+def _speed(rule: NamedTuple, repeats: int) -> None:
     """Print the time of a connection with all its windows and a whole number of laps."""
-    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
     departures, arrivals = np.linspace(0.0, 60.0, 61) * DAY_S, np.linspace(80.0, 200.0, 61) * DAY_S
-    print(
-        "\n| thrust in the shadow | a leg, the best of three windows, median of pairs |\n|---|---|"
-    )
+    head("thrust in the shadow", "a leg, the best of three windows, median of pairs")
     for on, epoch in (("on", math.nan), ("off", 0.0)):
         rng, found = np.random.default_rng(5), []
         for _ in range(repeats):
             pair = drawn(rng)
             thrust = Thrust(pair.acceleration, EXHAUST_M_S)
-            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
+            bodies = body_row(pair.first, 0.0), body_row(pair.second, rng.uniform(0.0, 360.0))
             made = prepare(*bodies, rule, epoch, 0.0)
             repeated(made, thrust, departures[:1], arrivals[:1])
             begun = time.process_time()
             repeated(made, thrust, departures, arrivals)
             found.append((time.process_time() - begun) / (departures.size * arrivals.size))
-        print(f"| {on} | {statistics.median(found) * 1e6:.2f} µs |")
-
-
-def print_masses(number: int) -> None:
-    """Print how much cheaper legs of lighter chasers are, of those that both can fly."""
-    rule = adr_opt.generate("tiny", 0).replace(dynamics="j2").transfer_rule()
-    print(f"\nLegs of lighter chasers, {number} drawn pairs with shadows\n")
-    print("| mass | legs | total | largest saving | no leg if heavier |\n|---|---|---|---|---|")
-    for mass in LIGHTER:
-        rng = np.random.default_rng(13)
-        costs = []
-        for _ in range(number):
-            pair = drawn(rng)
-            bodies = row(pair.first, 0.0), row(pair.second, rng.uniform(0.0, 360.0))
-            made = prepare(*bodies, rule, rng.uniform(0.0, 365.0) * DAY_S, 0.0)
-            heavy = Thrust(pair.acceleration, EXHAUST_M_S)
-            light = Thrust(pair.acceleration / mass, EXHAUST_M_S)
-            costs.append(
-                [low_thrust.delta_v(made, each, 0.0, pair.span) for each in (heavy, light)]
-            )
-        known = np.array(costs)
-        both = known[np.isfinite(known).all(axis=1)]
-        # A lighter chaser may throttle.
-        least = both.min(axis=1)
-        none = int((np.isinf(known[:, 0]) & np.isfinite(known[:, 1])).sum())
-        print(
-            f"| {mass:.0%} | {len(both)} | {least.sum() / both[:, 0].sum() - 1.0:+.2%} | "
-            f"{(least / both[:, 0] - 1.0).min():+.1%} | {none} |"
-        )
-
-
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--pairs", type=int, default=200, help="drawn pairs for each window")
-    parser.add_argument("--bounds", type=int, default=200000, help="drawn pairs with lower bounds")
-    parser.add_argument("--repeats", type=int, default=15, help="pairs that are timed")
-    options = parser.parse_args()
-    print(heading())
-    print_accuracy(options.pairs)
-    print_masses(options.pairs)
-    print_bounds(options.bounds)
-    print_speed(options.repeats)
-
-
-if __name__ == "__main__":
-    main()
+        row(on, f"{median(found) * 1e6:.2f} µs")

@@ -164,21 +164,6 @@ def free(case: Case) -> float:
     return optimum(case.anywhere(), case.last, case.changes())[0] * case.speed
 
 
-def at_burns(case: Case) -> float:
-    """The least ΔV with impulses where the sequence burns and at one more place [m/s].
-
-    The other place is a multiple of 45° from the nodes, on the first or last revolution and a half.
-    """
-    own = np.unique(case.places)
-    others = np.arange(0.25 * math.pi, case.last, 0.25 * math.pi)
-    ends = (others < 3.0 * math.pi) | (others > case.last - 3.0 * math.pi)
-    apart = np.abs(others[:, None] - own[None, :]).min(axis=1) > 1e-6
-    return case.speed * min(
-        optimum(np.sort(np.append(own, other)), case.last, case.changes(), 3.0 * GAP)[0]
-        for other in others[ends & apart]
-    )
-
-
 def elements(position: Array, velocity: Array) -> Array:
     """Elements of a state without singularities, (a [m], λ, e_x, e_y, i_x, i_y)."""
     distance = float(np.linalg.norm(position))

@@ -1,17 +1,7 @@
-"""Cost of matching eccentricity vectors, flown optimally, and the accuracy of closed forms.
-
-    python bench/eccentricity.py [--pairs N] [CATALOGUE...]
-
-Random legs between orbits like those of real clouds, half of them to choose a form by and half held
-back; then legs of clouds, drawn and from catalogue files: each the cheapest of all connections that
-arrive within a day or two days (patient), or one of a greedy plan (hurried). The reference is the
-least ΔV of all impulses that do what the leg has to do in its time
-(:mod:`relative_optimum`). The approach is left out on both sides.
-"""
+"""Cost of matching eccentricity vectors, flown optimally, and the accuracy of closed forms."""
 
 from __future__ import annotations
 
-import argparse
 import cmath
 import math
 from collections.abc import Callable, Iterator
@@ -19,14 +9,16 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from machine import heading
-from relative_optimum import Case, at_burns, flown, free
+from fields import planned
+from tables import head, row
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, MU_M3_S2
 from adr_opt.kernels.legs import co_elliptic, precession
 from adr_opt.kernels.orbits import ephemeris
 from adr_opt.sources.catalogue import MissionOutline, read, to_instance
+
+from .relative_optimum import Case, flown, free
 
 RADIUS_M, CLIMB_M, ECCENTRICITY, TURN_DEG = 7.15e6, 100e3, 0.02, 3.0
 """Random legs: mean radius; largest difference of radii, eccentricity and angle of planes."""
@@ -144,66 +136,58 @@ def patient_cases(instance: adr_opt.Instance, count: int) -> Iterator[Case]:
 
 def hurried_cases(instance: adr_opt.Instance) -> Iterator[Case]:
     """The short legs of a greedy plan."""
-    plan = adr_opt.solve(instance, "greedy-guarded").plan
     names = instance.names
-    for leg in plan.legs:
+    for leg in planned(instance).legs:
         if leg.kind == "short":
             ends = names.index(leg.origin), names.index(leg.destination)
             yield case_of(instance, ends, leg.phasing_revolutions, leg.departure_s, leg.arrival_s)
 
 
-def print_forms(name: str, cases: list[Case]) -> None:
+def _forms(name: str, cases: list[Case]) -> None:
     """Print how near the forms are to the optimum, in total and leg by leg."""
     least = np.array([free(case) for case in cases])
-    round_ones = [case._replace(across=0j) for case in cases]
-    circle = np.array([free(case) for case in round_ones])
+    circle = sum(free(case._replace(across=0j)) for case in cases)
     sequence = np.array([case.between_circles() for case in cases])
     print(
         f"\n**{name}**, {len(cases)} legs: the optimum costs {least.sum():.0f} m/s, "
-        f"between circles {circle.sum():.0f}; the sequence between circles {sequence.sum():.0f}, "
-        f"{sequence.sum() / circle.sum() - 1.0:+.1%}\n"
+        f"between circles {circle:.0f}; the sequence between circles {sequence.sum():.0f}, "
+        f"{sequence.sum() / circle - 1.0:+.1%}"
     )
-    print("| charged for eccentricity | m/s | total | mean error of a leg | least | most |")
-    print("|---|---|---|---|---|---|")
+    head("charged for eccentricity", "m/s", "total", "mean error of a leg", "least", "most")
     for form, charged in FORMS.items():
         whole = np.array([charged(*both) for both in zip(cases, sequence, strict=True)])
         off = whole / least - 1.0
-        print(
-            f"| {form} | {(whole - sequence).sum():.0f} | {whole.sum() / least.sum() - 1.0:+.1%} | "
-            f"{np.abs(off).mean():.1%} | {off.min():+.0%} | {off.max():+.0%} |"
+        row(
+            form,
+            f"{(whole - sequence).sum():.0f}",
+            f"{whole.sum() / least.sum() - 1.0:+.1%}",
+            f"{np.abs(off).mean():.1%}",
+            f"{off.min():+.0%}",
+            f"{off.max():+.0%}",
         )
 
 
-def print_references(drawn: list[tuple[Case, complex]]) -> None:
-    """Print what the sequence's own places and true two-body motion make of the optimum."""
-    some = [case for case, _ in drawn[:PLACES]]
-    bound, loose = sum(map(at_burns, some)), sum(map(free, some))
+def eccentricity(*catalogues: Path, pairs: int = 4000, legs: int = 150, clouds: int = 3) -> None:
+    """Cost of matching eccentricities, flown optimally, and the accuracy of closed forms.
+
+    Random legs between orbits like those of real clouds, half of them to choose a form by and half
+    held back; then legs of clouds, drawn and from catalogue files: each the cheapest of all
+    connections that arrive within a day or two days (patient), or one of a greedy plan (hurried).
+    The reference is the least ΔV of all impulses that do what the leg has to do in its time. The
+    approach is left out on both sides.
+    """
+    drawn = list(random_cases(pairs))
     truth = [flown(case, RADIUS_M, start) for case, start in drawn[:FLOWN]]
     total, linear = sum(cost for cost, _ in truth), sum(free(case) for case, _ in drawn[:FLOWN])
     print(
-        f"Impulses where the sequence burns and at one more place: {bound / loose - 1.0:+.2%} "
-        f"({len(some)} legs). Flown in two-body motion: {total / linear - 1.0:+.2%} "
-        f"({len(truth)} legs; worst miss {max(miss for _, miss in truth):.1f} m)."
+        f"The optimum flown in two-body motion: {total / linear - 1.0:+.2%} ({len(truth)} legs; "
+        f"worst miss {max(miss for _, miss in truth):.1f} m)."
     )
-
-
-def main() -> None:
-    """Print the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("catalogues", nargs="*", type=Path, metavar="CATALOGUE")
-    parser.add_argument("--pairs", type=int, default=4000)
-    parser.add_argument("--legs", type=int, default=150)
-    parser.add_argument("--clouds", type=int, default=3)
-    arguments = parser.parse_args()
-    print(heading())
-    drawn = list(random_cases(arguments.pairs))
-    print_references(drawn)
     half = len(drawn) // 2
-    print_forms("random legs to choose by", [case for case, _ in drawn[:half]])
-    print_forms("random legs held back", [case for case, _ in drawn[half:]])
-    fields = [adr_opt.generate("cloud", seed) for seed in range(arguments.clouds)]
-    for path in arguments.catalogues:
-        # Two of a catalogue: the model has two dynamics.
+    _forms("random legs to choose by", [case for case, _ in drawn[:half]])
+    _forms("random legs held back", [case for case, _ in drawn[half:]])
+    fields = [adr_opt.generate("cloud", seed) for seed in range(clouds)]
+    for path in catalogues:
         fields += [
             to_instance(
                 read(path),
@@ -215,9 +199,5 @@ def main() -> None:
         ]
     for field in fields:
         name = f"{field.name}, {field.dynamics}"
-        print_forms(f"{name}, patient", list(patient_cases(field, arguments.legs)))
-        print_forms(f"{name}, hurried", list(hurried_cases(field)))
-
-
-if __name__ == "__main__":
-    main()
+        _forms(f"{name}, patient", list(patient_cases(field, legs)))
+        _forms(f"{name}, hurried", list(hurried_cases(field)))
