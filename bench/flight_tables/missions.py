@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from adr_opt.fly.flight.release import released
 from fields import imported, planned
 from tables import head, row
 
@@ -17,6 +16,7 @@ from adr_opt.fly.flight import TankFlight, fly, fly_refined
 from adr_opt.fly.flight.refined_result import MOST_RELEASE_ECCENTRICITY
 from adr_opt.fly.refine.releases import FIELDS
 from adr_opt.fly.refine.states import state_of
+from adr_opt.judge.refined.release import released
 from adr_opt.problem.transfer_sizes import transfers_for
 
 INCLINATIONS_DEG = (71.0, 86.4, 98.0)

@@ -42,7 +42,7 @@ def circles(seeds: int = 4, jobs: int = 2, bodies: int = 10) -> None:
     for seed in range(seeds):
         instance = adr_opt.generate("nominal", seed).replace(dynamics="j2")
         plan = planned(instance)
-        adr_opt.refine(instance, plan.replace(routes=()), jobs=1)  # kernels are loaded
+        adr_opt.refine(instance, plan, freedom="planned", jobs=1)  # kernels are loaded
         own, free = (adr_opt.refine(instance, plan, freedom=one, jobs=jobs) for one in FREEDOMS)
         flights, _, taken = timed(lambda: [fly_refined(instance, one) for one in (own, free)])  # noqa: B023
         burns = own.planned_delta_v_m_s, own.flown_delta_v_m_s, free.flown_delta_v_m_s
