@@ -96,7 +96,7 @@ def add_words(parser: argparse.ArgumentParser, table: Callable[..., object]) -> 
             parser.add_argument(f"--{name.replace('_', '-')}", action="store_true")
         else:
             given = each.default
-            shown = " ".join(map(str, given)) if several else given
+            shown = " ".join(map(str, given)) if isinstance(given, tuple) else given
             parser.add_argument(
                 f"--{name.replace('_', '-')}",
                 default=given,
