@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,13 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from adr_opt.common.errors import InputError
-from adr_opt.common.files import write_text
 
 from ..reading import FloatArray, floats_of, read_object, sequence_of
 from .campaign import Removals, Stop
-
-DIGITS = 9
-"""Digits of days and of m/s that are written: they move an arrival by centimetres."""
 
 
 class Flight(NamedTuple):
@@ -43,35 +37,8 @@ class FlownMission:
     flights: tuple[Flight, ...]
 
 
-def write_flown(path: Path, missions: Sequence[FlownMission]) -> None:
-    """Write a campaign; what was there is replaced."""
-    content = [
-        {
-            "stops": [
-                [stop.debris, round(stop.arrival_d, DIGITS), round(stop.departure_d, DIGITS)]
-                for stop in mission.removals.stops
-            ],
-            "legs": [
-                [
-                    [round(float(value), DIGITS) for value in (time, *impulse)]
-                    for time, impulse in zip(*flight, strict=True)
-                ]
-                for flight in mission.flights
-            ],
-        }
-        for mission in missions
-    ]
-    lines = []
-    for mission in content:
-        stops = ",\n   ".join(json.dumps(stop) for stop in mission["stops"])
-        legs = ",\n   ".join(json.dumps(leg) for leg in mission["legs"])
-        lines.append(f'{{"stops": [\n   {stops}],\n  "legs": [\n   {legs}]}}')
-    text = '{"missions": [\n ' + ",\n ".join(lines) + "]}\n"
-    write_text(path, text)
-
-
 def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:
-    """The missions of a file that :func:`write_flown` has written.
+    """The missions of a file of impulses.
 
     Parameters
     ----------
@@ -83,7 +50,7 @@ def read_flown(path: Path, debris: int) -> tuple[FlownMission, ...]:
     for number, mission in enumerate(sequence_of(read_object(path), "missions", str(path))):
         where = f"{path}: missions[{number}]"
         if not isinstance(mission, dict):
-            raise InputError(f"{where}: not a JSON object; give a file that --fly-all has written")
+            raise InputError(f"{where}: not a JSON object; give the file as it is")
         rows = sequence_of(mission, "stops", where)
         stops = [Stop(*_row({"stops": row}, "stops", 3, where)) for row in rows]
         if not stops or any(not 0 <= stop.debris < debris for stop in stops):
