@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import os
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 import rows
+from leg_costs import eccentricity as measured
 
 import adr_opt
 from adr_opt.common.constants import DAY_S, EARTH_RADIUS_M, OBLATENESS_M2
@@ -22,19 +20,8 @@ from adr_opt.kernels.orbits.matchings import matchings
 from adr_opt.problem.orbit import Orbit
 from adr_opt.sources.catalogue import MissionOutline
 
-BENCH = Path(__file__).parents[2] / "bench"
 DATA = Path(os.environ.get("ADR_OPT_EXTERNAL_DATA", "../shared/data"))
 CLOUD = DATA / "omm" / "celestrak_2025-04_iridium-33-debris.csv"
-
-
-@pytest.fixture(scope="module")
-def measured() -> ModuleType:
-    """The script that measures what eccentricity costs."""
-    sys.path.insert(0, str(BENCH))
-    try:
-        return importlib.import_module("eccentricity")
-    finally:
-        sys.path.remove(str(BENCH))
 
 
 def drawn(rng: np.random.Generator, most: float, spread: float = 2.0) -> Orbit:
@@ -171,7 +158,7 @@ def test_plans_state_the_share_and_no_more() -> None:
 
 
 @pytest.mark.slow
-def test_the_closed_form_is_near_the_optimum(measured: ModuleType) -> None:
+def test_the_closed_form_is_near_the_optimum() -> None:
     """Random legs: within 10 % of the least ΔV in total, and within 15 % on average leg by leg.
 
     The old charge, v·|Δe|/2 beside the sequence, is not.
@@ -189,7 +176,7 @@ def test_the_closed_form_is_near_the_optimum(measured: ModuleType) -> None:
     assert old[1] > 0.15
 
 
-def test_the_optimum_can_be_flown(measured: ModuleType) -> None:
+def test_the_optimum_can_be_flown() -> None:
     """In two-body motion, on true ellipses, the optimum costs the same within 3 % and arrives."""
     for case, start in measured.random_cases(6):
         cost, miss = measured.flown(case, measured.RADIUS_M, start)
@@ -200,7 +187,7 @@ def test_the_optimum_can_be_flown(measured: ModuleType) -> None:
 @pytest.mark.external
 @pytest.mark.skipif(not CLOUD.is_file(), reason=f"no file {CLOUD} (ADR_OPT_EXTERNAL_DATA)")
 @pytest.mark.parametrize("dynamics", ["two-body", "j2"])
-def test_a_real_cloud_is_planned_near_the_optimum(measured: ModuleType, dynamics: str) -> None:
+def test_a_real_cloud_is_planned_near_the_optimum(dynamics: str) -> None:
     """Legs of a real cloud: the charge adds less than 1 %, and the optimum asks for no more."""
     field = measured.to_instance(
         measured.read(CLOUD),

@@ -68,7 +68,8 @@ def judge(folder: Path, flown: Path) -> None:
         )
     print(
         f"\n{sum(map(len, whole.legs))} legs. J is {sum(estimates):.2f} M€ by the estimate at "
-        f"these times and {whole.score.total_meur:.2f} M€ flown; {len(whole.violations)} rules broken.",
+        f"these times and {whole.score.total_meur:.2f} M€ flown; {len(whole.violations)} rules "
+        "broken.",
         *whole.violations,
         sep="\n",
     )

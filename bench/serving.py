@@ -1,7 +1,7 @@
 """Pages: how fast ``serve`` answers and its page draws, with 24,000 objects and while it plans.
 
-python bench/pages.py browser      # needs Chromium and the extra [serve]
-python bench/pages.py latency --seconds 12
+python bench/serving.py browser      # needs Chromium and the extra [serve]
+python bench/serving.py latency --seconds 12
 """
 
 from __future__ import annotations
