@@ -202,9 +202,9 @@ def test_what_is_no_json_is_refused(tmp_path):
     [
         (lambda times, impulses: (times, 1.01 * impulses), "off on arrival"),
         (lambda times, impulses: (times[::-1], impulses[::-1]), "out of order"),
-        (lambda times, impulses: (times + 5.0 * DAY_S, impulses), "outside of the leg"),
+        (lambda times, impulses: (times + 30.0 * DAY_S, impulses), "outside of the leg"),
         (lambda times, impulses: (np.repeat(times, 2), np.repeat(0.5 * impulses, 2, 0)), "0 imp"),
-        (lambda times, impulses: (times[:1], np.array([[0.0, -900.0, 900.0]])), "a perigee of"),
+        (lambda times, impulses: (times[:1], np.full((1, 3), 9e3)), "a perigee of"),
     ],
 )
 def test_flown_legs_that_break_a_rule_are_named(flown, change, said):
