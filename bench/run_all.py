@@ -5,9 +5,9 @@
     python bench/run_all.py --report-only --out results
 
 Every method plans the same fields with the same keep-out zones; every plan passes `check` before it
-counts; every row goes to OUT/results.sqlite as it is finished. Killed at any moment and started
-again, a run loses and repeats nothing. At the end OUT/report.html, summary.csv and pictures are
-made from the rows alone.
+counts; every row goes to OUT/results.jsonl as it is finished, and one run at a time writes there.
+Killed at any moment and started again, a run repeats only the plans that were being made. At the
+end OUT/report.html, summary.csv and pictures are made from the rows alone.
 
 Exit status 0: done; 1: done, but some planner raised or gave an illegal plan, and the report names
 it; 2: the call is wrong, in one sentence, before any work starts, or the cluster went away; 130:
@@ -17,20 +17,21 @@ interrupted, what is finished is kept.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Mapping, Sequence
 
 from harness import options as command_line
-from harness.backend import Backend
 from harness.display import Display, clock
 from harness.methods import labels
 from harness.options import Options, say
 from harness.report.failures import failures
 from harness.report.write import need, write
-from harness.runner import Runner, Summary
-from harness.store import Store
-from harness.work import PARTS
+from harness.results import Facts, missing, path_in, results, study
+from harness.trials import Protocol, Trial, Wanted
+from harness.work import killed, practise
 
 from adr_opt.common.errors import InputError
+from adr_opt.study import Run, Study, run
 
 DONE, FAILED, WRONG, INTERRUPTED = 0, 1, 2, 130
 
@@ -53,79 +54,74 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: Options) -> int:
     if not options.no_report:
         need()
-    store = Store(options.out, create=not options.report_only)
-    try:
-        if options.protocol is not None:
-            summary = _plan(options, store)
-            if summary is not None:
-                say(_account(summary))
-                if summary.broken is not None:
-                    say(summary.broken)
-                    return WRONG
-        if not options.no_report:
-            say(f"report: {write(store, options.out)}")
-        results = store.results()
-        short = labels(dict.fromkeys(row["method"] for row in results))
-        said = failures(results, store.bounds(), short)
-    finally:
-        store.close()
+    path = path_in(options.out, create=not options.report_only)
+    if options.protocol is not None:
+        _by_value(options.cluster)
+        jobs = options.jobs if options.cluster is None else 1
+        with Run(study(), path, jobs=jobs, cluster=options.cluster) as running:
+            _plan(options, options.protocol, running)
+    if not options.no_report:
+        say(f"report: {write(path, options.out)}")
+    rows, bounds = results(path)
+    said = failures(rows, bounds, labels(dict.fromkeys(row["method"] for row in rows)))
     for failure in said:
         say(failure)
     return FAILED if said else DONE
 
 
-def _plan(options: Options, store: Store) -> Summary | None:
-    """Bring about what is missing; None if nothing was."""
-    protocol = options.protocol
-    assert protocol is not None
-    if options.retry_failed:
-        store.forget_failures()
-    missing = store.missing(protocol)
-    if not missing:
+def _plan(options: Options, protocol: Protocol, running: Run[Wanted, Facts]) -> None:
+    """Bring about what is missing."""
+    lacking = missing(running, protocol, retry_failed=options.retry_failed)
+    if not lacking:
         say("nothing is missing")
-        return None
-    backend = _backend(options)
+        return
+    workers = running.workers  # a cluster that is not there is refused before any work
+    whats = [*protocol.methods, *([] if protocol.bound is None else [protocol.bound])]
+    practice = Study("practice", 1, practise, failed=killed, apart=True)
+    for sentence in filter(None, run(practice, whats).values()):
+        say(sentence)
+    made, began = list[tuple[Wanted, Facts]](), time.monotonic()
+    with Display(lacking, workers, quiet=options.quiet) as display:
+        for wanted, facts in running.rows(lacking.values()):
+            made.append((wanted, facts))
+            display.kept(wanted, facts)
+    say(_account(made, time.monotonic() - began, workers))
+
+
+def _by_value(cluster: str | None) -> None:
+    """Have the modules of the benchmark sent to the workers of a cluster, which lack them."""
+    if cluster is None:
+        return
     try:
-        wanted = (*protocol.methods, *([protocol.bound] if protocol.bound is not None else ()))
-        wrong = backend.preflight(wanted)
-        if wrong is not None:
-            raise InputError(wrong)
-        run = store.begin_run(options.command, protocol, backend.workers)
-        with Display(protocol, missing, store.mean_seconds(), quiet=options.quiet) as display:
-            return Runner(protocol, store, backend, display, run).run()
-    finally:
-        backend.close()
+        import cloudpickle
+    except ImportError:
+        return  # the cluster will say so
+    import machine
+    from harness import methods, trials, work
+
+    for module in (machine, methods, trials, work):
+        cloudpickle.register_pickle_by_value(module)
 
 
-def _backend(options: Options) -> Backend:
-    if options.cluster is not None:
-        from harness.cluster import Cluster
-
-        return Cluster(options.cluster)
-    from harness.processes import Processes
-
-    return Processes(options.jobs)
-
-
-def _account(summary: Summary) -> str:
+def _account(made: Sequence[tuple[Wanted, Facts]], wall_s: float, workers: int) -> str:
     """Breakdown of the time, in one sentence."""
-    work = sum(summary.spent[part] for part in PARTS)
-    shares = ", ".join(f"{part} {summary.spent[part]:.1f} s" for part in PARTS)
+    builds: Mapping[Trial, set[float]] = {each.trial: set() for each, _ in made}
+    spent = dict.fromkeys(("warm", "build", "planning", "check", "bound"), 0.0)
+    for each, facts in made:
+        builds[each.trial].add(facts.get("build_s", 0.0))  # one for each time that it was built
+        spent["warm"] += facts.get("warm_s", 0.0)
+        spent["check"] += facts.get("check_s", 0.0)
+        part = "planning" if "outcome" in facts else "bound"
+        spent[part] += facts.get("planning_s", 0.0)
+    spent["build"] = sum(map(sum, builds.values()))
+    work_s = sum(spent.values())
+    shares = ", ".join(f"{part} {seconds:.1f} s" for part, seconds in spent.items())
+    overhead_s = max(0.0, workers * wall_s - work_s)
     text = (
-        f"{summary.rows} rows in {clock(summary.wall_s)} ({summary.wall_s:.1f} s) with "
-        f"{summary.workers} workers: {shares}"
+        f"{len(made)} rows in {clock(wall_s)} ({wall_s:.1f} s) with {workers} workers: {shares}; "
+        f"harness {overhead_s:.1f} s"
     )
-    if summary.deaths:
-        # What a task that lost its worker had done is not known, so nothing is left to compare.
-        return f"{text}; {summary.deaths} tasks lost their worker"
-    planning = summary.spent["planning"]
-    text += f"; harness {summary.overhead_s:.1f} s"
-    if planning > 0.0:
-        text += (
-            f", {100 * summary.overhead_s / planning:.1f} % of planning, "
-            f"{100 * summary.overhead_s / work:.1f} % of all work"
-        )
-    return text
+    return f"{text}, {100 * overhead_s / work_s:.1f} % of all work" if work_s > 0.0 else text
 
 
 if __name__ == "__main__":

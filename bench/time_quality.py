@@ -22,7 +22,7 @@ from pathlib import Path
 import run_all
 from harness.report.model import read
 from harness.report.quality import Spot, draw, read_table, spots, write_table
-from harness.store import Store
+from harness.results import path_in
 from machine import heading
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -114,13 +114,8 @@ def main() -> int:
             )
             if status == run_all.WRONG:
                 return status
-        store = Store(arguments.out, create=False)
-        try:
-            (section,) = [
-                each for each in read(store).sections if (each.suite, each.zones) == (suite, 0)
-            ]
-        finally:
-            store.close()
+        found = read(path_in(arguments.out, create=False))
+        (section,) = [each for each in found.sections if (each.suite, each.zones) == (suite, 0)]
         write_table(spots(section), arguments.table)
     found = read_table(arguments.table)
     count = max(spot.fields for spot in found)

@@ -1,6 +1,6 @@
 """The benchmark behind `bench/run_all.py`.
 
-One way through: ``options`` says what is asked for, ``methods`` and ``trials`` name it, ``runner``
-hands tasks to a backend (``processes`` or ``cluster``), ``work`` does one in a worker, ``store``
-keeps every row as it is finished, and ``report`` makes the page from the rows alone.
+One way through: ``options`` says what is asked for, ``methods`` and ``trials`` name it, ``work``
+makes a row, ``results`` is the study of all rows and their file, and ``report`` makes the page from
+that alone.
 """

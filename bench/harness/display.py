@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-from .trials import Protocol, Trial
+from .results import is_failure
+from .trials import Trial, Wanted
 
 QUIET_S = 30.0
 """Interval between lines without a terminal."""
 
 GUESS_S = 1.0
-"""Initial estimate, as a share of the time limit at most, for an unknown method or a timetable."""
-
-
-def _bounds(protocol: Protocol, missing: Mapping[Trial, set[str]]) -> int:
-    """Maximum number of bounds to prove."""
-    return sum(protocol.bound_for(trial.suite) is not None for trial in missing)
+"""Initial estimate, as a share of the time limit at most, for an unknown row or a timetable."""
 
 
 class Forecast:
@@ -27,52 +24,42 @@ class Forecast:
 
     Parameters
     ----------
-    protocol : Protocol
-    missing : mapping
-        Methods that are missing, by trial.
-    seconds : mapping
-        Mean seconds by suite and method from rows that are there already.
+    lacking : mapping
+        Rows that are missing, by trial.
     """
 
-    def __init__(
-        self,
-        protocol: Protocol,
-        missing: Mapping[Trial, set[str]],
-        seconds: Mapping[tuple[str, str], float],
-    ) -> None:
-        self._limits = {method.key: method.limit_s for method in protocol.methods}
-        self._sums = {key: (mean, 1) for key, mean in seconds.items()}
-        self._left: dict[tuple[str, str], int] = {}
-        for trial, keys in missing.items():
-            for key in keys:
-                self._left[trial.suite, key] = self._left.get((trial.suite, key), 0) + 1
-        self._trials, self._rows = len(missing), sum(self._left.values())
+    def __init__(self, lacking: Mapping[Trial, Sequence[Wanted]]) -> None:
+        self._left = Counter(_kind(each) for rows in lacking.values() for each in rows)
+        self._limits = {
+            _kind(each): each.what.limit_s for rows in lacking.values() for each in rows
+        }
+        self._seen = dict[tuple[str, str], tuple[float, int]]()
+        self._trials, self._rows = len(lacking), self._left.total()
         self._build_s = GUESS_S
-        self._bounds = _bounds(protocol, missing)
-        self._bound_s = protocol.bound.limit_s if protocol.bound is not None else 0.0
 
-    def hear(self, suite: str, method: str, seconds: float, build_s: float) -> None:
+    def hear(self, wanted: Wanted, facts: Mapping[str, Any]) -> None:
         """Take note of a row, and of what the timetable took that its trial shares."""
-        self._build_s += 0.1 * (build_s - self._build_s)
-        total, count = self._sums.get((suite, method), (0.0, 0))
-        self._sums[suite, method] = (total + seconds, count + 1)
-        if self._left.get((suite, method), 0) > 0:
-            self._left[suite, method] -= 1
-
-    def hear_bound(self, seconds: float) -> None:
-        """Take note of a bound."""
-        self._bounds = max(0, self._bounds - 1)
-        self._bound_s += 0.1 * (seconds - self._bound_s)
+        kind = _kind(wanted)
+        self._build_s += 0.1 * (facts.get("build_s", 0.0) - self._build_s)
+        total, count = self._seen.get(kind, (0.0, 0))
+        seconds = facts.get("planning_s", 0.0) + facts.get("check_s", 0.0)
+        self._seen[kind] = total + seconds, count + 1
+        self._left[kind] -= 1
 
     def left_s(self, workers: int) -> float:
         """Wall time left with some workers."""
-        share = sum(self._left.values()) / max(1, self._rows)
-        work = self._bounds * self._bound_s + share * self._trials * self._build_s
-        for (suite, method), count in self._left.items():
-            total, seen = self._sums.get((suite, method), (0.0, 0))
-            mean = total / seen if seen else min(GUESS_S, self._limits[method])
-            work += count * mean
+        share = self._left.total() / max(1, self._rows)
+        work = share * self._trials * self._build_s
+        for kind, count in self._left.items():
+            total, seen = self._seen.get(kind, (0.0, 0))
+            work += count * (total / seen if seen else min(GUESS_S, self._limits[kind]))
         return work / max(1, workers)
+
+
+def _kind(wanted: Wanted) -> tuple[str, str]:
+    """What rows of about the same time have in common."""
+    what = wanted.key().get("method") or wanted.what.name
+    return wanted.trial.suite, what
 
 
 class Display:
@@ -80,23 +67,18 @@ class Display:
 
     Parameters
     ----------
-    protocol, missing, seconds
-        As of :class:`Forecast`.
+    lacking : mapping
+        Rows that are missing, by trial.
+    workers : int
     quiet : bool
         Show nothing.
     """
 
     def __init__(
-        self,
-        protocol: Protocol,
-        missing: Mapping[Trial, set[str]],
-        seconds: Mapping[tuple[str, str], float],
-        *,
-        quiet: bool = False,
+        self, lacking: Mapping[Trial, Sequence[Wanted]], workers: int, *, quiet: bool = False
     ) -> None:
-        self._forecast = Forecast(protocol, missing, seconds)
-        self._total = sum(len(keys) for keys in missing.values())
-        self._total += _bounds(protocol, missing)
+        self._forecast, self._workers = Forecast(lacking), workers
+        self._total = sum(map(len, lacking.values()))
         self._kept, self._wrong = 0, 0
         self._quiet = quiet
         self._said = time.monotonic()
@@ -132,22 +114,12 @@ class Display:
         if self._progress is not None:
             self._progress.stop()
 
-    def kept(self, facts: Mapping[str, Any]) -> None:
-        """A row or a bound was kept."""
+    def kept(self, wanted: Wanted, facts: Mapping[str, Any]) -> None:
+        """Show how far it is after a row."""
         self._kept += 1
-        seconds = (facts.get("planning_s") or 0.0) + (facts.get("check_s") or 0.0)
-        if "outcome" in facts:
-            self._forecast.hear(
-                facts["suite"], facts["method"], seconds, facts.get("build_s") or 0.0
-            )
-            self._wrong += facts["outcome"] != "legal"
-        else:
-            self._forecast.hear_bound(seconds)
-            self._wrong += facts.get("message") is not None
-
-    def update(self, workers: int) -> None:
-        """Show how far it is."""
-        forecast = f"about {clock(self._forecast.left_s(workers))} left"
+        self._wrong += is_failure(facts)
+        self._forecast.hear(wanted, facts)
+        forecast = f"about {clock(self._forecast.left_s(self._workers))} left"
         if self._wrong:
             forecast += f", {self._wrong} failed"
         if self._progress is not None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
 
 import adr_opt
 from adr_opt.common.errors import InputError
@@ -69,26 +71,31 @@ class BoundCall:
         return spec_of(self.name, BOUNDS).several
 
 
-@dataclass(frozen=True)
-class Task:
-    """Missing results of one trial; its timetable is built once for all of them.
+class Wanted(NamedTuple):
+    """A row that is wanted: a method, or a bound, on a trial.
 
     Attributes
     ----------
     trial : Trial
-    methods : tuple of Method
+    what : Method or BoundCall
     seed : int
-        Seed of every planner.
-    bound : BoundCall or None
+        Of a planner.
     best : float
         The largest objective known of a legal plan, −inf if none: a bound that meets it may stop.
+        The row is not known by it.
     """
 
     trial: Trial
-    methods: tuple[Method, ...]
+    what: Method | BoundCall
     seed: int
-    bound: BoundCall | None
-    best: float
+    best: float = -math.inf
+
+    def key(self) -> dict[str, Any]:
+        """What the row is known by, as JSON data."""
+        trial = asdict(self.trial)
+        if isinstance(self.what, BoundCall):
+            return {**trial, "bound": self.what.name, "limit_s": self.what.limit_s}
+        return {**trial, "method": self.what.key, "seed": self.seed}
 
 
 @dataclass(frozen=True)
@@ -113,6 +120,12 @@ class Protocol:
         if self.bound is None or FAMILIES[suite].chasers == 1 or self.bound.bounds_campaigns:
             return self.bound
         return None
+
+    def wanted(self, trial: Trial) -> tuple[Wanted, ...]:
+        """All rows of a trial, the bound last."""
+        bound = self.bound_for(trial.suite)
+        whats = (*self.methods_for(trial.suite), *([] if bound is None else [bound]))
+        return tuple(Wanted(trial, what, self.seed) for what in whats)
 
     def trials(self) -> list[Trial]:
         """Iteration by iteration, so that a run cut short has seen every field."""

@@ -1,36 +1,34 @@
-"""One task, done in a worker: build the timetable, plan, check, bound.
+"""One row, made in a worker: build the timetable of the trial, plan and check, or bound.
 
-Nothing leaves this module but plain data: an exception of a planner may not survive its journey
-from one process to another, and a row that says what happened does.
+Whatever a planner raises is for its row to say: it ends nothing.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
-import sys
+import platform
+import socket
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from machine import processor
+
 import adr_opt
-from adr_opt.common.errors import MissingExtra
+from adr_opt.common.errors import InputError, MissingExtra
+from adr_opt.common.processors import usable_cores
 from adr_opt.common.tolerance import meets, rounded_down
 from adr_opt.mission.problem import Problem, problem_of
-from adr_opt.mission.result import Result
+from adr_opt.mission.result import Result, versions
 from adr_opt.problem.instance import Instance
 from adr_opt.run import front
 from adr_opt.run.methods import BOUNDS
 from adr_opt.run.warm_up import practice_problem
+from adr_opt.study import Place, WorkerDied
 
-from .environment import environment
 from .methods import Method
-from .trials import BoundCall, Task, Trial
-
-Tell = Callable[[str, dict[str, Any]], None]
-"""Hears of everything finished at once: ``("row", …)``, ``("bound", …)`` or ``("spent", …)``."""
+from .trials import BoundCall, Trial, Wanted
 
 LONGEST_MESSAGE = 300
 WARM_LIMIT_S = 20.0
@@ -38,53 +36,75 @@ WARM_LIMIT_S = 20.0
 _warm: set[object] = set()
 
 
-@dataclass
-class Spent:
-    """Breakdown of a task's time [s]."""
-
-    warm: float = 0.0
-    build: float = 0.0
-    planning: float = 0.0
-    check: float = 0.0
-    bound: float = 0.0
-    begun: float = field(default_factory=time.perf_counter)
-
-    def to_dict(self) -> dict[str, float]:
-        """The parts, and the whole as ``task``."""
-        parts = {name: getattr(self, name) for name in PARTS}
-        return {**parts, "task": time.perf_counter() - self.begun}
+@cache
+def environment() -> dict[str, Any]:
+    """Host, processor, number of cores, Python and packages of this process."""
+    return {
+        "host": socket.gethostname(),
+        "processor": processor(),
+        "cores": usable_cores(),
+        "python": platform.python_version(),
+        "versions": "; ".join(f"{name} {number}" for name, number in versions().items()),
+    }
 
 
-PARTS = ("warm", "build", "planning", "check", "bound")
+class Rows:
+    """Rows of one process, of which those of a trial share its timetable."""
+
+    def __init__(self) -> None:
+        self._trial: Trial | None = None
+        self._problem: Problem | Exception | None = None
+        self._build: dict[str, float] = {}
+        self._best = -math.inf
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Rows, ()
+
+    def row(self, wanted: Wanted, place: Place) -> dict[str, Any]:
+        """What comes of a method or a bound on a trial."""
+        self._go_to(wanted.trial)
+        facts = {"environment": environment(), **self._build}
+        if isinstance(self._problem, Exception):
+            return {**facts, "outcome": "raised", "message": _sentence(self._problem)}
+        problem = self._problem
+        assert problem is not None
+        kind = problem.connecting.is_listed, problem.alone is None
+        warm_s = warm_up(wanted.what, *kind)
+        facts["warm_s"] = warm_s
+        if isinstance(wanted.what, BoundCall):
+            best = max(self._best, wanted.best)
+            return facts | _bound(wanted.seed, wanted.what, problem, best)
+        facts |= _plan(wanted.seed, wanted.what, _as_new(problem))
+        if facts["outcome"] == "legal":
+            self._best = max(self._best, facts["objective"])
+        return facts
+
+    def _go_to(self, trial: Trial) -> None:
+        if self._trial == trial:
+            return
+        self._trial, self._best = trial, -math.inf
+        began, cpu_began = time.perf_counter(), time.process_time()
+        try:
+            self._problem = problem_of(trial.instance(), threads=1)
+            for mission in self._problem.missions:
+                mission.rules  # noqa: B018  builds the timetable
+        except Exception as error:
+            self._problem = error
+        self._build = {
+            "build_s": time.perf_counter() - began,
+            "build_cpu_s": time.process_time() - cpu_began,
+        }
 
 
-def work(task: Task, tell: Tell) -> None:
-    """Do a task; every row is told as soon as it is finished."""
-    spent = Spent()
-    began, cpu_began = time.perf_counter(), time.process_time()
-    try:
-        problem = problem_of(task.trial.instance(), threads=1)
-        for mission in problem.missions:
-            mission.rules  # noqa: B018  builds the timetable
-    except Exception as error:
-        for method in task.methods:
-            tell("row", _row(task, method, outcome="raised", message=_sentence(error)))
-        if task.bound is not None:
-            tell("bound", {**_bound_row(task.trial, task.bound), "message": _sentence(error)})
-        return
-    spent.build, build_cpu_s = time.perf_counter() - began, time.process_time() - cpu_began
-    best, kind = task.best, (problem.connecting.is_listed, problem.alone is None)
-    for method in task.methods:
-        spent.warm += warm_up(method, *kind)
-        row = _plan(task, method, _as_new(problem), spent)
-        row |= {"build_s": spent.build, "build_cpu_s": build_cpu_s}
-        if row["outcome"] == "legal":
-            best = max(best, row["objective"])
-        tell("row", row)
-    if task.bound is not None:
-        spent.warm += warm_up(task.bound, *kind)
-        tell("bound", _bound(task.trial, task.seed, task.bound, problem, best, spent))
-    tell("spent", spent.to_dict())
+def failed(wanted: Wanted, error: Exception) -> dict[str, Any]:
+    """The row of a method that has killed its process, twice; other errors end the run."""
+    if not isinstance(error, WorkerDied):
+        raise error
+    return {
+        "environment": environment(),
+        "outcome": "died",
+        "message": "its worker process died, twice",
+    }
 
 
 def _as_new(problem: Problem) -> Problem:
@@ -93,24 +113,31 @@ def _as_new(problem: Problem) -> Problem:
     return Problem(problem.instance, threads=1, timetables=timetables)
 
 
-def preflight(methods: tuple[Method | BoundCall, ...]) -> str | None:
-    """Compile and load every method in this process; which package is missing, if any.
+def practise(method: Method | BoundCall, place: Place) -> str | None:
+    """Compile and load a method in this process; how it fails, if it does.
 
-    What a planner raises otherwise, or returns, is for its rows to say: the run goes on.
+    Raises
+    ------
+    MissingExtra
+        A package is not installed.
     """
-    for method in methods:
-        try:
-            _solve_small(method)
-        except MissingExtra as error:
-            return f"{method.name}: {error}"
-        except (Exception, SystemExit) as error:
-            print(
-                f"{method.name}: fails on the practice mission "
-                f"{_small(False, False).instance.name} ({_sentence(error)}); its rows will say "
-                "what becomes of it",
-                file=sys.stderr,
-            )
-        _warm.add((method, False, False))
+    try:
+        _solve_small(method)
+    except MissingExtra as error:
+        raise InputError(f"{method.name}: {error}") from None
+    except (Exception, SystemExit) as error:
+        return (
+            f"{method.name}: fails on the practice mission "
+            f"{_small(False, False).instance.name} ({_sentence(error)}); its rows will say what "
+            "becomes of it"
+        )
+    return None
+
+
+def killed(method: Method | BoundCall, error: Exception) -> str | None:
+    """What kills a process when it is practised will kill it there, and have a row for it."""
+    if not isinstance(error, WorkerDied):
+        raise error
     return None
 
 
@@ -154,30 +181,27 @@ def _no_result(given: Any) -> str:
     return f"returned {type(given).__name__}, not a Result"
 
 
-def _plan(task: Task, method: Method, mission: Problem, spent: Spent) -> dict[str, Any]:
+def _plan(seed: int, method: Method, mission: Problem) -> dict[str, Any]:
     began, cpu_began = time.perf_counter(), time.process_time()
     try:
         result = front.solve(
-            mission, method.name, time_limit=method.limit_s, seed=task.seed, **method.values()
+            mission, method.name, time_limit=method.limit_s, seed=seed, **method.values()
         )
+    except MissingExtra:
+        raise
     except (Exception, SystemExit) as error:
         planning_s = time.perf_counter() - began
-        spent.planning += planning_s
-        message = _sentence(error)
-        return _row(task, method, outcome="raised", message=message, planning_s=planning_s)
-    planning_s = time.perf_counter() - began
-    planning_cpu_s = time.process_time() - cpu_began
-    spent.planning += planning_s
+        return {"outcome": "raised", "message": _sentence(error), "planning_s": planning_s}
+    facts = {
+        "planning_s": time.perf_counter() - began,
+        "planning_cpu_s": time.process_time() - cpu_began,
+    }
     began = time.perf_counter()
     try:
-        facts = _judged(mission.instance, result)
+        facts |= _judged(mission.instance, result)
     except Exception as error:  # what came back is no result at all
-        facts = {"outcome": "illegal", "message": _sentence(error)}
-    check_s = time.perf_counter() - began
-    spent.check += check_s
-    return _row(
-        task, method, planning_s=planning_s, planning_cpu_s=planning_cpu_s, check_s=check_s, **facts
-    )
+        facts |= {"outcome": "illegal", "message": _sentence(error)}
+    return facts | {"check_s": time.perf_counter() - began}
 
 
 def _judged(instance: Instance, result: Any) -> dict[str, Any]:
@@ -210,20 +234,6 @@ def _judged(instance: Instance, result: Any) -> dict[str, Any]:
     }
 
 
-def _row(task: Task, method: Method, **facts: Any) -> dict[str, Any]:
-    trial = task.trial
-    return {
-        "suite": trial.suite,
-        "field": trial.field,
-        "iteration": trial.iteration,
-        "zones": trial.zones,
-        "method": method.key,
-        "seed": task.seed,
-        "environment": environment(),
-        **facts,
-    }
-
-
 class _Met:
     """Enough once the bound proves that nothing beats the best plan known."""
 
@@ -238,10 +248,8 @@ class _Met:
         return math.inf
 
 
-def _bound(
-    trial: Trial, seed: int, call: BoundCall, mission: Problem, best: float, spent: Spent
-) -> dict[str, Any]:
-    row = _bound_row(trial, call)
+def _bound(seed: int, call: BoundCall, mission: Problem, best: float) -> dict[str, Any]:
+    facts: dict[str, Any] = {}
     options = {"jobs": 1} if front.spec_of(call.name, BOUNDS).uses_cores else {}
     began = time.perf_counter()
     try:
@@ -253,25 +261,11 @@ def _bound(
             stop=_Met(best, mission.prize_step),
             **options,
         )
-        row["upper_bound"] = result.upper_bound if math.isfinite(result.upper_bound) else None
-        row["status"] = result.status
+        facts["upper_bound"] = result.upper_bound if math.isfinite(result.upper_bound) else None
+        facts["status"] = result.status
     except (Exception, SystemExit) as error:
-        row["message"] = _sentence(error)
-    row["planning_s"] = time.perf_counter() - began
-    spent.bound += row["planning_s"]
-    return row
-
-
-def _bound_row(trial: Trial, call: BoundCall) -> dict[str, Any]:
-    return {
-        "suite": trial.suite,
-        "field": trial.field,
-        "iteration": trial.iteration,
-        "zones": trial.zones,
-        "method": call.name,
-        "limit_s": call.limit_s,
-        "environment": environment(),
-    }
+        facts["message"] = _sentence(error)
+    return facts | {"planning_s": time.perf_counter() - began}
 
 
 def _sentence(error: BaseException) -> str:

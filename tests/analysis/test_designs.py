@@ -14,7 +14,7 @@ import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, DesignStudy, design_study, parse_axis, tradeoff
 from adr_opt.analysis.design import Design, DesignPoint, designs_of, pareto_front
 from adr_opt.analysis.design.designs import designed
-from adr_opt.analysis.design.handing import handed_on
+from adr_opt.analysis.design.neighbours import with_neighbours
 from adr_opt.analysis.design.rating import rating_of
 from adr_opt.analysis.design.work import DesignWork
 from adr_opt.common.constants import DAY_S, STANDARD_GRAVITY_M_S2
@@ -328,7 +328,7 @@ def test_falling_prizes_are_no_worths_of_sets() -> None:
 
 
 @pytest.mark.slow
-def test_bounds_that_are_handed_on_hold() -> None:
+def test_bounds_that_are_with_neighbours_hold() -> None:
     """Of launches, kits and budgets at once no set of which a plan is found exceeds a bound."""
     field = rated(targets=3)
     worths = worths_of_sets(field)
@@ -357,7 +357,7 @@ def test_processes_come_to_the_same() -> None:
         assert (one.design, one.worth, one.bound) == (other.design, other.worth, other.bound)
 
 
-def test_plans_and_bounds_are_handed_on_where_they_hold() -> None:
+def test_plans_and_bounds_are_with_neighbours_where_they_hold() -> None:
     """A design without a plan of its own takes one that it can fly, and the bound of more kits."""
     study = made()
     field, worths = rated(targets=4), study.rating.worths
@@ -367,13 +367,13 @@ def test_plans_and_bounds_are_handed_on_where_they_hold() -> None:
         work.point(point.design, point.instance, None, 3.0 * last.bound)
         for point in study.points[:-1]
     ]
-    handed = handed_on(work, [*poor, last])
+    handed = with_neighbours(work, [*poor, last])
     assert worths is not None
     assert all(point.bound <= last.bound for point in handed)
     for point in handed[:-1]:
         assert point.plan is None or adr_opt.check(point.instance, point.plan) == ()
     assert handed[-1] == last
-    again = handed_on(work, [first, *study.points[1:]])
+    again = with_neighbours(work, [first, *study.points[1:]])
     for before, after in zip(study.points, again, strict=True):
         assert after.worth >= before.worth
         assert after.bound <= before.bound
@@ -390,6 +390,6 @@ def test_more_budget_takes_the_plan_of_less() -> None:
     assert 0.0 < small.worth < large.worth
     work = DesignWork(field, study.rating, PRICES, "auto", LIMIT_S, 0)
     bare = work.point(large.design, large.instance, None, large.bound)
-    assert [point.worth for point in handed_on(work, [small, bare])] == [small.worth] * 2
+    assert [point.worth for point in with_neighbours(work, [small, bare])] == [small.worth] * 2
     bare = work.point(small.design, small.instance, None, small.bound)
-    assert [point.worth for point in handed_on(work, [bare, large])] == [0.0, large.worth]
+    assert [point.worth for point in with_neighbours(work, [bare, large])] == [0.0, large.worth]

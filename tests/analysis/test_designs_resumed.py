@@ -104,31 +104,27 @@ def test_a_study_that_is_stopped_has_what_is_finished(tmp_path: Path) -> None:
     path = tmp_path / "d.jsonl"
     made, ran = run(path, stop=MaxRuntime(1e-9))
     assert (made.points, made.wanted, ran) == ((), 2, [])
-    assert not path.exists()
+    assert path.read_bytes().count(b"\n") == 1
 
 
 def dearer(line: dict[str, Any]) -> None:
-    line["plan"]["routes"][0]["legs"][0]["delta_v_m_s"] += 1.0
+    line["value"]["plan"]["routes"][0]["legs"][0]["delta_v_m_s"] += 1.0
 
 
 def strange(line: dict[str, Any]) -> None:
-    line["plan"]["instance"]["sha256"] = "0" * 64
+    line["value"]["plan"]["instance"]["sha256"] = "0" * 64
 
 
 def low(line: dict[str, Any]) -> None:
-    line["bound"] = 1e-3
+    line["value"]["bound"] = 1e-3
 
 
 def wordy(line: dict[str, Any]) -> None:
-    line["bound"] = "much"
+    line["value"]["bound"] = "much"
 
 
-def unnamed(line: dict[str, Any]) -> None:
-    line["design"] = ["kits", 1.0]
-
-
-def unnumbered(line: dict[str, Any]) -> None:
-    line["design"]["kits"] = "many"
+def bare(line: dict[str, Any]) -> None:
+    del line["value"]["plan"]
 
 
 @pytest.mark.parametrize(
@@ -137,9 +133,8 @@ def unnumbered(line: dict[str, Any]) -> None:
         (strange, "belongs to the instance"),
         (dearer, "the plan is not legal: leg 1"),
         (low, "avoids more than its bound"),
-        (wordy, "not a line of results"),
-        (unnamed, "not a line of results"),
-        (unnumbered, "not a line of results"),
+        (wordy, "not a row of designs"),
+        (bare, "not a row of designs"),
     ],
 )
 def test_lines_that_say_too_much_are_refused(
@@ -176,5 +171,5 @@ def test_files_of_other_work_are_refused(
     with pytest.raises(InputError, match=f"made with {said}"):
         run(path, **more)
     path.write_text("prize,cost\n1,2\n", encoding="utf-8")
-    with pytest.raises(InputError, match="not a file of designs"):
+    with pytest.raises(InputError, match=r"not a file of a study \(designs\)"):
         run(path)

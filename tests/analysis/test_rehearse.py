@@ -200,7 +200,7 @@ def test_rehearsals_are_the_same_on_several_cores_and_resumed(tmp_path: Path) ->
         instance, plan, uncertainty, samples=12, path=path, told=lambda done, of: told.append(done)
     )
     assert not told
-    with pytest.raises(InputError, match="another mission"):
+    with pytest.raises(InputError, match="made with other uncertainty"):
         rehearse(instance, plan, CERTAIN, samples=12, path=path)
 
 

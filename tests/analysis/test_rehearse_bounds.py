@@ -34,6 +34,7 @@ from adr_opt.problem.chasers import InOrbit, Tank
 from adr_opt.problem.instance import Instance
 from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.problem.world import DrawnWorld
+from adr_opt.study import Place
 
 EPSILON = 1e-9
 
@@ -240,7 +241,7 @@ def test_proofs_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -> 
     instance = adr_opt.generate("tiny", 0, targets=3)
     setting = BoundSetting(instance, Uncertainty(), "exact", 60.0)
     bounds(instance, Uncertainty(), samples=1)
-    bounding._bounded_there(setting, (0,))
+    setting.study().row(0, Place(alone=False))
     assert asked == [None, 1]
 
 

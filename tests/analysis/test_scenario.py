@@ -351,17 +351,19 @@ def resumed(bodies: worth.Bodies, template: adr_opt.Instance, tmp_path_factory: 
     return run(), folder, run
 
 
-@pytest.mark.parametrize("lines", [0, 1, 3])
-def test_a_killed_run_goes_on_to_the_same_files(resumed: Any, lines: int) -> None:
-    """Whatever was written of a future, even half a line, the rest is as it was, byte for byte."""
+@pytest.mark.parametrize("lines", [0, 1, 3, 7])
+def test_a_killed_run_goes_on_to_the_same_file(resumed: Any, lines: int) -> None:
+    """Whatever was written of a future, even half a line, the rest is as it was."""
     made, folder, run = resumed
-    whole = {path: path.read_bytes() for path in sorted(folder.glob("*.jsonl"))}
-    assert [path.name for path in whole] == ["seed-0.jsonl", "seed-1.jsonl"]
-    path, content = next(iter(whole.items()))
-    parts = content.splitlines(keepends=True)
+    path = folder / "years.jsonl"
+    parts = path.read_bytes().splitlines(keepends=True)
+    assert [(row["key"]["seed"], row["key"]["year"]) for row in map(json.loads, parts[1:])] == [
+        (seed, year) for seed in range(2) for year in range(5)
+    ]
     path.write_bytes(b"".join(parts[:lines]) + parts[lines][:40])
     again = run()
-    assert {path: path.read_bytes() for path in sorted(folder.glob("*.jsonl"))} == whole
+    rows = [json.loads(line) | {"seconds": 0.0} for line in path.read_bytes().splitlines()[1:]]
+    assert rows == [json.loads(line) | {"seconds": 0.0} for line in parts[1:]]
     assert again.futures == made.futures
     assert yearly_csv(again) == yearly_csv(made)
 
@@ -402,7 +404,7 @@ def wrong_years(line: bytes) -> Iterator[bytes]:
     )
     for spoil in spoils:
         content = json.loads(line)
-        spoil(content["with"])
+        spoil(content["value"]["with"])
         yield json.dumps(content).encode() + b"\n"
 
 
@@ -411,24 +413,27 @@ def test_files_of_another_scenario_are_refused(resumed: Any) -> None:
     _, folder, run = resumed
     with pytest.raises(InputError, match="other settings"):
         run(explosions=0.5)
-    path = folder / "seed-1.jsonl"
+    path = folder / "years.jsonl"
     content = path.read_bytes()
     lines = content.splitlines(keepends=True)
     try:
-        path.write_bytes(lines[0] + b'{"with": 1}\n')
-        with pytest.raises(InputError, match="line 2: not a year"):
-            run()
         for wrong in wrong_years(lines[1]):
             path.write_bytes(lines[0] + wrong)
-            with pytest.raises(InputError, match=r"seed-1\.jsonl: line 2: not a year"):
+            with pytest.raises(InputError, match=r"years\.jsonl: line 2: not a row of scenario"):
                 run()
             assert path.read_bytes() == lines[0] + wrong
-        path.write_bytes(lines[0] + lines[2])
+        other = json.loads(lines[2]) | {"key": json.loads(lines[1])["key"]}
+        path.write_bytes(lines[0] + json.dumps(other).encode() + b"\n")
         with pytest.raises(InputError, match="another one"):
             run()
         path.write_bytes(b"year,objects\n")
-        with pytest.raises(InputError, match="not a file of a scenario"):
+        with pytest.raises(InputError, match=r"not a file of a study \(scenario\)"):
             run()
+        path.unlink()
+        (folder / "seed-0.jsonl").write_bytes(b"")
+        with pytest.raises(InputError, match=r"has files of adr-opt 1\.0"):
+            run()
+        (folder / "seed-0.jsonl").unlink()
     finally:
         path.write_bytes(content)
 

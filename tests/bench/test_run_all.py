@@ -1,16 +1,15 @@
-"""The rooms of the benchmark one by one: methods, trials, store, bad input."""
+"""The rooms of the benchmark one by one: methods, trials, its file, bad input."""
 
 from __future__ import annotations
 
-import sqlite3
 from pathlib import Path
 
 import pytest
-from run_all_rows import Load, protocol, row
+from run_all_rows import Load, kept, protocol, row
 
 import adr_opt
-from adr_opt.common import cluster
 from adr_opt.common.errors import InputError
+from adr_opt.study import Place, Run, cluster
 
 # --- methods and trials ---------------------------------------------------------------------------
 
@@ -58,33 +57,25 @@ def test_methods_for_one_chaser_leave_campaigns_out(load: Load, tmp_path: Path) 
         bound=bound,
         suites=("tiny", "campaign"),
     )
-    store = load("harness.store").Store(tmp_path)
-    lacking = {trial.suite: keys for trial, keys in store.missing(asked).items()}
-    assert lacking == {
-        "tiny": {"greedy@10", "beam@10", "auto@10"},
-        "campaign": {"greedy@10", "auto@10"},
+    results = load("harness.results")
+    with Run(results.study(), tmp_path / "r.jsonl") as running:
+        lacking = results.missing(running, asked, retry_failed=False)
+    names = {trial.suite: [each.what.name for each in rows] for trial, rows in lacking.items()}
+    assert names == {
+        "tiny": ["greedy", "beam", "auto", "lagrangian"],
+        "campaign": ["greedy", "auto"],
     }
-    run = store.begin_run("a", asked, 1)
-    one, several = asked.trials()
-    assert store.claim(one, asked, run).bound == bound
-    task = store.claim(several, asked, run)
-    assert ([method.name for method in task.methods], task.bound) == (["greedy", "auto"], None)
-    store.keep([row(load, several, key) for key in lacking["campaign"]], run)
-    assert several not in store.missing(asked)
     with pytest.raises(InputError, match="several chasers, for which none of the methods plans"):
         load("harness.options").parse(
             ["--out", str(tmp_path), "--suite", "campaign", "--methods", "beam,mcts"], ""
         )
 
 
-def test_a_campaign_is_planned_checked_and_told(load: Load, tmp_path: Path) -> None:
+def test_a_campaign_is_planned_checked_and_told(load: Load) -> None:
     """A row of several chasers is legal and holds a route each; the duration is of the longest."""
     asked = protocol(load, "greedy-guarded", fields=1, iterations=1, zones=0, suites=("campaign",))
-    store = load("harness.store").Store(tmp_path)
-    run, told = store.begin_run("a", asked, 1), []
-    task = store.claim(asked.trials()[0], asked, run)
-    load("harness.work").work(task, lambda kind, facts: told.append((kind, facts)))
-    (facts,) = [facts for kind, facts in told if kind == "row"]
+    ((wanted,),) = [asked.wanted(trial) for trial in asked.trials()]
+    facts = load("harness.work").Rows().row(wanted, Place())
     assert facts["outcome"] == "legal", facts["message"]
     routes = [[int(body) for body in route.split()] for route in facts["sequence"].split(" / ")]
     assert len(routes) == 3
@@ -93,103 +84,76 @@ def test_a_campaign_is_planned_checked_and_told(load: Load, tmp_path: Path) -> N
     assert facts["duration_used_s"] == max(leg.end_s for leg in plan.legs)
 
 
-# --- the store ------------------------------------------------------------------------------------
+# --- the file -------------------------------------------------------------------------------------
 
 
-def test_a_row_is_kept_once_and_no_longer_missing(load: Load, tmp_path: Path) -> None:
-    """The same row told twice, even by two stores, is one row; exactly the rest is missing."""
+def test_what_the_file_has_is_not_missing(load: Load, tmp_path: Path) -> None:
+    """Exactly the rest is made, knowing the best plan; rows that failed are made again if asked."""
     asked = protocol(load, "greedy", "beam")
-    first, second = (load("harness.store").Store(tmp_path) for _ in range(2))
-    trial = asked.trials()[0]
-    run = first.begin_run("a", asked, 1)
-    assert len(first.keep([row(load, trial, "greedy@10", 16)], run)) == 1
-    assert first.keep([row(load, trial, "greedy@10", 17)], run) == []
-    assert second.keep([row(load, trial, "greedy@10", 18)], second.begin_run("b", asked, 1)) == []
-    (kept,) = second.results()
-    assert kept["visits"] == 16
-    missing = second.missing(asked)
-    assert missing[trial] == {"beam@10"}
-    assert len(missing) == 4
-    # Another seed or time limit is another row.
-    assert len(first.keep([row(load, trial, "greedy@10", seed=1)], run)) == 1
-
-
-def test_a_claimed_trial_is_left_alone_until_its_run_is_dead(load: Load, tmp_path: Path) -> None:
-    """Two runs never take the same trial; the claims of a run that ended or died are void."""
-    asked = protocol(load)
-    store = load("harness.store").Store(tmp_path)
-    mine, theirs = store.begin_run("a", asked, 1), store.begin_run("b", asked, 1)
-    trial = asked.trials()[0]
-    assert store.claim(trial, asked, mine).methods == asked.methods
-    assert store.claim(trial, asked, theirs) is None
-    base = sqlite3.connect(store.path)
-    base.execute("UPDATE run SET host = 'elsewhere' WHERE id = ?", (mine,))
-    base.commit()
-    assert store.claim(trial, asked, theirs) is None
-    base.execute("UPDATE run SET alive = alive - 3600 WHERE id = ?", (mine,))
-    base.commit()
-    assert store.claim(trial, asked, theirs).methods == asked.methods
-    store.end_run(theirs, 1.0, {})
-    assert store.claim(trial, asked, mine) is not None
+    first, second, *_ = asked.trials()
+    results = load("harness.results")
+    bad = {"outcome": "raised", "message": "no"}
+    path = kept(
+        load,
+        tmp_path,
+        [
+            row(load, first, "greedy@10", 16),
+            row(load, first, "beam@10", 30, seed=1),
+            row(load, second, "greedy@10", **bad),
+            row(load, second, "beam@10"),
+        ],
+    )
+    for retry, number in ((False, 3), (True, 4)):
+        with Run(results.study(), path) as running:
+            lacking = results.missing(running, asked, retry_failed=retry)
+        assert len(lacking) == number
+        ((name, best),) = [(each.what.name, each.best) for each in lacking[first]]
+        assert (name, best) == ("beam", 16.0)
+        assert [each.what.name for each in lacking.get(second, ())] == ["greedy"] * retry
 
 
 def test_the_bound_of_a_trial_is_the_least_that_anyone_proved(load: Load, tmp_path: Path) -> None:
     """Rows show the least bound of bounds and legal plans, and the gap to it; illegal ones none."""
-    asked = protocol(load, "greedy", "auto", "beam")
-    store = load("harness.store").Store(tmp_path)
-    run = store.begin_run("a", asked, 1)
-    trial = asked.trials()[0]
-    bound = {key: row(load, trial, "x")[1][key] for key in ("suite", "field", "iteration", "zones")}
-    store.keep(
+    call = load("harness.trials").BoundCall("lagrangian", 1.0)
+    (trial,) = protocol(load, fields=1, iterations=1).trials()
+    wanted = load("harness.trials").Wanted(trial, call, 0)
+    bound = {"upper_bound": 33.0, "environment": load("harness.work").environment()}
+    path = kept(
+        load,
+        tmp_path,
         [
             row(load, trial, "greedy@10", 16),
             row(load, trial, "auto@10", 30, upper_bound=32.0),
             row(load, trial, "beam@10", 40, outcome="illegal", upper_bound=1.0),
-            (
-                "bound",
-                {
-                    **bound,
-                    "method": "lagrangian",
-                    "limit_s": 1.0,
-                    "upper_bound": 33.0,
-                    "environment": row(load, trial, "x")[1]["environment"],
-                },
-            ),
+            (wanted.key(), bound, 1.0),
         ],
-        run,
     )
-    found = {result["method"]: (result["bound"], result["gap"]) for result in store.results()}
-    assert found == {
+    rows, bounds = load("harness.results").results(path)
+    assert {row["method"]: (row["bound"], row["gap"]) for row in rows} == {
         "greedy@10": (32.0, 0.5),
         "auto@10": (32.0, 2.0 / 32.0),
         "beam@10": (32.0, None),
     }
+    assert [each["upper_bound"] for each in bounds] == [33.0]
 
 
-def test_files_of_others_and_of_other_formats_are_refused(load: Load, tmp_path: Path) -> None:
-    """No database, one of something else, another format: one sentence, and the file as it was."""
-    make = load("harness.store").Store
-    path = tmp_path / "results.sqlite"
-    path.write_text("visits, seconds\n" * 100)
-    with pytest.raises(InputError, match=r"results\.sqlite: cannot be used as a file of results"):
-        make(tmp_path)
-    path.unlink()
-    base = sqlite3.connect(path)
-    base.execute("CREATE TABLE cake (slices INTEGER)")
-    base.commit()
-    with pytest.raises(InputError, match="is no file of this benchmark's results"):
-        make(tmp_path)
-    base.close()
-    path.unlink()
-    make(tmp_path).close()
-    base = sqlite3.connect(path)
-    base.execute("PRAGMA user_version = 7")
-    base.commit()
-    base.close()
-    before = path.read_bytes()
-    with pytest.raises(InputError, match="has format 7, but this version reads and writes format"):
-        make(tmp_path)
-    assert path.read_bytes() == before
+def test_files_of_others_and_of_the_version_before_are_refused(
+    load: Load, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Another file, or a database of 1.0: one sentence, and the file as it was."""
+    call = ["--suite", "tiny", "--methods", "greedy", "--out", str(tmp_path)]
+    for name, said in (
+        ("results.jsonl", "results.jsonl: not a file of a study (benchmark)"),
+        ("results.sqlite", "results.sqlite: results of version 1.0, which this version does not"),
+    ):
+        path = tmp_path / name
+        path.write_text("visits, seconds\n" * 100)
+        before = path.read_bytes()
+        for more in ([], ["--report-only"]):
+            assert load("run_all").main([*call, *more]) == 2
+            assert said in capsys.readouterr().err
+        assert path.read_bytes() == before
+        path.unlink()
 
 
 # --- bad input ------------------------------------------------------------------------------------
@@ -261,14 +225,15 @@ def test_a_missing_package_is_named_before_any_work(
     assert not out.exists()
 
 
-def test_the_forecast_follows_what_was_seen(load: Load, tmp_path: Path) -> None:
+def test_the_forecast_follows_what_was_seen(load: Load) -> None:
     """Seconds left are the rows left times their mean, shared by the workers."""
     asked = protocol(load, "beam", fields=10, iterations=1)
-    missing = {trial: {"beam@10"} for trial in asked.trials()}
-    forecast = load("harness.display").Forecast(asked, missing, {("nominal", "beam@10"): 4.0})
-    begin = forecast.left_s(1)
-    assert begin == pytest.approx(10 * 4.0 + 10 * load("harness.display").GUESS_S)
-    assert forecast.left_s(2) == begin / 2
-    for _ in range(9):
-        forecast.hear("nominal", "beam@10", 4.0, load("harness.display").GUESS_S)
-    assert forecast.left_s(1) == pytest.approx(begin / 10)
+    lacking = {trial: asked.wanted(trial) for trial in asked.trials()}
+    display = load("harness.display")
+    forecast = display.Forecast(lacking)
+    assert forecast.left_s(1) == pytest.approx(20 * display.GUESS_S)
+    facts = {"planning_s": 3.0, "check_s": 1.0, "build_s": display.GUESS_S}
+    for rows in list(lacking.values())[:5]:
+        forecast.hear(rows[0], facts)
+    assert forecast.left_s(1) == pytest.approx(5 * 4.0 + 5 * display.GUESS_S)
+    assert forecast.left_s(2) == forecast.left_s(1) / 2

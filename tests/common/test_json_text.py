@@ -10,12 +10,8 @@ from typing import Any
 import pytest
 
 import adr_opt
-from adr_opt.analysis.design.file import _parsed
-from adr_opt.analysis.rehearse.rows_file import FORMAT, RowsFile
-from adr_opt.analysis.scenario.years_file import _year
 from adr_opt.common.errors import InputError
 from adr_opt.common.json_text import loaded, parse_json
-from adr_opt.common.lines_file import LinesFile
 from adr_opt.common.records import Record
 from adr_opt.plan.certificate import load_certificate
 from adr_opt.plan.refined_plan import load_refined
@@ -23,6 +19,9 @@ from adr_opt.problem.uncertainty import Uncertainty
 from adr_opt.sources.catalogue.reading import read
 from adr_opt.sources.ephemerides.elements_file import read_elements
 from adr_opt.sources.uncertainty.table import read_table
+from adr_opt.study import Study
+from adr_opt.study.file import head_of, line_of, rows_of
+from adr_opt.study.file import read as read_study
 from adr_opt.ui.cli.replan import read_zones
 from adr_opt.ui.serve.drafts import read_edit
 from adr_opt.ui.serve.objects.recognise import recognised
@@ -31,6 +30,9 @@ from adr_opt.ui.serve.project.result_record import ResultRecord
 
 TWICE = '{"format": "%s", "key": {"a": 1, "b": [{"a": 2, "a": 3}]}}'
 """A text with a key twice in an object within it, whatever else it lacks."""
+
+STUDY: Study[int, int] = Study("any", 1, print)
+HEAD = line_of(head_of(STUDY))
 
 DOORS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "instance": ("adr-opt-instance/2", adr_opt.load),
@@ -42,10 +44,8 @@ DOORS: dict[str, tuple[str, Callable[[Path], Any]]] = {
     "elements": ("adr-opt-elements/1", lambda path: read_elements(path.read_bytes(), str(path))),
     "zones": ("", lambda path: read_zones(str(path))),
     "dropped": ("adr-opt-instance/2", lambda path: recognised(path, str(path))),
-    "rehearsals": (FORMAT, lambda path: RowsFile(path, "0", dict).found),
-    "lines": ("any", lambda path: LinesFile(path, {"format": "any"}, "a file").read(str)),
-    "design": ("", lambda path: _parsed(str(path), path.read_bytes())),
-    "scenario": ("", lambda path: _year(str(path), path.read_bytes())),
+    "study": ("adr-opt-study/1", lambda path: read_study(path, STUDY)),
+    "row": ("", lambda path: rows_of(path, HEAD + path.read_bytes(), STUDY)),
     "edit": ("", lambda path: read_edit(path.read_text())),
     "project": ("", lambda path: adr_opt.common.files.read_model(path, ProjectRecord)),
     "result": ("", lambda path: adr_opt.common.files.read_model(path, ResultRecord)),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from adr_opt.study.file import StudyFile
 
 BENCH = Path(__file__).parents[2] / "bench"
 Load = Callable[[str], ModuleType]
@@ -25,15 +28,10 @@ def protocol(load: Load, *specs: str, fields: int = 2, iterations: int = 2, **ch
     return trials.Protocol(**{**asked, **changes})
 
 
-def row(load: Load, trial: Any, method: str, visits: int = 20, **changes: Any) -> tuple[str, dict]:
-    """A message with a row as a worker tells it."""
+def row(load: Load, trial: Any, method: str, visits: int = 20, **changes: Any) -> tuple:
+    """A row as it stands in a file: key, value and seconds."""
+    key = {**asdict(trial), "method": method, "seed": changes.pop("seed", 0)}
     facts = {
-        "suite": trial.suite,
-        "field": trial.field,
-        "iteration": trial.iteration,
-        "zones": trial.zones,
-        "method": method,
-        "seed": 0,
         "outcome": "legal",
         "visits": visits,
         "refuellings": 1,
@@ -45,20 +43,26 @@ def row(load: Load, trial: Any, method: str, visits: int = 20, **changes: Any) -
         "check_s": 0.01,
         "build_s": 0.3,
         "sha256": f"{trial.suite}-{trial.field}-{trial.iteration}",
-        "environment": load("harness.environment").environment(),
+        "environment": load("harness.work").environment(),
     }
-    return "row", {**facts, **changes}
+    return key, {**facts, **changes}, 1.0
 
 
-def filled(load: Load, folder: Path, asked: Any) -> Any:
-    """A store with a row for everything that a protocol asks for, made up."""
-    store = load("harness.store").Store(folder)
-    run = store.begin_run("test", asked, 1)
+def kept(load: Load, folder: Path, rows: Iterable[tuple]) -> Path:
+    """The file of results of a folder, with rows."""
+    results = load("harness.results")
+    path = results.path_in(folder, create=True)
+    file = StudyFile(path, results.study())
+    file.append(rows)
+    file.close()
+    return path
+
+
+def filled(load: Load, folder: Path, asked: Any) -> Path:
+    """A file with a row for everything that a protocol asks for, made up."""
     rows = [
         row(load, trial, method.key, 20 + 3 * number + (trial.field + trial.iteration) % 3)
         for trial in asked.trials()
         for number, method in enumerate(asked.methods)
     ]
-    store.keep(rows, run)
-    store.end_run(run, 1.0, dict.fromkeys((*load("harness.work").PARTS, "task"), 0.1))
-    return store
+    return kept(load, folder, rows)

@@ -12,6 +12,7 @@ import pytest
 
 import adr_opt
 from adr_opt.sources.library import Entry, Library
+from adr_opt.study import Place
 
 BENCH = Path(__file__).parents[2] / "bench"
 NAME = "rocket-bodies-002"
@@ -29,19 +30,13 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 def test_the_benchmark_plans_checks_and_bounds_them() -> None:
     """A trial of rocket bodies comes back with a legal plan below its bound, not of the clock."""
     trials, methods = import_module("harness.trials"), import_module("harness.methods")
-    work = import_module("harness.work").work
+    rows = import_module("harness.work").Rows()
     assert trials.parse_suites(["rocket-bodies,sso"]) == ("rocket-bodies", "sso")
-    told: list[tuple[str, dict[str, Any]]] = []
-    task = trials.Task(
-        trial=trials.Trial("rocket-bodies", 2, 0, 0),
-        methods=methods.parse_methods(["beam"], 10.0),
-        seed=0,
-        bound=trials.BoundCall("lagrangian", 3.0),
-        best=0.0,
+    trial, (beam,) = trials.Trial("rocket-bodies", 2, 0, 0), methods.parse_methods(["beam"], 10.0)
+    row, bound = (
+        rows.row(trials.Wanted(trial, what, 0), Place())
+        for what in (beam, trials.BoundCall("lagrangian", 3.0))
     )
-    work(task, lambda kind, facts: told.append((kind, facts)))
-    (row,) = [facts for kind, facts in told if kind == "row"]
-    (bound,) = [facts for kind, facts in told if kind == "bound"]
     assert row["outcome"] == "legal", row
     assert row["visits"] == row["objective"] >= 5.0
     assert row["refuellings"] == 0

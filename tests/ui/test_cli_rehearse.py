@@ -121,7 +121,7 @@ def test_another_file_is_no_file_of_rehearsals(rehearsed) -> None:
     Path("other.jsonl").write_text("{}\n")
     outcome = rehearsed("--samples", 2, "--resume", "other.jsonl")
     assert outcome.status == 2
-    assert "not a file of rehearsals" in outcome.err
+    assert "not a file of a study (rehearsals)" in outcome.err
     assert Path("other.jsonl").read_text() == "{}\n"
 
 
@@ -130,7 +130,7 @@ def test_a_foreign_file_of_bounds_is_told_before_the_rehearsals(rehearsed) -> No
     Path("r.jsonl.bounds").write_text("{}\n")
     outcome = rehearsed("--samples", 2, "--bounds", 1, "--resume", "r.jsonl")
     assert outcome.status == 2
-    assert "r.jsonl.bounds: not a file of rehearsals" in outcome.err
+    assert "r.jsonl.bounds: not a file of a study (bounds)" in outcome.err
     assert not Path("r.jsonl").exists()
 
 
@@ -153,11 +153,13 @@ def test_a_row_that_is_none_is_one_sentence(rehearsed, suffix: str, changed) -> 
     assert rehearsed(*more).status == 0
     path = Path(f"r.jsonl{suffix}")
     head, row, *_ = path.read_text().splitlines()
-    text = f"{head}\n{json.dumps(changed(json.loads(row)))}\n"
+    content = json.loads(row)
+    content["value"] = changed(content["value"])
+    text = f"{head}\n{json.dumps(content)}\n"
     path.write_text(text)
     outcome = rehearsed(*more)
     assert outcome.status == 2, outcome
-    assert f"{path}: line 2 is no rehearsal or bound" in outcome.err
+    assert f"{path}: line 2: not a row of {'bounds' if suffix else 'rehearsals'}" in outcome.err
     assert outcome.err.count("\n") == 1
     assert path.read_text() == text
 

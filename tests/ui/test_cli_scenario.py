@@ -105,7 +105,7 @@ def test_tables_page_and_answer_agree(drawn) -> None:
     assert "http" not in page.replace("http-equiv", "")
     again = drawn(*call)
     assert json.loads(again.out) == told
-    assert len(Path("years/seed-1.jsonl").read_text("utf-8").splitlines()) == 6
+    assert len(Path("years/years.jsonl").read_text("utf-8").splitlines()) == 11
 
 
 def test_without_a_campaign_both_futures_are_told(drawn) -> None:
@@ -137,7 +137,7 @@ def test_without_a_campaign_both_futures_are_told(drawn) -> None:
         (("--out", "x.csv", "--removals", "x.csv"), "x.csv"),
         (("--page", "x.pdf"), "x.pdf"),
         (("--campaign", "a.csv"), "a.csv"),
-        (("--folder", "a.csv"), "seed-0.jsonl"),
+        (("--folder", "a.csv"), "years.jsonl"),
     ],
 )
 def test_bad_options_are_refused_in_a_sentence(drawn, more: tuple[Any, ...], sentence: str) -> None:

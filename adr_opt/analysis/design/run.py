@@ -6,7 +6,6 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...common.stop import Stop
 from ...mission.certified import certify_routes
 from ...mission.problem import Problem
 from ...mission.result import Result
@@ -15,6 +14,7 @@ from ...problem.instance import Instance
 from ...run.front import solve
 from ...run.method_call import spec_of
 from ...run.reused_timetable import Reused
+from ...study import Place
 from .budget import cut_to_budget
 from .designs import Design
 from .point import DesignPoint
@@ -22,18 +22,14 @@ from .spending import Spending
 from .work import DesignWork, targets_of
 
 
-def run_design(
-    work: DesignWork, design: Design, *, alone: bool = False, stop: Stop | None = None
-) -> DesignPoint:
+def run_design(work: DesignWork, design: Design, place: Place) -> DesignPoint:
     """Plan, bound and evaluate a design.
 
     Parameters
     ----------
     work : DesignWork
     design : Design
-    alone : bool
-        Whether methods may use all cores.
-    stop : Stop, optional
+    place : Place
 
     Raises
     ------
@@ -46,7 +42,7 @@ def run_design(
     instance = work.rating.planned(work.priced(design) if allowed is None else allowed.planned)
     plan, bound = None, 0.0
     if allowed is not None:
-        problem, plans, bound = _found(work, instance, allowed, alone=alone, stop=stop)
+        problem, plans, bound = _found(work, instance, allowed, place)
         within = [_within(work, problem, made, budget) for made in plans]
         fit = [made for made in within if made is not None]
         plan = max(fit, key=lambda made: _merit(work, instance, made), default=None)
@@ -56,16 +52,16 @@ def run_design(
 
 
 def _found(
-    work: DesignWork, instance: Instance, allowed: Spending, *, alone: bool, stop: Stop | None
+    work: DesignWork, instance: Instance, allowed: Spending, place: Place
 ) -> tuple[Problem, list[Plan], float]:
     """The problem of an instance, plans of it whatever they cost, and the bound."""
     rating = work.rating
     tables = Reused()
     problem = tables.problem(instance)
-    found = [_solved(work, problem, None, alone=alone, stop=stop)]
+    found = [_solved(work, problem, None, place)]
     if rating.worths is not None or allowed.bounded != allowed.planned:
         fewer = tables.problem(rating.bounded(allowed.bounded))
-        found.append(_solved(work, fewer, found[0].plan, alone=alone, stop=stop))
+        found.append(_solved(work, fewer, found[0].plan, place))
     bound = 0.0
     if found[0].status != "infeasible":
         # Fewer launches may be too few for required targets, which says nothing of more.
@@ -75,18 +71,16 @@ def _found(
     return problem, [each.plan for each in found if each.plan is not None], bound
 
 
-def _solved(
-    work: DesignWork, problem: Problem, known: Plan | None, *, alone: bool, stop: Stop | None
-) -> Result:
+def _solved(work: DesignWork, problem: Problem, known: Plan | None, place: Place) -> Result:
     method = spec_of(work.method)
     more: dict[str, Any] = {}
     routes = () if known is None else _in_order(problem.instance, known.orders)
     if method.starts and any(routes):
         more = {"start": routes if len(routes) > 1 else routes[0], "repair": True}
-    if not alone and method.uses_cores:
+    if not place.alone and method.uses_cores:
         more["jobs"] = 1
     return solve(
-        problem, work.method, time_limit=work.time_limit_s, seed=work.seed, stop=stop, **more
+        problem, work.method, time_limit=work.time_limit_s, seed=work.seed, stop=place.stop, **more
     )
 
 

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Sequence
+from functools import partial
 
-from ...common.cluster import Calls, LocalPool, Workers
-from ...common.errors import InputError
-from ...common.processors import usable_cores
 from ...common.stop import MaxRuntime, Stop
 from ...mission.problem import problem_of
 from ...problem.instance import Instance
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S
 from ...run.method_call import refuse_unable, spec_of
 from ...sources.worth import SetWorths
+from ...study import Run, Study, check_jobs
 from ..trade.axes import Axis
 from .designs import Design, designs_of
-from .file import DesignsFile
-from .handing import handed_on
+from .neighbours import with_neighbours
 from .point import DesignPoint
 from .prices import CampaignPrices
 from .rating import rating_of
 from .results import DesignStudy
 from .run import run_design
-from .work import DesignWork
+from .work import DesignWork, to_json
 
 FROM_THE_INSTANCE = CampaignPrices()
 """No prices but the expense of chasers."""
@@ -73,9 +69,9 @@ def design_study(  # noqa: PLR0913
         this process.
     cluster : str, optional
         Address of a Dask scheduler whose workers run the designs instead, as
-        :func:`adr_opt.common.cluster.client_of` takes it.
+        :func:`adr_opt.study.cluster.client_of` takes it.
     path : path, optional
-        File of the results, see :mod:`.file`: designs in it are not run again.
+        File of the results, see :mod:`adr_opt.study.file`: designs in it are not run again.
     stop : Stop, optional
         Ends all of it early; what is not finished is left out.
     told : callable
@@ -87,10 +83,7 @@ def design_study(  # noqa: PLR0913
     """
     began = time.perf_counter()
     MaxRuntime(time_limit)
-    if jobs < 0:
-        raise InputError(f"jobs = {jobs}: must be 0, for all cores, or more")
-    if jobs != 1 and cluster is not None:
-        raise InputError("jobs and a cluster exclude each other; leave one of them out")
+    check_jobs(jobs, cluster)
     designs = designs_of(axes)
     rated, rating = rating_of(instance, worths)
     work = DesignWork(rated, rating, prices, method, time_limit, seed)
@@ -98,15 +91,25 @@ def design_study(  # noqa: PLR0913
         made = work.instance_of(design)  # what is not valid is refused before any work
         if number == 0:
             refuse_unable(problem_of(made), spec_of(method))
-    file = None if path is None else DesignsFile(path, work)
-    points = {} if file is None else file.points(designs)
-    left = [design for design in designs if design not in points]
-    for point in _run(work, left, jobs or usable_cores(), cluster, stop):
-        points[point.design] = point
-        if file is not None:
-            file.append(point)
-        told(point, len(points), len(designs))
-    finished = handed_on(work, [points[each] for each in designs if each in points])
+    study: Study[Design, DesignPoint] = Study(
+        "designs",
+        1,
+        partial(run_design, work),
+        work.of,
+        key=lambda design: dict(design.values),
+        to_json=to_json,
+        from_json=work.from_json,
+    )
+    points = dict[Design, DesignPoint]()
+    with Run(study, path, jobs=jobs, cluster=cluster, stop=stop) as running:
+        for design in designs:
+            known = running.known(design)
+            if known is not None:
+                points[design] = known
+        for design, point in running.rows((each,) for each in designs if each not in points):
+            points[design] = point
+            told(point, len(points), len(designs))
+    finished = with_neighbours(work, [points[each] for each in designs if each in points])
     return DesignStudy(
         instance,
         tuple(axes),
@@ -117,48 +120,3 @@ def design_study(  # noqa: PLR0913
         None if worths is None else worths.total,
         time.perf_counter() - began,
     )
-
-
-def _run(
-    work: DesignWork, designs: Sequence[Design], jobs: int, cluster: str | None, stop: Stop | None
-) -> Iterator[DesignPoint]:
-    """Points of designs as they are finished."""
-    if not designs:
-        return
-    if cluster is None and jobs == 1:
-        for design in designs:
-            if _is_over(stop):
-                return
-            point = run_design(work, design, alone=True, stop=stop)
-            if not _is_over(stop):  # or it had less time than the others
-                yield point
-        return
-    calls: Calls
-    if cluster is not None:
-        calls = Workers(cluster)
-    else:
-        # A fork of a process with threads may wait for a lock that is never released.
-        processes = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"))
-        calls = LocalPool(processes, jobs)
-    try:
-        yield from _beside(calls, work, designs, stop)
-    finally:
-        calls.close()
-
-
-def _beside(
-    calls: Calls, work: DesignWork, designs: Sequence[Design], stop: Stop | None
-) -> Iterator[DesignPoint]:
-    waiting, running = list(designs), set[Future[DesignPoint]]()
-    while True:
-        while waiting and len(running) < calls.count and not _is_over(stop):
-            running.add(calls.submit(run_design, work, waiting.pop(0)))
-        if not running:
-            return
-        done, running = wait(running, return_when=FIRST_COMPLETED)
-        for each in done:
-            yield calls.result(each)
-
-
-def _is_over(stop: Stop | None) -> bool:
-    return stop is not None and stop.remaining_s() <= 0.0

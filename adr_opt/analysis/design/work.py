@@ -1,9 +1,19 @@
-"""What all designs of a study have in common, and the point that a plan of one makes."""
+"""What all designs of a study have in common, the point that a plan of one makes, and its row.
+
+Plans of a file are checked when they are read, and what they avoid and cost is worked out anew; of
+a row only its plan and its bound count.
+"""
 
 from __future__ import annotations
 
+import json
+import math
 from dataclasses import dataclass
+from typing import Any
 
+from ...common.errors import InputError
+from ...common.files import parse_model
+from ...judge.admit import admit
 from ...plan.plan import Plan
 from ...plan.routes import routes_of
 from ...problem.instance import Instance
@@ -107,6 +117,53 @@ class DesignWork:
             runtime_s=runtime_s,
             cpu_s=cpu_s,
         )
+
+    @property
+    def of(self) -> dict[str, Any]:
+        """What rows depend on besides the design, as JSON data."""
+        worths = self.rating.worths
+        return {
+            "instance": self.instance.sha256,
+            "worths": None if worths is None else worths.digest,
+            "prices": str(self.prices),
+            "settings": f"method {self.method}, {self.time_limit_s:g} s, seed {self.seed}",
+        }
+
+    def from_json(self, design: Design, row: dict[str, Any]) -> DesignPoint:
+        """The point of a row from a file.
+
+        Raises
+        ------
+        InputError
+            Its plan has violations, or says more than can be.
+        ValueError, TypeError, KeyError
+            It is no such row.
+        """
+        instance, plan = self.instance_of(design), None
+        if row["plan"] is not None:
+            plan = admit(instance, parse_model(json.dumps(row["plan"]), Plan, "plan")).plan
+        bound = math.inf if row["bound"] is None else row["bound"]
+        times = row["runtime_s"], row["cpu_s"]
+        for number in (bound, *times):
+            if not isinstance(number, (int, float)) or not number >= 0.0:
+                raise ValueError("no number of a row")
+        try:
+            point = self.point(design, instance, plan, bound, *times)
+        except BrokenBound:
+            raise InputError("its plan avoids more than its bound") from None
+        if point.euros > design.budget:
+            raise InputError("its plan is beyond the budget")
+        return point
+
+
+def to_json(point: DesignPoint) -> dict[str, Any]:
+    """A row of a file."""
+    return {
+        "plan": None if point.plan is None else point.plan.to_dict(),
+        "bound": point.bound if math.isfinite(point.bound) else None,
+        "runtime_s": round(point.runtime_s, 3),
+        "cpu_s": round(point.cpu_s, 3),
+    }
 
 
 def targets_of(instance: Instance, plan: Plan) -> tuple[str, ...]:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -27,11 +28,11 @@ from ...problem.world import DrawnWorld
 from ...run.front import bound, solve
 from ...run.method_call import spec_of
 from ...run.methods import BOUNDS
-from .elsewhere import check_worlds, elsewhere, is_over
+from ...study import Place, Study, check_file, run
 from .ground import FOLLOWS, Ground
 from .known_world import known_problem, refuse_bounds
 from .rehearsals import Rehearsals, share, summary
-from .rows_file import EXACT, RowsFile
+from .worlds import EXACT, check_worlds, worlds_study
 from .worths import (
     Worth,
     clairvoyant_worth,
@@ -74,11 +75,40 @@ class BoundSetting(NamedTuple):
     time_limit_s: float
     per_day: float = 0.0
 
-    @property
-    def digest(self) -> str:
-        """Identity of everything that the bounds depend on but the time of proofs."""
-        price = f" {self.per_day!r}" if self.per_day else ""
-        return f"{self.instance.sha256} {self.method}{price} {self.uncertainty.to_json()}"
+    def study(self) -> Study[int, WorldBounds]:
+        """The study of which bounds are rows, by the seeds of worlds.
+
+        They depend on the time of proofs, too, but whatever is proven by then is valid.
+        """
+        of = {
+            "instance": self.instance.sha256,
+            "method": self.method,
+            "price of time": repr(self.per_day),
+            "uncertainty": self.uncertainty.to_json(),
+        }
+        return worlds_study("bounds", _Proofs(self).row, of, WorldBounds)
+
+
+class _Proofs:
+    """Bounds of one process, with what they share."""
+
+    def __init__(self, setting: BoundSetting) -> None:
+        self._setting = setting
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Proofs, (self._setting,)  # what is shared stays in its process
+
+    @cached_property
+    def _alone(self) -> Ground:
+        return Ground(self._setting.instance)
+
+    @cached_property
+    def _beside(self) -> Ground:
+        return Ground(self._setting.instance, cores=1)
+
+    def row(self, seed: int, place: Place) -> WorldBounds:
+        """The bounds of the world of a seed."""
+        return world_bounds(self._alone if place.alone else self._beside, self._setting, seed)
 
 
 @dataclass(frozen=True)
@@ -105,10 +135,6 @@ class WorldBounds:
     penalised: float
     required: bool
     proven: bool
-
-    def to_dict(self) -> dict[str, Any]:
-        """As JSON data."""
-        return asdict(self)
 
 
 @dataclass(frozen=True)
@@ -227,24 +253,23 @@ def bounds(  # noqa: PLR0913
     began = now_s()
     setting = BoundSetting(instance, uncertainty.of(instance), method, time_limit, time_price)
     check_worlds(samples, seed, jobs, cluster)
-    file = prepared(setting, path)
-    found = {} if file is None else {each.seed: each for each in file.found}
-    wanted = range(seed, seed + samples)
-    left = [number for number in wanted if number not in found]
-    for worlds in _worlds(setting, left, jobs, cluster, stop):
-        if file is not None:
-            file.append(worlds)
-        found |= {each.seed: each for each in worlds}
-        told(sum(number in found for number in wanted), samples)
-    made = tuple(found[number] for number in wanted if number in found)
+    check_bounds(setting, path)
+    made = run(
+        setting.study(),
+        range(seed, seed + samples),
+        path,
+        jobs=jobs,
+        cluster=cluster,
+        stop=stop,
+        told=told,
+    )
     required = any(target.required for target in instance.targets)
-    return Bounds(made, has_captures(instance, setting.uncertainty), required, now_s() - began)
+    captures = has_captures(instance, setting.uncertainty)
+    return Bounds(tuple(made.values()), captures, required, now_s() - began)
 
 
-def prepared(
-    setting: BoundSetting, path: str | os.PathLike[str] | None
-) -> RowsFile[WorldBounds] | None:
-    """The file of bounds, after a check of everything that they need.
+def check_bounds(setting: BoundSetting, path: str | os.PathLike[str] | None) -> None:
+    """Refuse, before any work, what cannot be bounded, or a file that cannot be gone on with.
 
     Parameters
     ----------
@@ -262,7 +287,7 @@ def prepared(
     spec_of(setting.method, BOUNDS)
     _check_price(setting)
     MaxRuntime(setting.time_limit_s)
-    return None if path is None else RowsFile(path, setting.digest, WorldBounds)
+    check_file(path, setting.study())
 
 
 def _check_price(setting: BoundSetting) -> None:
@@ -296,30 +321,6 @@ def has_penalties(setting: BoundSetting) -> bool:
     instance, uncertainty = setting.instance, setting.uncertainty
     is_uncertain = any(takes_uncertain_time(uncertainty, each.name) for each in instance.targets)
     return has_captures(instance, uncertainty) or (setting.per_day > 0.0 and is_uncertain)
-
-
-def _worlds(
-    setting: BoundSetting, seeds: Sequence[int], jobs: int, cluster: str | None, stop: Stop | None
-) -> Iterator[list[WorldBounds]]:
-    if jobs == 1 and cluster is None:
-        ground = Ground(setting.instance)
-        for seed in seeds:
-            if is_over(stop):
-                return
-            yield [world_bounds(ground, setting, seed)]
-        return
-    yield from elsewhere(_bounded_there, setting, seeds, 1, (jobs, cluster), stop)
-
-
-_mine: tuple[str, Ground] | None = None
-"""Identity of this process's latest work, and what its proofs share."""
-
-
-def _bounded_there(setting: BoundSetting, seeds: tuple[int, ...]) -> list[WorldBounds]:
-    global _mine
-    if _mine is None or _mine[0] != setting.digest:
-        _mine = setting.digest, Ground(setting.instance, cores=1)
-    return [world_bounds(_mine[1], setting, seed) for seed in seeds]
 
 
 def _start(problem: Problem, setting: BoundSetting) -> list[str] | None:

@@ -12,7 +12,7 @@ from .crafts import DRY, FAILED, FINISHED, GONE, REFUELLED, SERVICED
 from .flight import FlownMission
 from .ground import Ground
 from .intended import Intended
-from .rows_file import EXACT
+from .worlds import EXACT
 
 LEFT_OUT = "left-out"
 """Reason of a planned target that the policy left out."""

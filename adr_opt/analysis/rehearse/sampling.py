@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from ...common.clock import now_s
 from ...common.errors import InputError
@@ -18,17 +17,17 @@ from ...problem.support import refuse
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
 from ...run.front import solve
-from .elsewhere import check_worlds, elsewhere, is_over
+from ...study import Place, Study, run
 from .flight import FlownMission, rehearsed
 from .ground import FOLLOWS, Ground
 from .intended import Intended, intended
 from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
-from .rows_file import RowsFile
+from .worlds import check_worlds, worlds_study
 
 CHUNK = 50
-"""Maximum number of rehearsals of a call elsewhere."""
+"""Maximum number of rehearsals of a call to another process."""
 
 PLANNING_S = 10.0
 """Limit of the plan that a policy begins with where none is given [s]."""
@@ -52,19 +51,45 @@ class Setting(NamedTuple):
     uncertainty: Uncertainty
     policy: str
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 of everything that the outcomes are asked to depend on.
+    def study(self) -> Study[int, Rehearsal]:
+        """The study of which rehearsals are rows, by the seeds of their worlds.
 
-        Those of policies that plan depend on the wall time of planners, too.
+        Rows of policies that plan depend on the wall time of planners, too.
         """
-        parts = (
-            self.instance.sha256,
-            self.plan.legs_sha256,
-            self.uncertainty.to_json(),
-            self.policy,
-        )
-        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+        of = {
+            "instance": self.instance.sha256,
+            "plan": self.plan.legs_sha256,
+            "uncertainty": self.uncertainty.to_json(),
+            "policy": self.policy,
+        }
+        return worlds_study("rehearsals", _Flights(self).row, of, Rehearsal)
+
+
+class _Flights:
+    """Rehearsals of one process, with what they share."""
+
+    def __init__(self, setting: Setting) -> None:
+        self._setting = setting
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _Flights, (self._setting,)  # what is shared stays in its process
+
+    @cached_property
+    def _alone(self) -> Ground:
+        return Ground(self._setting.instance)
+
+    @cached_property
+    def _beside(self) -> Ground:
+        return Ground(self._setting.instance, cores=1)
+
+    @cached_property
+    def _planned(self) -> Intended:
+        return intended(self._alone, self._setting.plan)
+
+    def row(self, seed: int, place: Place) -> Rehearsal:
+        """The rehearsal in the world of a seed."""
+        ground = self._alone if place.alone else self._beside
+        return flown_in(ground, self._planned, self._setting, seed)[1]
 
 
 def rehearse(  # noqa: PLR0913
@@ -119,19 +144,20 @@ def rehearse(  # noqa: PLR0913
         raise InputError(f"{path}: rehearsals of a file begin with a plan that is given; give one")
     began = now_s()
     setting = setting_of(instance, plan, uncertainty, policy)
-    found: dict[int, Rehearsal] = {}
-    file = None if path is None else RowsFile(path, setting.digest, Rehearsal)
-    if file is not None:
-        found = {each.seed: each for each in file.found}
-    wanted = range(seed, seed + samples)
-    left = [number for number in wanted if number not in found]
-    for outcomes in _outcomes(setting, left, jobs, cluster, stop):
-        if file is not None:
-            file.append(outcomes)
-        found |= {each.seed: each for each in outcomes}
-        told(sum(number in found for number in wanted), samples)
-    made = tuple(found[number] for number in wanted if number in found)
-    return Rehearsals(instance, setting.plan, setting.uncertainty, policy, made, now_s() - began)
+    made = run(
+        setting.study(),
+        range(seed, seed + samples),
+        path,
+        jobs=jobs,
+        cluster=cluster,
+        stop=stop,
+        told=told,
+        most=CHUNK,
+    )
+    outcomes = tuple(made.values())
+    return Rehearsals(
+        instance, setting.plan, setting.uncertainty, policy, outcomes, now_s() - began
+    )
 
 
 def setting_of(
@@ -172,31 +198,3 @@ def flown_in(
     flown = rehearsed(ground, world, policy, planned.kits)
     keeps = setting.policy in NEED_PLAN
     return flown, outcome_of(ground, planned, flown, seed, keeps=keeps)
-
-
-def _outcomes(
-    setting: Setting, seeds: Sequence[int], jobs: int, cluster: str | None, stop: Stop | None
-) -> Iterator[list[Rehearsal]]:
-    """Outcomes of seeds, a few at a time."""
-    if jobs == 1 and cluster is None:
-        ground = Ground(setting.instance)
-        planned = intended(ground, setting.plan)
-        for seed in seeds:
-            if is_over(stop):
-                return
-            yield [flown_in(ground, planned, setting, seed)[1]]
-        return
-    yield from elsewhere(_flown_there, setting, seeds, CHUNK, (jobs, cluster), stop)
-
-
-_mine: tuple[str, Ground, Intended] | None = None
-"""Digest of this process's latest work, and what its rehearsals share."""
-
-
-def _flown_there(setting: Setting, seeds: tuple[int, ...]) -> list[Rehearsal]:
-    global _mine
-    if _mine is None or _mine[0] != setting.digest:
-        ground = Ground(setting.instance, cores=1)
-        _mine = setting.digest, ground, intended(ground, setting.plan)
-    _, ground, planned = _mine
-    return [flown_in(ground, planned, setting, seed)[1] for seed in seeds]

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import closing
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from types import MappingProxyType
 from typing import NamedTuple, cast
 
 import numpy as np
 
 from ...common.clock import now_s
-from ...common.cluster import Calls, LocalPool, Workers
 from ...common.errors import InputError
 from ...common.processors import usable_cores
 from ...judge.admit import Admitted, AnyPlan, admit
@@ -31,6 +30,8 @@ from ...plan.refined_plan import (
 from ...plan.routes import owners, routes_of
 from ...problem.instance import AnyInstance, Instance
 from ...problem.support import followed
+from ...study import check_jobs
+from ...study.cluster import Cluster
 from ..flight.flyable import REFINED, refuse_broken_chain, refuse_what_cannot_be_refined
 from .bodies import MovingBodies, TrueBodies
 from .holding_estimate import holding_m_s
@@ -110,7 +111,7 @@ def refine(  # noqa: PLR0913
         Threads; all cores by default.
     cluster : str, optional
         Address of a Dask scheduler whose workers take the legs instead, as
-        :func:`adr_opt.common.cluster.client_of` takes it.
+        :func:`adr_opt.study.cluster.client_of` takes it.
     enough : callable
         Asked between legs; once it says so, what is done is returned.
     report : callable
@@ -161,10 +162,7 @@ def refined_again(
     gravity = wanted.gravity or (DEFAULT_GRAVITY if wanted.ephemerides else instance.dynamics)
     _check_word("gravity", gravity, GRAVITIES)
     freedom = _freedom(instance, wanted.freedom)
-    if jobs is not None and jobs < 0:
-        raise InputError(f"jobs = {jobs}: must not be negative; 0 is for all cores")
-    if jobs is not None and cluster is not None:
-        raise InputError("jobs and a cluster exclude each other; leave one of them out")
+    check_jobs(1 if jobs is None else jobs, cluster)
     refuse_what_cannot_be_refined(instance, plan)
     refuse_broken_chain(instance, plan)
     began = now_s()
@@ -189,7 +187,7 @@ def refined_again(
         if what in known:
             done[number] = known[what].replace(leg=number, chaser=whose.get(number))
     report(len(done), len(legs))
-    with closing(_calls(jobs, cluster)) as calls:
+    with _executor(jobs, cluster) as calls:
         running: dict[Future[RefinedLeg], int] = {
             (
                 calls.submit(
@@ -225,7 +223,7 @@ def refined_again(
                     missing[number] = Missing(leg=number, reason=INTERRUPTED)
                     continue
                 try:
-                    done[number] = calls.result(future).replace(
+                    done[number] = future.result().replace(
                         chaser=whose.get(number),
                         holding_delta_v_m_s=ends.holding.get(number),
                         vented_kg=vented_kg.get(number),
@@ -312,12 +310,14 @@ def _tows(instance: Instance, plan: Plan, after_launch: set[int]) -> dict[int, T
     return found
 
 
-def _calls(jobs: int | None, cluster: str | None) -> Calls:
-    """The executor that guides the legs."""
-    if cluster is not None:
-        return Workers(cluster)
-    count = jobs or usable_cores()
-    return LocalPool(ThreadPoolExecutor(count), count)
+@contextmanager
+def _executor(jobs: int | None, cluster: str | None) -> Iterator[Executor]:
+    """Who guides the legs; what has not begun at the end is left."""
+    made = Cluster(cluster) if cluster is not None else ThreadPoolExecutor(jobs or usable_cores())
+    try:
+        yield made
+    finally:
+        made.shutdown(cancel_futures=True)
 
 
 def _freedom(instance: Instance, freedom: Freedom | None) -> Freedom:

@@ -99,8 +99,8 @@ def command(
     rehearsal services all required targets.
     """
     from ...analysis.rehearse import bounds as bounding
-    from ...analysis.rehearse.elsewhere import check_worlds
     from ...analysis.rehearse.sampling import rehearse, setting_of
+    from ...analysis.rehearse.worlds import check_worlds
     from ...common.stop import MaxRuntime
     from ...problem.instance import load
     from ...problem.uncertainty import Uncertainty
@@ -135,7 +135,7 @@ def command(
         asked = bounding.BoundSetting(
             instance, uncertainty, bound_method, bound_time_limit, time_price
         )
-        bounding.prepared(asked, bounds_path)
+        bounding.check_bounds(asked, bounds_path)
 
     def run(stop: Stop) -> tuple[Rehearsals, Bounds | None]:
         made = rehearse(

@@ -59,7 +59,7 @@ ROWS = 11
 )
 @take.word("--shells", "LO:HI:N", "Altitude shells [km].", default="200:2000:36", show_default=True)
 @take.many("--species", "KIND=NAME", "Name of a species in --removals; repeatable.")
-@take.word("--folder", "DIR", "Folder with a file for each seed, to resume from.")
+@take.word("--folder", "DIR", "Folder for a file of all years, to resume from.")
 @take.file("--out", "CSV file of objects by year, case, species and shell.")
 @take.file("--removals", "CSV file of removals by year, species and shell.", "removals_path")
 @take.file("--page", "HTML file to write.", name="page_path")

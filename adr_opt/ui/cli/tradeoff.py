@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -51,7 +52,9 @@ if TYPE_CHECKING:
 @take.seed
 @take.count("--jobs", "N", "Number of processes; 0 for all cores.", default=1)
 @take.file(
-    "--out", "File to write, or to resume from an earlier call: CSV; of designs, JSON lines."
+    "--out",
+    "CSV table to write; beside it FILE.jsonl, from which the same call resumes. Any other name: "
+    "that file alone.",
 )
 @take.file("--page", "HTML file to write.", name="page_path")
 @take.file("--plot", "Picture to write: .svg, .png or .pdf.", name="plot_path")
@@ -88,6 +91,7 @@ def command(
     from ...analysis.trade import Axis, frontier, parse_axis, tradeoff
     from ...analysis.trade.axes import KINDS
     from ...analysis.trade.frontier import check_frontier, write_frontier
+    from ...analysis.trade.table import write_table
     from ...problem.instance import load
     from ...run import front
     from ..report.plain import check_page, write_page
@@ -125,13 +129,15 @@ def command(
         check_frontier(instance, axes)
         check_out(frontier_path, instance_path, results=(out, page_path, plot_path))
         axes = axes or [Axis("duration", (instance.mission.duration_s,))]
+    rows = out if out is None else _rows_of(out)
     check_out(out, instance_path)
+    check_out(rows, instance_path, results=(frontier_path,))
     if page_path is not None:
         check_page(page_path)
-        check_out(page_path, instance_path, results=(out,))
+        check_out(page_path, instance_path, results=(out, rows))
     if plot_path is not None:
         check_picture(plot_path)
-        check_out(plot_path, instance_path, results=(out, page_path))
+        check_out(plot_path, instance_path, results=(out, rows, page_path))
 
     def told(point: Point, board: KnownPoints) -> None:
         proven = sum(each.proven for each in board.points.values())
@@ -152,7 +158,7 @@ def command(
             seed=seed,
             jobs=jobs,
             cluster=cluster,
-            path=out,
+            path=rows,
             stop=stop,
             told=told,
         )
@@ -163,6 +169,8 @@ def command(
 
     with counting_bar(wanted(as_json, quiet), "proven points") as show:
         made, endings = work(lambda stop, progress: run(stop), live=False, quiet=quiet)
+    if out is not None and out != rows:
+        write_table(out, made)
     if frontier_path is not None:
         write_frontier(frontier_path, endings)
     if page_path is not None:
@@ -184,6 +192,26 @@ def command(
         if endings:
             emit_rich(_frontier_table(endings))
     return 0 if all(point.routes for point in made.points) else 1
+
+
+def _rows_of(out: str) -> str:
+    """The file of the runs beside a table.
+
+    Raises
+    ------
+    InputError
+        There is a table without them, which would be lost.
+    """
+    path = Path(out)
+    if path.suffix.lower() != ".csv":
+        return out
+    rows = path.with_suffix(".jsonl")
+    if path.exists() and not rows.exists():
+        raise InputError(
+            f"{out}: is there without {rows}, from which to go on, as tables of adr-opt 1.0 are; "
+            "name another file"
+        )
+    return str(rows)
 
 
 def _called(point: Point) -> str:

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from ...common.errors import InputError
 from ...common.files import read_model, write_text
+from ...common.lock import locked
 from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...problem.instance_file import InstanceFile
 from .project.drafts_kept import DraftsKept
-from .project.lock import locked
 from .project.private import private_folder, refuse_link, remove_passing
 from .project.record import ProjectRecord
 from .project.results import Results
@@ -108,7 +108,11 @@ class Folder:
 
     def held(self) -> AbstractContextManager[None]:
         """Holds the folder, which must exist, against other servers."""
-        return locked(self.path)
+        return locked(
+            self.path,
+            "another server is working in this folder; end that one, or name another folder with "
+            "--folder",
+        )
 
     def read(self) -> ProjectRecord | None:
         """The project in the folder as it was left; None if it is a new one.

@@ -27,6 +27,6 @@ def failures(rows: Sequence[Row], bounds: Sequence[Row], short: Mapping[str, str
         if bound["message"] is not None:
             said.append(
                 f"{bound['suite']}, field {bound['field']}, iteration {bound['iteration']}: "
-                f"bound {bound['method']}: {bound['message']}"
+                f"bound {bound['bound']}: {bound['message']}"
             )
     return said

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..methods import labels
-from ..store import Store
+from ..results import results as rows_of
 from .failures import TOLERANCE, failures
 from .statistics import Mission, field_means, interval
 
@@ -152,15 +152,13 @@ class Results:
     sections: tuple[Section, ...]
     labels: dict[str, str]
     failures: tuple[str, ...]
-    runs: tuple[Row, ...]
     machines: tuple[tuple[Row, int], ...]
 
 
-def read(store: Store) -> Results:
-    """Read a store."""
-    rows, bounds, runs = store.results(), store.bounds(), store.runs()
-    order = {key: None for run in runs for key in run["methods"].split()}
-    order.update(dict.fromkeys(row["method"] for row in rows))
+def read(path: Path) -> Results:
+    """Read a file of results."""
+    rows, bounds = rows_of(path)
+    order = dict.fromkeys(row["method"] for row in rows)
     short = labels(order)
     grouped: dict[tuple[str, int], dict[str, list[Row]]] = {}
     for row in rows:
@@ -178,7 +176,6 @@ def read(store: Store) -> Results:
         ),
         labels=short,
         failures=tuple(failures(rows, bounds, short)),
-        runs=tuple(runs),
         machines=tuple(machines.values()),
     )
 

@@ -7,9 +7,8 @@ import math
 from html import escape
 from itertools import count
 
-from ..work import PARTS
 from . import charts, quality
-from .model import Means, Results, Row, Section
+from .model import Means, Results, Section
 from .published import CALIBRATION, HARDWARE, PUBLISHED, Published
 from .statistics import fields_needed, least_p, pairs
 
@@ -75,7 +74,7 @@ def page(results: Results) -> str:
         + "".join(
             f'<a href="#{section.stem}">{escape(section.title)}</a>' for section in results.sections
         )
-        + '<a href="#machines">Machines, versions, runs</a></nav>',
+        + '<a href="#machines">Machines and versions</a></nav>',
         f'<div class="card note"><strong>What is calibrated.</strong> {escape(CALIBRATION)}</div>',
     ]
     for section in results.sections:
@@ -317,24 +316,8 @@ def _machines(results: Results) -> str:
         ]
         for row, number in results.machines
     ]
-    runs = []
-    for run in results.runs:
-        spent = json.loads(run["spent"]) if run["spent"] else {}
-        runs.append(
-            [
-                escape(run["begun"]),
-                escape(run["ended"] or "did not end by itself"),
-                str(run["workers"]),
-                duration(run["wall_s"]) if run["wall_s"] is not None else "–",
-                duration(spent["planning"]) if spent else "–",
-                _overhead(run, spent),
-                f"<code>{escape(run['command'])}</code>",
-            ]
-        )
-    return (
-        '<h2 id="machines">Machines, versions, runs</h2>'
-        + _table(["host", "rows", "processor", "cores", "Python", "versions"], machines)
-        + _table(["begun", "ended", "workers", "wall time", "planning", "harness", "command"], runs)
+    return '<h2 id="machines">Machines and versions</h2>' + _table(
+        ["host", "rows", "processor", "cores", "Python", "versions"], machines
     )
 
 
@@ -364,14 +347,6 @@ def _faster(text: Published, means: Means) -> str:
     low, high = text.visits
     theirs = f"{low:g}–{high:g}" if high > low else f"{low:g}"
     return f"{alone} ({whole}), at {means.visits_mean:.1f} visits against {theirs}"
-
-
-def _overhead(run: Row, spent: dict[str, float]) -> str:
-    """Seconds of workers that went into no part of the work, as a share of planning."""
-    if not spent.get("planning"):
-        return "–"
-    harness = run["workers"] * run["wall_s"] - sum(spent[part] for part in PARTS)
-    return _percent(max(0.0, harness) / spent["planning"]) + " of planning"
 
 
 def _plus_minus(half: float, digits: int) -> str:

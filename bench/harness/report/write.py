@@ -12,13 +12,11 @@ from pathlib import Path
 from adr_opt.common.errors import InputError, MissingExtra
 from adr_opt.common.files import write_text
 
-from ..store import Store
-
 PACKAGES = ("scipy", "plotly", "matplotlib")
 
 
-def write(store: Store, folder: Path) -> Path:
-    """Write ``report.html``, ``summary.csv``, charts and their tables of a store into a folder.
+def write(rows: Path, folder: Path) -> Path:
+    """Write ``report.html``, ``summary.csv``, charts and their tables of a file into a folder.
 
     Returns
     -------
@@ -38,9 +36,9 @@ def write(store: Store, folder: Path) -> Path:
     from .page import page
     from .pictures import draw
 
-    results = read(store)
+    results = read(rows)
     if not results.sections:
-        raise InputError(f"{store.path}: holds no row yet; run without --report-only first")
+        raise InputError(f"{rows}: holds no row yet; run without --report-only first")
     path = folder / "report.html"
     write_text(path, page(results))
     text = io.StringIO()

@@ -1,4 +1,4 @@
-"""One server for each project folder: a lock that a kill releases."""
+"""One process for each file or folder at a time: a lock that a kill releases."""
 
 from __future__ import annotations
 
@@ -10,39 +10,38 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ....common.errors import InputError
+from .errors import InputError
 
-# Where the module is missing, two servers of one folder are the user's own affair.
+# Where the module is missing, two processes at one place are the user's own affair.
 FCNTL: Any = import_module("fcntl") if find_spec("fcntl") is not None else None
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Hold a project folder until the end of the context, or of the process, however it ends.
+def locked(path: Path, otherwise: str) -> Iterator[None]:
+    """Hold a file or folder until the end of the context, or of the process, however it ends.
 
     Parameters
     ----------
-    folder : path
+    path : path
         Must exist.
+    otherwise : str
+        What to say where another process holds it.
 
     Raises
     ------
     InputError
-        Another server holds it.
+        Another process holds it.
     """
     if FCNTL is None:
         yield
         return
-    # The folder itself is locked: there is no file that could be left behind.
-    handle = os.open(folder, os.O_RDONLY)
+    # What is held is locked itself: there is no other file that could be left behind.
+    handle = os.open(path, os.O_RDONLY)
     try:
         try:
             FCNTL.flock(handle, FCNTL.LOCK_EX | FCNTL.LOCK_NB)
         except BlockingIOError:
-            raise InputError(
-                f"{folder}: another server is working in this folder; end that one, or name "
-                "another folder with --folder"
-            ) from None
+            raise InputError(f"{path}: {otherwise}") from None
         except OSError:  # a file system without locks
             pass
         yield

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from conftest import Cli, refused
 from rated_fields import rated, worths_of_sets
+from study_rows import Rows, squares, told
 
 import adr_opt
 from adr_opt.analysis import Axis, CampaignPrices, design_study, tradeoff
-from adr_opt.common import cluster
 from adr_opt.common.errors import InputError
 from adr_opt.common.stop import MaxIterations
 from adr_opt.fly.refine import refine
+from adr_opt.study import Run, cluster, run
 
 distributed = pytest.importorskip("distributed")
 
@@ -71,15 +73,32 @@ def test_a_cluster_that_is_not_there_is_one_sentence(
     refused(cli(*call, "dask://127.0.0.1:1", "--jobs", "2"), "exclude each other")
 
 
-def test_what_workers_die_over_is_said(address: str) -> None:
+def test_what_workers_lack_is_said(address: str) -> None:
     """A call that needs what a worker lacks is refused with what to do."""
-    workers = cluster.Workers(address)
-    try:
+    with cluster.Cluster(address) as workers:
         assert workers.count == 2
         with pytest.raises(InputError, match="install adr-opt there"):
-            workers.result(workers.submit(__import__, "no_such_module"))
-    finally:
-        workers.close()
+            workers.submit(__import__, "no_such_module").result()
+
+
+def test_a_cluster_makes_the_rows_of_one_process(address: str, tmp_path: Path) -> None:
+    """Rows of groups and of single keys are those of this process, and go on from one file."""
+    rows, path = Rows(tmp_path), tmp_path / "a.jsonl"
+    run(squares(rows), [0], path)
+    found = run(squares(rows), range(9), path, cluster=address, most=2)
+    assert found == {key: {"square": key * key} for key in range(9)}
+    assert [rows.made(key) for key in range(9)] == [1] * 9
+    failing = squares(Rows(tmp_path, raises=(1,)), failed=told)
+    assert run(failing, [1], cluster=address) == {1: {"failed": "InputError"}}
+
+
+@pytest.mark.slow
+def test_workers_that_die_over_a_row_are_told_apart(address: str, tmp_path: Path) -> None:
+    """Of a group that kills its workers the row at fault is given up, and the others are made."""
+    study = squares(Rows(tmp_path, dies=(1,)), failed=told)
+    with Run(study, cluster=address) as running:
+        found = dict(running.rows([(0, 1, 2)]))
+    assert found == {0: {"square": 0}, 1: {"failed": "WorkerDied"}, 2: {"square": 4}}
 
 
 @pytest.mark.slow

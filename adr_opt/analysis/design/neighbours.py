@@ -23,7 +23,7 @@ SURELY = 1e-9
 """Relative difference between worths that counts."""
 
 
-def handed_on(work: DesignWork, points: Sequence[DesignPoint]) -> list[DesignPoint]:
+def with_neighbours(work: DesignWork, points: Sequence[DesignPoint]) -> list[DesignPoint]:
     """Points with bounds and plans of other designs, where those are better and hold for them.
 
     A bound holds for each design with fewer launches, fewer kits or a smaller budget that is the

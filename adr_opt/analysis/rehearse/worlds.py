@@ -1,0 +1,63 @@
+"""Rows of worlds: what comes of each of consecutive seeds, as a study."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from hashlib import sha256
+from typing import Any, TypeVar
+
+from pydantic import ConfigDict, TypeAdapter
+
+from ...common.errors import InputError
+from ...common.json_text import validated
+from ...study import Study, check_jobs
+from ...study.workers import Row
+
+EXACT = ConfigDict(strict=True, allow_inf_nan=False, extra="forbid")
+"""How the data classes of rows are read: of the types that they state, and finite."""
+
+MOST_SAMPLES = 1_000_000
+
+R = TypeVar("R")
+
+
+def worlds_study(protocol: str, row: Row, of: Mapping[str, str], kind: type[R]) -> Study[int, R]:
+    """A study of worlds by their seeds.
+
+    Parameters
+    ----------
+    protocol : str
+    row : callable
+        Makes what comes of a seed.
+    of : mapping of str to str
+        What it depends on besides.
+    kind : type
+        Data class of the rows, with :data:`EXACT` and a field ``seed``.
+    """
+    adapter = TypeAdapter(kind)
+
+    def from_json(seed: int, value: Any) -> R:
+        found = validated(adapter, json.dumps(value))
+        if found.seed != seed:  # type: ignore[attr-defined]
+            raise ValueError("of another seed")
+        return found
+
+    digests = {word: sha256(text.encode()).hexdigest() for word, text in of.items()}
+    return Study(protocol, 1, row, digests, to_json=asdict, from_json=from_json)
+
+
+def check_worlds(samples: int, seed: int, jobs: int, cluster: str | None) -> None:
+    """Refuse numbers of worlds and of processes that make no sense.
+
+    Raises
+    ------
+    InputError
+        One of them is out of range, or jobs are given for a cluster.
+    """
+    if not 1 <= samples <= MOST_SAMPLES:
+        raise InputError(f"samples = {samples}: give 1 to {MOST_SAMPLES}")
+    if seed < 0:
+        raise InputError(f"seed = {seed}: must not be negative")
+    check_jobs(jobs, cluster)

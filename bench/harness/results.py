@@ -1,0 +1,136 @@
+"""Rows of the benchmark as a study, in one file, and as the report reads them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+from adr_opt.common.errors import InputError
+from adr_opt.study import Run, Study
+from adr_opt.study.file import read
+
+from .trials import Protocol, Trial, Wanted
+from .work import Rows, failed
+
+FILE = "results.jsonl"
+
+Facts = dict[str, Any]
+
+TRIAL = ("suite", "field", "iteration", "zones")
+
+OPTIONAL = (
+    "message",
+    "status",
+    "objective",
+    "visits",
+    "refuellings",
+    "upper_bound",
+    "planning_s",
+    "planning_cpu_s",
+    "runtime_s",
+    "check_s",
+    "build_s",
+    "build_cpu_s",
+    "delta_v_m_s",
+    "duration_used_s",
+    "sha256",
+    "sequence",
+)
+"""What a row of a method may lack; it counts as None."""
+
+
+def study() -> Study[Wanted, Facts]:
+    """The study of which all rows are: methods and bounds on trials."""
+    return Study("benchmark", 1, Rows().row, key=Wanted.key, failed=failed, apart=True)
+
+
+def path_in(folder: Path, *, create: bool) -> Path:
+    """The file of results of a folder, which is made if asked for.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to, there is no file, or one of the version before.
+    """
+    path = folder / FILE
+    if not path.exists() and (folder / "results.sqlite").exists():
+        raise InputError(
+            f"{folder / 'results.sqlite'}: results of version 1.0, which this version does not "
+            "read; give another folder with --out"
+        )
+    if not create and not path.exists():
+        raise InputError(f"{path}: no such file; run once without --report-only first")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{folder}: cannot be written to ({error.strerror or error}); "
+            "give another folder with --out"
+        ) from None
+    return path
+
+
+def is_failure(facts: Facts) -> bool:
+    """Whether a row has no legal plan, or no bound."""
+    return facts.get("message") is not None or facts.get("outcome", "legal") != "legal"
+
+
+def missing(
+    running: Run[Wanted, Facts], protocol: Protocol, *, retry_failed: bool
+) -> dict[Trial, tuple[Wanted, ...]]:
+    """The rows of a protocol that are to be made, by trial.
+
+    Parameters
+    ----------
+    running : Run
+    protocol : Protocol
+    retry_failed : bool
+        Whether those that failed are to be made again.
+    """
+    lacking = {}
+    for trial in protocol.trials():
+        best, left = -math.inf, []
+        for each in protocol.wanted(trial):
+            facts = running.known(each)
+            if facts is not None and retry_failed and is_failure(facts):
+                running.forget(each)
+                facts = None
+            if facts is None:
+                left.append(each)
+            elif facts.get("outcome") == "legal":
+                best = max(best, facts["objective"])
+        if left:
+            lacking[trial] = tuple(each._replace(best=best) for each in left)
+    return lacking
+
+
+def results(path: Path) -> tuple[list[Facts], list[Facts]]:
+    """Rows of methods, each with the bound of its trial, its gap and its machine; and bounds.
+
+    The bound of a trial is the least that was proven of it, by a bound or with a legal plan.
+    """
+    rows, bounds = list[Facts](), list[Facts]()
+    for stored in read(path, study()).values():
+        facts = {**dict.fromkeys(OPTIONAL), **stored.key, **stored.value}
+        (rows if "method" in stored.key else bounds).append(facts | facts.pop("environment"))
+    least: dict[tuple[Any, ...], float] = {}
+    for trial, bound in _proven([*rows, *bounds]):
+        least[trial] = min(bound, least.get(trial, math.inf))
+    for row in rows:
+        row["bound"] = bound = least.get(_trial(row))
+        row["gap"] = None
+        if bound is not None and row["outcome"] == "legal":
+            row["gap"] = (bound - row["objective"]) / bound if bound > 0.0 else 0.0
+    return rows, bounds
+
+
+def _trial(facts: Facts) -> tuple[Any, ...]:
+    return tuple(facts[name] for name in TRIAL)
+
+
+def _proven(rows: Iterable[Facts]) -> Iterator[tuple[tuple[Any, ...], float]]:
+    for row in rows:
+        if row["upper_bound"] is not None and row.get("outcome", "legal") == "legal":
+            yield _trial(row), row["upper_bound"]
