@@ -2,7 +2,7 @@
 
 Drawn, not copied: no object of a catalogue is in it. The numbers below were fitted to a public
 catalogue of April 2025, its 121 objects of the satellite Iridium 33, which collided in 2009
-(`bench/fit_cloud.py` prints them from such a file).
+(`bench/worth.py cloud` prints them from such a file).
 
 * Perigee altitude, apogee minus perigee altitude, and inclination follow their percentiles,
   linear in between. Perigee and difference are independent (rank correlation −0.04 in the
