@@ -176,8 +176,8 @@ def planned(places: Places, method: str, limit_s: float) -> dict[str, Any]:
         prizes = float(collected(places, tour))
         assert prizes == result.objective
     proven = result.status == "optimal"
-    told = {"bound": result.upper_bound, "proven": proven, "time_s": result.runtime_s}
-    return {"prizes": prizes, **told}
+    bound = result.upper_bound if math.isfinite(result.upper_bound) else None
+    return {"prizes": prizes, "bound": bound, "proven": proven, "time_s": result.runtime_s}
 
 
 def windows(
@@ -217,7 +217,8 @@ def windows(
             made = kept(rows, key, lambda: planned(one, method, limit))  # noqa: B023
             found[limit].append((name, made))
             best[name] = max(best.get(name, 0.0), made["prizes"])
-            bound = "proven" if made["proven"] else f"≤ {made['bound']:.0f}"
+            bound = f"≤ {math.inf if made['bound'] is None else made['bound']:.0f}"
+            bound = "proven" if made["proven"] else bound
             cells.append(f"{made['prizes']:g}, {bound}, {made['time_s']:.1f} s")
         row(name, f"{best[name]:g}", *cells)
         lines = [f"{known},{prizes:g}" for known, prizes in sorted(best.items())]

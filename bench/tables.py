@@ -12,10 +12,9 @@ from __future__ import annotations
 
 import argparse
 import inspect
-import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -25,6 +24,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 from machine import heading
 
 from adr_opt.common.errors import InputError
+from adr_opt.study import Run, Study
 
 Made = TypeVar("Made")
 
@@ -146,18 +146,8 @@ def alone(function: Callable[..., Made], *given: Any) -> Made:
 def kept(
     file: Path | None, key: dict[str, Any], make: Callable[[], dict[str, Any]]
 ) -> dict[str, Any]:
-    """A row by its key: as the file of JSON lines has it, or made, and added to it."""
-    key = json.loads(json.dumps(key))
-    for known in _lines(file):
-        if known.items() >= key.items():
-            return known
-    made = {**key, **make()}
-    if file is not None:
-        with file.open("a", encoding="utf-8") as lines:
-            lines.write(json.dumps(made) + "\n")
-    return made
-
-
-def _lines(file: Path | None) -> Iterable[dict[str, Any]]:
-    if file is not None and file.exists():
-        yield from map(json.loads, file.read_text(encoding="utf-8").splitlines())
+    """A row by its key: as the file of a study has it, or made, and added to it."""
+    study = Study("bench", 1, row=lambda key, place: make())
+    with Run(study, file) as running:
+        ((_, made),) = running.rows([(key,)])
+    return {**key, **made}
