@@ -17,7 +17,7 @@ from statistics import fmean, median
 
 import numpy as np
 from fields import INSTANCES
-from tables import alone, experiment, head, row, timed, times_s
+from tables import alone, experiment, head, row, times_s
 
 import adr_opt
 from adr_opt.common.processors import usable_cores
@@ -44,13 +44,11 @@ def _spread(what: str, times: list[float], unit: str = "s", scale: float = 1.0) 
     row(what, *(f"{scale * each:.3g} {unit}" for each in (least, median(times), most)))
 
 
-def timetable(runs: int = 9, reference_legs: int = 12) -> None:
+def timetable(runs: int = 9) -> None:
     """Speed of timetable, greedy plan and first bound, on one core and on all, and of processes.
 
-    Medians of several runs in one process after a warm-up; one leg also through the library boinor.
+    Medians of several runs in one process after a warm-up.
     """
-    from reference_leg import reference_leg
-
     instance = adr_opt.generate("nominal", 0)
     table = adr_opt.Timetable(instance)
     cores, entries = usable_cores(), table.entries
@@ -63,23 +61,6 @@ def timetable(runs: int = 9, reference_legs: int = 12) -> None:
         cells = (f"{t:.3f} s ({t / entries * 1e6:.3f} µs/entry)" for t in least_median_most)
         row(f"timetable, {name}", *cells)
     row(f"speed-up on {cores} cores", "", f"{median(one) / median(many):.2f} ×", "")
-    rng, legs = np.random.default_rng(0), list[tuple[int, int, float]]()
-    while len(legs) < reference_legs:
-        i, j = (int(x) for x in rng.choice(len(table.names), 2, replace=False))
-        ready = float(rng.uniform(0.0, 6.0 * 86400.0))
-        if np.isfinite(table.lookup(i, j, ready)[0]):
-            legs.append((i, j, ready))
-    times, worst = [], 0.0
-    for i, j, ready in [legs[0], *legs]:
-        ends = instance, table.names[i], table.names[j], ready
-        (delta_v, arrival), wall, _ = timed(lambda ends=ends: reference_leg(*ends))
-        times.append(wall)
-        ours = table.lookup(i, j, ready)
-        worst = max(worst, abs(delta_v / ours[0] - 1.0), abs(arrival / ours[1] - 1.0))
-    _spread("one leg through boinor, every (k, m) tried", times[1:], "ms", 1e3)
-    ratio = median(times[1:]) / (median(one) / entries)
-    row("boinor leg / timetable entry, 1 core", "", f"{ratio:.0f} ×", "")
-    row(f"largest relative difference to boinor, {len(legs)} legs", "", "", f"{worst:.1e}")
     mission = adr_opt.Mission(instance, table)
     mission.rules  # noqa: B018  the arrays of the rules are part of a ready timetable
     plans = [adr_opt.solve(mission, "greedy").runtime_s for _ in range(runs)]

@@ -92,8 +92,8 @@ def test_too_many_debris_are_named(bodies):
     ("old", "new", "said"),
     [
         ("a[m]", "a[km]", "the first line must be"),
-        ("7164040.5518,", "", "line 2: 5 values instead of 6"),
-        ("7164040.5518", "high", "line 2: 'high' is no finite number"),
+        ("7164040.5518,", "", "line 2: not 6 finite numbers"),
+        ("7164040.5518", "high", "line 2: not 6 finite numbers"),
         ("7164040.5518,0.0019", "7164040.5518,1.9", "line 2: no closed orbit"),
     ],
 )
