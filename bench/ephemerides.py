@@ -240,23 +240,6 @@ def refined(
                 _holding(instance)
             for method in methods:
                 found[path.stem, method] = _onto(instance, method, limit)
-    first = next(iter(found.values()))
-    print("\nThe first plan, leg by leg:")
-    head(
-        *("leg", "planned m/s", "J2", "fitted", "onto SGP4", "to J2 %", "to fitted %"),
-        *("holding m/s", "stand-off m", "mm/s"),
-    )
-    for leg, flown in zip(first.onto.legs, first.flight.legs, strict=True):
-        befores = [one.get(leg.leg, math.nan) for one in (first.under_j2, first.on_fits)]
-        costs = leg.planned_delta_v_m_s, *befores, leg.flown_delta_v_m_s
-        row(
-            leg.leg,
-            *(f"{cost:.1f}" for cost in costs),
-            *(f"{100.0 * (leg.flown_delta_v_m_s / before - 1.0):+.2f}" for before in befores),
-            f"{leg.holding_m_s:.2f}",
-            f"{flown.standoff_miss_m:.1e}",
-            f"{1e3 * flown.standoff_miss_m_s:.1e}",
-        )
     head(
         *("catalogue", "planner", "legs", "planned m/s", "onto SGP4", "to J2: median leg %"),
         *("90 %", "total %", "to fitted: median leg %", "90 %", "total %", "worst miss"),

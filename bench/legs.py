@@ -11,12 +11,9 @@ python bench/legs.py eccentricity [CATALOGUE...]
 import sys
 
 from leg_costs.drift import drift
-from leg_costs.eccentricity import eccentricity
 from leg_costs.low_thrust import low_thrust
-from leg_costs.low_thrust_missions import classes, thrust_flown, thrust_spans
+from leg_costs.low_thrust_missions import classes, thrust_flown
 from tables import experiment
 
 if __name__ == "__main__":
-    sys.exit(
-        experiment(__doc__, low_thrust, classes, thrust_flown, thrust_spans, drift, eccentricity)
-    )
+    sys.exit(experiment(__doc__, low_thrust, classes, thrust_flown, drift))
