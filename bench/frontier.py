@@ -38,11 +38,11 @@ from rehearsals import SCENARIOS
 
 import adr_opt
 from adr_opt.analysis.rehearse.flight import MissionPolicy, Situation, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import Learned, usual_reserve
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.policies import policy_of
-from adr_opt.analysis.rehearse.sight import RANKS as LEARNED_RANKS
+from adr_opt.analysis.rehearse.visible_legs import RANKS as LEARNED_RANKS
 from adr_opt.learning.next_leg.scorer import LegScorer, load_scorer, shipped
 from adr_opt.plan.plan import Plan
 from adr_opt.problem.instance import Instance
@@ -84,16 +84,16 @@ class Clocked:
         return found
 
 
-Maker = Callable[[Ground, Uncertainty], MissionPolicy]
+Maker = Callable[[MissionFacts, Uncertainty], MissionPolicy]
 
 
 def flown(instance: Instance, uncertainty: Uncertainty, seed: int, made: Maker) -> Run:
     """A mission flown by a policy, from the instance on."""
     began = time.process_time()
-    ground = Ground(instance, cores=1)
-    policy = Clocked(made(ground, uncertainty))
+    facts = MissionFacts(instance, cores=1)
+    policy = Clocked(made(facts, uncertainty))
     world = DrawnWorld(instance, uncertainty, seed)
-    done = rehearsed(ground, world, policy, (0,) * len(ground.chasers))  # type: ignore[arg-type]
+    done = rehearsed(facts, world, policy, (0,) * len(facts.chasers))  # type: ignore[arg-type]
     total_s = time.process_time() - began
     return Run(done.prize, policy.spent_s / max(1, policy.decisions), total_s)
 
@@ -101,7 +101,7 @@ def flown(instance: Instance, uncertainty: Uncertainty, seed: int, made: Maker) 
 def planned(instance: Instance, width: int, ranks: int) -> Run:
     """A mission planned by a beam of a width on demand; by guarded greedy for width 0."""
     began = time.process_time()
-    mission = on_demand(Ground(instance), ranks)
+    mission = on_demand(MissionFacts(instance), ranks)
     if width:
         mission = with_time_value(mission)
     ready = time.process_time()
@@ -117,9 +117,9 @@ def planned(instance: Instance, width: int, ranks: int) -> Run:
 def learned(scorer: LegScorer | CheapestLegs) -> Maker:
     """The learned policy without a plan, or with another way to score legs."""
 
-    def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
-        nothing = Intended(None, ((),) * len(ground.chasers), (0,) * len(ground.chasers))
-        return Learned(ground, nothing, uncertainty, 0, scorer)  # type: ignore[arg-type]
+    def made(facts: MissionFacts, uncertainty: Uncertainty) -> MissionPolicy:
+        nothing = Intended(None, ((),) * len(facts.chasers), (0,) * len(facts.chasers))
+        return Learned(facts, nothing, uncertainty, 0, scorer)  # type: ignore[arg-type]
 
     return made
 
@@ -139,11 +139,11 @@ def with_plan(policy: str, uncertainty: Uncertainty) -> Callable[[Instance, int]
             _plans[instance.name] = plan, time.process_time() - began
         plan, took_s = _plans[instance.name]
 
-        def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
-            begun = intended(ground, plan)
+        def made(facts: MissionFacts, uncertainty: Uncertainty) -> MissionPolicy:
+            begun = intended(facts, plan)
             if policy == CHEAPEST:
-                return Learned(ground, begun, uncertainty, 0, CheapestLegs())  # type: ignore[arg-type]
-            return policy_of(policy)(ground, begun, uncertainty, 0)
+                return Learned(facts, begun, uncertainty, 0, CheapestLegs())  # type: ignore[arg-type]
+            return policy_of(policy)(facts, begun, uncertainty, 0)
 
         done = flown(instance, uncertainty, seed, made)
         return done._replace(total_s=done.total_s + took_s)
@@ -154,11 +154,11 @@ def with_plan(policy: str, uncertainty: Uncertainty) -> Callable[[Instance, int]
 def asked_anew(width: int, ranks: int) -> Maker:
     """Guarded greedy or a beam, asked for every leg."""
 
-    def made(ground: Ground, uncertainty: Uncertainty) -> MissionPolicy:
+    def made(facts: MissionFacts, uncertainty: Uncertainty) -> MissionPolicy:
         chooser = beam_next(width) if width else guarded_next
         factor = uncertainty.legs.delta_v_factor
         reserve = usual_reserve(0.0 if factor is None else factor.lognormal_sigma)
-        return AskedAnew(ground, on_demand(ground, ranks), chooser, reserve)
+        return AskedAnew(facts, on_demand(facts, ranks), chooser, reserve)
 
     return made
 

@@ -77,7 +77,7 @@ def _plan(options: Options, protocol: Protocol, running: Run[Wanted, Facts]) -> 
         return
     workers = running.workers  # a cluster that is not there is refused before any work
     whats = [*protocol.methods, *([] if protocol.bound is None else [protocol.bound])]
-    practice = Study("practice", 1, practise, failed=killed, apart=True)
+    practice = Study("practice", 1, practise, key=repr, failed=killed, apart=True)
     for sentence in filter(None, run(practice, whats).values()):
         say(sentence)
     made, began = list[tuple[Wanted, Facts]](), time.monotonic()

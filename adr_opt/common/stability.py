@@ -93,9 +93,7 @@ STABLE_FORMATS = (
 PROVISIONAL_FORMATS = (
     "adr-opt-project/1",
     "adr-opt-result/1",
-    "adr-opt-rehearsals/1",
-    "adr-opt-scenario/1",
-    "adr-opt-designs/1",
+    "adr-opt-study/1",
     "adr-opt-policy/1",
     "adr-opt-next-leg/1",
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.analysis.rehearse.crafts import Craft
+from adr_opt.analysis.rehearse.flying_chasers import FlyingChaser
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.kernels.rules.resources import Resources
 from adr_opt.mission.mission import Mission
@@ -17,7 +17,7 @@ BoolArray = npt.NDArray[np.bool_]
 State = rule_kernels.State
 
 
-def state_of(craft: Craft, left_m_s: float) -> State:
+def state_of(craft: FlyingChaser, left_m_s: float) -> State:
     """Where a chaser is, with a tank that may be less than full for a reserve."""
     has = Resources(
         float(craft.free_s),

@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 import adr_opt
 from adr_opt.analysis.rehearse.flight import Situation, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import Intended, intended
 from adr_opt.analysis.rehearse.learned import Learned
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.learning.next_leg.choices import Choices
 from adr_opt.learning.next_leg.features import LEG_FEATURES
 from adr_opt.learning.next_leg.scorer import LegScorer
@@ -59,25 +59,25 @@ def cheapest_first(legs: FloatArray, legal: npt.NDArray[np.bool_]) -> npt.NDArra
 class Kept(NamedTuple):
     """A mission that is flown more than once, in one model of uncertainty, and its plan."""
 
-    ground: Ground
+    facts: MissionFacts
     uncertainty: Uncertainty
     intended: Intended
 
 
 def kept(instance: Instance, uncertainty: Uncertainty, *, width: int = 0) -> Kept:
     """A mission, with the plan of a beam of a width if that is not 0."""
-    ground = Ground(instance, cores=1)
-    most = tuple(0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers)
-    begun = Intended(None, ((),) * len(ground.chasers), most)
+    facts = MissionFacts(instance, cores=1)
+    most = tuple(0 if each.loads is None else each.loads.full.size - 1 for each in facts.chasers)
+    begun = Intended(None, ((),) * len(facts.chasers), most)
     if width:
-        alone = len(ground.chasers) == 1 and ground.chasers[0].loads is None
+        alone = len(facts.chasers) == 1 and facts.chasers[0].loads is None
         if alone:
             plan = adr_opt.solve(instance, "beam", width=width).plan
         else:
             plan = adr_opt.solve(instance, "auto", time_limit=PLAN_S).plan
         if plan is not None:
-            begun = intended(ground, plan)
-    return Kept(ground, uncertainty, begun)
+            begun = intended(facts, plan)
+    return Kept(facts, uncertainty, begun)
 
 
 class InTraining(Learned):
@@ -90,7 +90,7 @@ class InTraining(Learned):
     """
 
     def __init__(self, mission: Kept, scorer: LegScorer) -> None:
-        super().__init__(mission.ground, mission.intended, mission.uncertainty, 0, scorer)
+        super().__init__(mission.facts, mission.intended, mission.uncertainty, 0, scorer)
         self._network = scorer
 
     def _scored(self, now: Situation, choices: Choices) -> Scores:
@@ -110,6 +110,6 @@ class InTraining(Learned):
 
 def collected(mission: Kept, policy: Learned, seed: int) -> tuple[float, float]:
     """Prizes of a rehearsal by a policy: what it collects, and that without luck of captures."""
-    world = DrawnWorld(mission.ground.instance, mission.uncertainty, seed)
-    done = rehearsed(mission.ground, world, policy, mission.intended.kits)
+    world = DrawnWorld(mission.facts.instance, mission.uncertainty, seed)
+    done = rehearsed(mission.facts, world, policy, mission.intended.kits)
     return done.prize, done.expected

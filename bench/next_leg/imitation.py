@@ -82,7 +82,7 @@ class Judged(InTraining):
             each.hop.destination
             for other, route in enumerate(self._routes)
             for each in route
-            if other != chaser and each.hop.destination >= self._ground.stations
+            if other != chaser and each.hop.destination >= self._facts.stations
         }
         worth = np.full(SLOTS, np.nan, dtype=np.float32)
         worth[at] = self._judge.worths(now.craft, now.closed | theirs, seen.bodies[at])
@@ -114,7 +114,7 @@ def gathered(
         mission = flights.kept(instance, uncertainty, width=PLAN_WIDTH if with_plan else 0)
         seed = int(rng.integers(2**31))
         routes = [[each.hop.destination for each in route] for route in mission.intended.routes]
-        judge = Judge(mission.ground, uncertainty, seed, routes)
+        judge = Judge(mission.facts, uncertainty, seed, routes)
         missions, proven = missions + 1, proven + judge.is_proven
         for world in range(WORLDS):
             policy = Judged(mission, scorer, judge, rng)

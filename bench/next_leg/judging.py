@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 import adr_opt
-from adr_opt.analysis.rehearse.crafts import Craft
-from adr_opt.analysis.rehearse.ground import Ground
-from adr_opt.analysis.rehearse.learned import sight_of
+from adr_opt.analysis.rehearse.flying_chasers import FlyingChaser
+from adr_opt.analysis.rehearse.learned import visible_legs_of
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.tries import mean_worths, with_worths
 from adr_opt.kernels.core.compile import kernel
 from adr_opt.kernels.core.memory import borrowed
@@ -72,7 +72,7 @@ class Judge:
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     uncertainty : Uncertainty
     seed : int
     routes : sequence of sequence of int
@@ -86,31 +86,31 @@ class Judge:
 
     def __init__(
         self,
-        ground: Ground,
+        facts: MissionFacts,
         uncertainty: Uncertainty,
         seed: int,
         routes: Sequence[Sequence[int]] = (),
     ) -> None:
-        instance = with_worths(ground.instance, mean_worths(ground.instance, uncertainty))
-        later_s = float(sight_of(ground, uncertainty).later_s[ground.first_target :].mean())
+        instance = with_worths(facts.instance, mean_worths(facts.instance, uncertainty))
+        later_s = float(visible_legs_of(facts, uncertainty).later_s[facts.first_target :].mean())
         if later_s != 0.0:
-            first = ground.first_target
-            planned_s = ground.chasers[0].limits.service[first] - ground.tow_s.get(first, 0.0)
+            first = facts.first_target
+            planned_s = facts.chasers[0].limits.service[first] - facts.tow_s.get(first, 0.0)
             service_s = max(float(planned_s) + later_s, 0.0)
             settings = instance.mission.replace(service_revolutions=None, service_s=service_s)
             instance = instance.replace(mission=settings)
-        self._missions = [Mission(instance, chaser=c) for c in range(len(ground.chasers))]
-        self._stations = ground.stations
+        self._missions = [Mission(instance, chaser=c) for c in range(len(facts.chasers))]
+        self._stations = facts.stations
         self.is_proven = False
         self._best = [np.empty(0, dtype=np.int64) for _ in self._missions]
         self._shown = [np.array(route, dtype=np.int64) for route in routes] or self._best
-        if len(ground.chasers) > 1:
+        if len(facts.chasers) > 1:
             return
         mission = self._missions[0]
-        if ground.chasers[0].loads is None and len(instance.targets) <= PROVABLE:
+        if facts.chasers[0].loads is None and len(instance.targets) <= PROVABLE:
             found = adr_opt.solve(instance, "exact", time_limit=PROOF_S)
             if found.plan is not None and found.upper_bound is not None:
-                legs = [ground.number[leg.destination] for leg in found.plan.legs]
+                legs = [facts.number[leg.destination] for leg in found.plan.legs]
                 self._best[0] = np.array(legs, dtype=np.int64)
                 self.is_proven = found.upper_bound <= found.objective + 1e-9
         if not self.is_proven:
@@ -121,12 +121,12 @@ class Judge:
         """Bodies of the best plan known, in order; none for several chasers."""
         return self._best[0]
 
-    def worths(self, craft: Craft, closed: set[int], bodies: IntArray) -> FloatArray:
+    def worths(self, craft: FlyingChaser, closed: set[int], bodies: IntArray) -> FloatArray:
         """Prizes of some moves and of what follows; NaN of those that are not legal.
 
         Parameters
         ----------
-        craft : Craft
+        craft : FlyingChaser
         closed : set of int
             Targets that are not to be serviced.
         bodies : (moves,) int64

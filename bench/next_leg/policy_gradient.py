@@ -15,7 +15,7 @@ import numpy.typing as npt
 import torch
 
 from adr_opt.analysis.rehearse.flight import Halt, Situation
-from adr_opt.analysis.rehearse.ground import Hop
+from adr_opt.analysis.rehearse.mission_facts import Hop
 from adr_opt.learning.next_leg.scorer import LegScorer
 
 from . import flights
@@ -108,7 +108,7 @@ def flown(missions: int, variant: str, rng: np.random.Generator, scorer: LegScor
         with_plan = len(instance.targets) <= MOST_PLANNED and rng.random() < PLANNED
         with_plan = with_plan and len(instance.chasers) == 1
         mission = flights.kept(instance, uncertainty, width=PLAN_WIDTH if with_plan else 0)
-        prizes = [prize for prize in mission.ground.prizes.values() if prize > 0.0]
+        prizes = [prize for prize in mission.facts.prizes.values() if prize > 0.0]
         world, made, collected = int(rng.integers(2**31)), [], []
         for _ in range(FLIGHTS):
             policy = Drawing(mission, scorer, rng)

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 
-from adr_opt.analysis.rehearse.crafts import FINISHED, full_of, refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation
-from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.flying_chasers import FINISHED, full_of, refused
 from adr_opt.analysis.rehearse.learned import kept_m_s
+from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
 from adr_opt.kernels.rules import rules as rule_kernels
 from adr_opt.legs.nearest_pairs import neighbours
 from adr_opt.mission.mission import Mission
@@ -25,7 +25,7 @@ Chooser = Callable[[Mission, rule_kernels.State, npt.NDArray[np.bool_]], int]
 """The next body from a state with targets that are done; −1 for none."""
 
 
-def on_demand(ground: Ground, ranks: int = RANKS) -> Mission:
+def on_demand(ground: MissionFacts, ranks: int = RANKS) -> Mission:
     """The mission of the only chaser, with connections computed on demand as planners do."""
     mission = Mission(ground.instance, connecting=ground.finder)
     mission.ask(neighbours(ground.instance, ranks))
@@ -55,14 +55,16 @@ class AskedAnew:
 
     Parameters
     ----------
-    ground : Ground
+    ground : MissionFacts
     mission : Mission
     chooser : callable
     reserve : float
         Share of a full tank.
     """
 
-    def __init__(self, ground: Ground, mission: Mission, chooser: Chooser, reserve: float) -> None:
+    def __init__(
+        self, ground: MissionFacts, mission: Mission, chooser: Chooser, reserve: float
+    ) -> None:
         self._ground, self._mission, self._chooser = ground, mission, chooser
         self._reserve = reserve
 

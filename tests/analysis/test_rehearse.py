@@ -18,8 +18,8 @@ from random_rules import random_campaign, random_mission
 
 import adr_opt
 from adr_opt.analysis import rest
-from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.rehearsals import share, summary
 from adr_opt.analysis.rehearse.replay import replay
 from adr_opt.analysis.rehearse.sampling import Setting, flown_in, rehearse, setting_of
@@ -47,9 +47,9 @@ def towed() -> tuple[Instance, Plan]:
 
 
 def flown(instance: Instance, plan: Plan, policy: str, uncertainty: Uncertainty, seed: int = 0):  # type: ignore[no-untyped-def]
-    ground = Ground(instance)
+    facts = MissionFacts(instance)
     return flown_in(
-        ground, intended(ground, plan), Setting(instance, plan, uncertainty, policy), seed
+        facts, intended(facts, plan), Setting(instance, plan, uncertainty, policy), seed
     )
 
 
@@ -151,7 +151,7 @@ def test_targets_gone_and_failed_captures_are_lost_for_that_reason() -> None:
     by_name = {
         instance.names[leg.hop.destination]: leg for craft in made.crafts for leg in craft.made
     }
-    service_s = Ground(instance).chasers[0].limits.service[instance.names.index(second)]
+    service_s = MissionFacts(instance).chasers[0].limits.service[instance.names.index(second)]
     gone, failed = by_name[first], by_name[second]
     assert gone.end_s == gone.hop.arrival
     assert failed.tries == 2
@@ -163,10 +163,10 @@ def test_a_launch_that_slips_begins_later() -> None:
     instance, plan = launched.campaign(), launched.planned()
     slips = Uncertainty(launches={"slip_s": {"mean_s": 86400.0}})
     made, _ = flown(instance, plan, "follow", slips, 3)
-    ground, world = Ground(instance), DrawnWorld(instance, slips, 3)
+    facts, world = MissionFacts(instance), DrawnWorld(instance, slips, 3)
     assert any(craft.made for craft in made.crafts)
     for craft in made.crafts:
-        chaser = ground.chasers[craft.chaser]
+        chaser = facts.chasers[craft.chaser]
         assert world.slip_s(chaser.name) > 0.0
         if craft.made:
             ready_s = chaser.limits.ready + world.slip_s(chaser.name)
@@ -217,9 +217,9 @@ def test_planners_elsewhere_use_one_core_each(monkeypatch: pytest.MonkeyPatch) -
     slow = Uncertainty(service_s={"added": {"mean_s": 9000.0}})
     setting = Setting(instance, plan, slow, "beam")
     for cores in (0, 1):
-        ground = Ground(instance, cores=cores)
+        facts = MissionFacts(instance, cores=cores)
         with pytest.raises(InterruptedError):
-            flown_in(ground, intended(ground, plan), setting, 0)
+            flown_in(facts, intended(facts, plan), setting, 0)
     assert asked == [None, 1]
 
 

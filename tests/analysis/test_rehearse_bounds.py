@@ -26,7 +26,7 @@ from verify_fields import campaign_with_cargo
 import adr_opt
 from adr_opt.analysis.rehearse import bounds as bounding
 from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, gap, world_bounds
-from adr_opt.analysis.rehearse.ground import Ground
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.tries import TryWorths, rounded_up, worths_of_tries
 from adr_opt.common.errors import InputError
@@ -56,13 +56,13 @@ def test_no_policy_exceeds_a_bound_in_any_world(draw, seeds) -> None:  # type: i
     for seed in seeds:
         instance = draw(seed)
         uncertainty = drawn_uncertainty(instance, seed)
-        ground = Ground(instance)
-        bound = world_bounds(ground, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
+        facts = MissionFacts(instance)
+        bound = world_bounds(facts, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
         world, best = DrawnWorld(instance, uncertainty, seed), 0.0
-        for flown in all_flown(ground, world, seed):
+        for flown in all_flown(facts, world, seed):
             assert flown.prize <= bound.perfect + EPSILON, seed
             assert flown.expected <= bound.penalised + EPSILON, seed
-            assert bound.required or not ground.required <= set(flown.serviced), seed
+            assert bound.required or not facts.required <= set(flown.serviced), seed
             best = max(best, flown.prize)
         met += best > bound.perfect - EPSILON
     assert met  # a bound that nobody meets may be worth nothing
@@ -90,16 +90,16 @@ def _alone(seed: int) -> Instance:
     )
 
 
-def _most_in_world(ground: Ground, world: DrawnWorld) -> float:
+def _most_in_world(facts: MissionFacts, world: DrawnWorld) -> float:
     """The most that any order of targets collects in a world, over all connections."""
-    what, instance, best = ground.chasers[0], ground.instance, 0.0
+    what, instance, best = facts.chasers[0], facts.instance, 0.0
     limits = what.limits
-    numbers = range(ground.first_target, len(ground.names))
+    numbers = range(facts.first_target, len(facts.names))
     for order in permutations(numbers):
         fronts, body, prize = [(limits.ready, what.budget)], what.start, 0.0
         for j in order:
-            name = ground.names[j]
-            rows = ground.rows(body, j, towed=False)
+            name = facts.names[j]
+            rows = facts.rows(body, j, towed=False)
             took_s = world.service_s(name, float(limits.service[j]))
             took_s *= world.first_success(name) or 1
             factor = world.leg_factor("short", name)
@@ -114,7 +114,7 @@ def _most_in_world(ground: Ground, world: DrawnWorld) -> float:
             fronts = _front(each for each in ends if each[0] <= limits.duration and each[1] >= 0.0)
             if not fronts:
                 break
-            body, prize = j, prize + instance.targets[j - ground.first_target].prize
+            body, prize = j, prize + instance.targets[j - facts.first_target].prize
             best = max(best, prize)
     return best
 
@@ -136,10 +136,10 @@ def test_perfect_information_is_the_best_of_all_orders_in_the_world(seed: int) -
         legs={"delta_v_factor": {"lognormal_sigma": 0.3}},
         service_s={"factor": {"lognormal_sigma": 0.4}, "added": {"chance": 0.3, "mean_s": 4000.0}},
     )
-    ground, world = Ground(instance), DrawnWorld(instance, uncertainty, seed)
-    found = world_bounds(ground, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
+    facts, world = MissionFacts(instance), DrawnWorld(instance, uncertainty, seed)
+    found = world_bounds(facts, BoundSetting(instance, uncertainty, "exact", 60.0), seed)
     assert found.proven
-    assert found.perfect == pytest.approx(_most_in_world(ground, world))
+    assert found.perfect == pytest.approx(_most_in_world(facts, world))
 
 
 def test_tries_are_worth_their_prizes_on_average() -> None:
@@ -217,7 +217,7 @@ def test_names_of_targets_may_look_like_those_of_the_known_world() -> None:
             if world.first_success(first.name) != 1 and world.first_success(second.name) != 1
         )
         found = world_bounds(
-            Ground(renamed), BoundSetting(renamed, tries, "exact", 60.0), world.seed
+            MissionFacts(renamed), BoundSetting(renamed, tries, "exact", 60.0), world.seed
         )
         assert found.proven
         assert 0.0 < found.penalised <= len(renamed.targets)

@@ -16,8 +16,8 @@ from verify_fields import campaign_with_cargo
 import adr_opt
 from adr_opt.analysis.rehearse.bounds import BoundSetting, bounds, world_bounds
 from adr_opt.analysis.rehearse.flight import FlownMission, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.rehearse.service_times import ServiceTimes, levels_of, most_worths
@@ -50,16 +50,16 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_time(draw, seeds) -> None:  #
         uncertainty = Uncertainty(
             capture={"success": 0.6, "tries": 2}, gone=0.1, targets=targets
         ).of(instance)
-        ground = Ground(instance)
+        facts = MissionFacts(instance)
         # No target is worth less than the time of its service: prices beyond that are refused.
         share = float(np.random.default_rng(seed).uniform(0.0, 0.6))
-        tries_s = prices_of_tries(ground, 1.0)
-        worth_per_s = [ground.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
+        tries_s = prices_of_tries(facts, 1.0)
+        worth_per_s = [facts.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
         per_day = share * DAY_S * min(worth_per_s, default=0.0)
         setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
-        bound, world = world_bounds(ground, setting, seed), DrawnWorld(instance, uncertainty, seed)
-        for flown in all_flown(ground, world, seed):
-            assert _priced(ground, uncertainty, flown, per_day) <= bound.penalised + EPSILON, seed
+        bound, world = world_bounds(facts, setting, seed), DrawnWorld(instance, uncertainty, seed)
+        for flown in all_flown(facts, world, seed):
+            assert _priced(facts, uncertainty, flown, per_day) <= bound.penalised + EPSILON, seed
 
 
 def test_a_price_of_time_changes_no_mean() -> None:
@@ -67,29 +67,31 @@ def test_a_price_of_time_changes_no_mean() -> None:
     instance = adr_opt.generate("tiny", 0)
     plan = adr_opt.solve(instance, "beam").plan
     uncertainty = Uncertainty(capture={"success": 0.6, "tries": 3}, gone=0.1)
-    ground = Ground(instance)
-    planned = intended(ground, plan)
+    facts = MissionFacts(instance)
+    planned = intended(facts, plan)
     differences = []
     for seed in range(1500):
         world = DrawnWorld(instance, uncertainty, seed)
-        policy = policy_of("skip")(ground, planned, uncertainty, 0)
-        flown = rehearsed(ground, world, policy, planned.kits)
-        differences.append(_priced(ground, uncertainty, flown, 3.0) - flown.prize)
+        policy = policy_of("skip")(facts, planned, uncertainty, 0)
+        flown = rehearsed(facts, world, policy, planned.kits)
+        differences.append(_priced(facts, uncertainty, flown, 3.0) - flown.prize)
     error = np.std(differences) / math.sqrt(len(differences))
     assert abs(np.mean(differences)) < 4.0 * error
 
 
-def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_day: float) -> float:
+def _priced(
+    facts: MissionFacts, uncertainty: Uncertainty, flown: FlownMission, per_day: float
+) -> float:
     """What the tries of a rehearsal are worth with a price of their time, draw by draw."""
-    total, paid = 0.0, prices_of_tries(ground, per_day / DAY_S)
+    total, paid = 0.0, prices_of_tries(facts, per_day / DAY_S)
     for craft in flown.crafts:
         for made in craft.made:
             j = made.hop.destination
-            if j < ground.stations or (made.outcome == "dry" and not made.tries):
+            if j < facts.stations or (made.outcome == "dry" and not made.tries):
                 continue
-            name = ground.names[j]
+            name = facts.names[j]
             worths = worths_of_tries(
-                ground.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name), paid[j]
+                facts.prizes[j], uncertainty.success_of(name), uncertainty.tries_of(name), paid[j]
             )
             after = [max(worth, 0.0) for worth in worths[1:]]
             gone = uncertainty.gone_of(name)
@@ -101,7 +103,7 @@ def _priced(ground: Ground, uncertainty: Uncertainty, flown: FlownMission, per_d
             for attempt in range(drawn):
                 caught = made.outcome == "serviced" and attempt == drawn - 1
                 success = uncertainty.success_of(name)
-                mean = success * ground.prizes[j] + (1.0 - success) * after[attempt]
+                mean = success * facts.prizes[j] + (1.0 - success) * after[attempt]
                 total += mean if caught else mean - after[attempt]
     return total
 
@@ -129,15 +131,15 @@ def test_no_policy_exceeds_a_bound_with_a_price_of_uncertain_times(draw, seeds) 
             gone=0.1,
             targets={instance.targets[-1].name: {"service_s": {}}},
         ).of(instance)
-        ground = Ground(instance)
+        facts = MissionFacts(instance)
         share = float(np.random.default_rng(seed).uniform(0.0, 0.4))
-        tries_s = prices_of_tries(ground, 1.0)
-        worth_per_s = [ground.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
+        tries_s = prices_of_tries(facts, 1.0)
+        worth_per_s = [facts.prizes[body] / tries_s[body] for body in tries_s if tries_s[body]]
         per_day = share * DAY_S * min(worth_per_s, default=0.0)
         setting = BoundSetting(instance, uncertainty, "exact", 60.0, per_day)
-        bound, world = world_bounds(ground, setting, seed), DrawnWorld(instance, uncertainty, seed)
-        for flown in all_flown(ground, world, seed):
-            worth = _worth_of_times(ground, world, flown, per_day)
+        bound, world = world_bounds(facts, setting, seed), DrawnWorld(instance, uncertainty, seed)
+        for flown in all_flown(facts, world, seed):
+            worth = _worth_of_times(facts, world, flown, per_day)
             assert worth <= bound.penalised + EPSILON, seed
 
 
@@ -154,36 +156,36 @@ def test_a_price_of_uncertain_times_changes_no_mean() -> None:
     )
     plan = adr_opt.solve(instance, "beam").plan
     uncertainty = Uncertainty(service_s=LATE, capture={"success": 0.7}, gone=0.1)
-    ground = Ground(instance)
-    planned = intended(ground, plan)
+    facts = MissionFacts(instance)
+    planned = intended(facts, plan)
     differences, late = [], 0
     for seed in range(1500):
         world = DrawnWorld(instance, uncertainty, seed)
-        policy = policy_of("skip")(ground, planned, uncertainty, 0)
-        flown = rehearsed(ground, world, policy, planned.kits)
+        policy = policy_of("skip")(facts, planned, uncertainty, 0)
+        flown = rehearsed(facts, world, policy, planned.kits)
         late += any(made.outcome == "late" for craft in flown.crafts for made in craft.made)
-        differences.append(_worth_of_times(ground, world, flown, 8.0) - flown.prize)
+        differences.append(_worth_of_times(facts, world, flown, 8.0) - flown.prize)
     assert late > 100
     error = np.std(differences) / math.sqrt(len(differences))
     assert abs(np.mean(differences)) < 4.0 * error
 
 
 def _worth_of_times(
-    ground: Ground, world: DrawnWorld, flown: FlownMission, per_day: float
+    facts: MissionFacts, world: DrawnWorld, flown: FlownMission, per_day: float
 ) -> float:
     """What services of one try are worth with a price of the time that they take in the mission."""
     total, per_s, uncertainty = 0.0, per_day / DAY_S, world.uncertainty
     for craft in flown.crafts:
-        limits = ground.chasers[craft.chaser].limits
+        limits = facts.chasers[craft.chaser].limits
         for made in craft.made:
             j, outcome = made.hop.destination, made.outcome
-            if j < ground.stations or (outcome == "dry" and not made.tries):
+            if j < facts.stations or (outcome == "dry" and not made.tries):
                 continue
-            name, planned_s = ground.names[j], float(limits.service[j])
+            name, planned_s = facts.names[j], float(limits.service[j])
             begin_s = max(made.hop.arrival, float(limits.opens[j]))
             left_s = limits.duration - begin_s
             times = ServiceTimes(planned_s, uncertainty.service_of(name))
-            mean = uncertainty.success_of(name) * ground.prizes[j] * times.chance_by(left_s)
+            mean = uncertainty.success_of(name) * facts.prizes[j] * times.chance_by(left_s)
             total += (1.0 - uncertainty.gone_of(name)) * (mean - per_s * times.within_s(left_s))
             if outcome != "gone":
                 total += per_s * min(world.service_s(name, planned_s), left_s)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from random_rules import carrying, drifting_mission, given_mission, random_mission, towing_mission
 
-from adr_opt.analysis.rehearse.crafts import Craft, refused
-from adr_opt.analysis.rehearse.ground import Ground, Hop
-from adr_opt.analysis.rehearse.sight import Sight
+from adr_opt.analysis.rehearse.flying_chasers import FlyingChaser, refused
+from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
+from adr_opt.analysis.rehearse.visible_legs import VisibleLegs
 from adr_opt.kernels.rules.loads import most_kits
 from adr_opt.kernels.rules.resources import Resources
 from adr_opt.kernels.rules.rules import State, step
@@ -55,25 +55,25 @@ def test_a_leg_is_refused_where_a_move_is_illegal(draw: Callable[[int], Instance
         # Whether an end can still be reached is asked by planners alone.
         chasers = [chaser.replace(end="anywhere") for chaser in instance.chasers]
         instance = instance.replace(chasers=tuple(chasers))
-        mission, ground = Mission(instance), Ground(instance)
+        mission, facts = Mission(instance), MissionFacts(instance)
         rules, rng = mission.rules, np.random.default_rng(seed)
-        sight = None if instance.given is not None else Sight(ground, Uncertainty())
+        visible = None if instance.given is not None else VisibleLegs(facts, Uncertainty())
         for _ in range(STATES):
             state = drawn_state(mission, rng)
             time, left, since, serviced, kits = state.resources
             body = int(state.body)
-            craft = Craft(0, body, body in ground.tow_s, time, left, kits, since, serviced)
+            craft = FlyingChaser(0, body, body in facts.tow_s, time, left, kits, since, serviced)
             for j in (*range(rules.stations), *range(rules.first_target, rules.service.size)):
                 if j == body:
                     continue
                 delta_v, arrival = lookup(rules.table, body, j, time)
-                said = refused(ground, craft, Hop(j, time, arrival, delta_v, 0, 0))
+                said = refused(facts, craft, Hop(j, time, arrival, delta_v, 0, 0))
                 may = bool(step(rules, state, j)[0])
                 assert may == (said == ""), (seed, state, j, said)
                 legal, illegal = legal + may, illegal + (not may)
-            if sight is not None:
-                seen = sight.choices(craft, set(), [], set(), [], None)
+            if visible is not None:
+                seen = visible.choices(craft, set(), [], set(), [], None)
                 for at, j in enumerate(seen.bodies.tolist()):
                     hop = Hop(j, time, float(seen.arrival[at]), float(seen.delta_v[at]), 0, 0)
-                    assert seen.legal[at] == (refused(ground, craft, hop) == ""), (seed, j)
+                    assert seen.legal[at] == (refused(facts, craft, hop) == ""), (seed, j)
     assert min(legal, illegal) > 50

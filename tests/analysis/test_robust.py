@@ -15,8 +15,8 @@ import towed_fields
 
 import adr_opt
 from adr_opt import analysis
-from adr_opt.analysis.rehearse.ground import Ground
 from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 from adr_opt.analysis.rehearse.tries import TryWorths
 from adr_opt.analysis.robust.careful_problem import careful_problem
 from adr_opt.analysis.robust.levels import between, equal, shared
@@ -133,12 +133,12 @@ def test_shares_of_risk_keep_the_whole() -> None:
     instance = adr_opt.generate("tiny", seed=0)
     plan = adr_opt.solve(instance, method="beam").plan
     assert plan is not None
-    ground = Ground(instance)
+    facts = MissionFacts(instance)
     uncertainty = Uncertainty(
         legs={"delta_v_factor": {"lognormal_sigma": 0.1}},
         service_s={"factor": {"lognormal_sigma": 0.1}},
     )
-    promise = promise_of(ground, intended(ground, plan), uncertainty)
+    promise = promise_of(facts, intended(facts, plan), uncertainty)
     levels = shared(CONFIDENCE, promise)
     parts = levels.tank ** len(promise.tanks) * levels.stay ** len(promise.stays)
     assert promise.tanks
@@ -186,22 +186,20 @@ class _Way:
         )
 
 
-def _stay(ground: Ground, uncertainty: Uncertainty, target: int) -> StayTime:
+def _stay(facts: MissionFacts, uncertainty: Uncertainty, target: int) -> StayTime:
     """Distribution of the time at a target."""
-    planned_s = float(ground.chasers[0].limits.service[target])
-    return StayTime(uncertainty, ground.names[target], planned_s)
+    planned_s = float(facts.chasers[0].limits.service[target])
+    return StayTime(uncertainty, facts.names[target], planned_s)
 
 
-def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) -> float:
+def _best(facts: MissionFacts, uncertainty: Uncertainty, worths: dict[int, float]) -> float:
     """The most that any plan of one chaser with a tank in ΔV collects that keeps its promise."""
-    what = ground.chasers[0]
+    what = facts.chasers[0]
     assert what.loads is None
     share, share_sigma = (1.0, 0.0) if uncertainty.tanks is None else uncertainty.tanks.moments
     full = what.budget
     allotted = {
-        j: StayTime(uncertainty, ground.names[j], float(what.limits.service[j])).quantile(
-            CONFIDENCE
-        )
+        j: StayTime(uncertainty, facts.names[j], float(what.limits.service[j])).quantile(CONFIDENCE)
         for j in worths
     }
 
@@ -211,10 +209,10 @@ def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) ->
         return float(spare >= 0.0) if sigma == 0.0 else NormalDist().cdf(spare / sigma)
 
     def flown(way: _Way, i: int, j: int) -> Iterator[_Way]:
-        rows = ground.rows(i, j, towed=False)
+        rows = facts.rows(i, j, towed=False)
         for row in np.flatnonzero(rows.departure >= way.free - 1e-6):
             kind = leg_kinds()[rows.family[row]].name
-            name = None if j < ground.stations else ground.names[j]
+            name = None if j < facts.stations else facts.names[j]
             model = uncertainty.factor_of(kind, name)
             mean, sigma = (1.0, 0.0) if model is None else model.moments
             cost = float(rows.delta_v[row])
@@ -227,7 +225,7 @@ def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) ->
             )
             if way.chance * chance(then) < CONFIDENCE:
                 continue
-            if j < ground.stations:
+            if j < facts.stations:
                 then = _Way(then.free, 0.0, 0.0, way.chance * chance(then))
             yield then
 
@@ -249,7 +247,7 @@ def _best(ground: Ground, uncertainty: Uncertainty, worths: dict[int, float]) ->
         for order in itertools.permutations(worths, count):
             if sum(worths[j] for j in order) <= best:
                 continue
-            for stops in itertools.product((None, *range(ground.stations)), repeat=count - 1):
+            for stops in itertools.product((None, *range(facts.stations)), repeat=count - 1):
                 route = [order[0]]
                 for stop, j in zip(stops, order[1:], strict=True):
                     route += [j] if stop is None else [stop, j]
@@ -273,24 +271,24 @@ def test_bounds_hold_for_every_plan_that_keeps_its_promise(
     rng, missed = np.random.default_rng(seed), 0
     for _ in range(count):
         instance, uncertainty = _drawn(rng)
-        ground = Ground(instance)
-        worths = _worths(ground, uncertainty)
+        facts = MissionFacts(instance)
+        worths = _worths(facts, uncertainty)
         made = robust(instance, uncertainty, CONFIDENCE, method="exact", time_limit=20.0)
-        best = _best(ground, uncertainty, worths)
+        best = _best(facts, uncertainty, worths)
         assert made.upper_bound >= best - 1e-6
         assert made.worth <= best + 1e-6 or made.plan is None
         if made.plan is not None:
             assert not adr_opt.check(instance, made.plan)
-            promise = promise_of(ground, intended(ground, made.plan), uncertainty)
+            promise = promise_of(facts, intended(facts, made.plan), uncertainty)
             assert promise.keeps(CONFIDENCE)
         missed += max(made.worth, 0.0) < best - 1e-6
     assert missed <= most_missed
 
 
-def _worths(ground: Ground, uncertainty: Uncertainty) -> dict[int, float]:
+def _worths(facts: MissionFacts, uncertainty: Uncertainty) -> dict[int, float]:
     """What going to each target is worth on average, as robust plans count it."""
-    worths = TryWorths(ground.instance, uncertainty)
-    return {body: worths.most(body) for body in range(ground.first_target, len(ground.names))}
+    worths = TryWorths(facts.instance, uncertainty)
+    return {body: worths.most(body) for body in range(facts.first_target, len(facts.names))}
 
 
 @pytest.mark.parametrize("name", ["launched", "towed"])
@@ -301,10 +299,10 @@ def test_tanks_by_mass_hold_as_promised(name: str) -> None:
     """
     instance = launched.campaign("two-body") if name == "launched" else towed_fields.field()
     plan = adr_opt.solve(instance, time_limit=3.0).plan
-    ground = Ground(instance)
+    facts = MissionFacts(instance)
     for sigma in (0.1, 0.4):
         uncertainty = Uncertainty(legs={"delta_v_factor": {"lognormal_sigma": sigma}})
-        promise = promise_of(ground, intended(ground, plan), uncertainty)
+        promise = promise_of(facts, intended(facts, plan), uncertainty)
         made = analysis.rehearse(instance, plan, uncertainty, samples=1000)
         kept = np.mean([each.as_planned for each in made.outcomes])
         assert promise.tanks
@@ -336,9 +334,9 @@ def test_a_tank_that_surely_runs_dry_is_promised_by_nobody() -> None:
     """A tank of which only a part can be used, less than its legs take, has no chance."""
     instance = adr_opt.generate("reduced-fuel", seed=1, targets=25)
     plan = adr_opt.solve(instance, method="beam").plan
-    ground = Ground(instance)
+    facts = MissionFacts(instance)
     uncertainty = Uncertainty(tanks={"least": 0.2, "most": 0.2})
-    promise = promise_of(ground, intended(ground, plan), uncertainty)
+    promise = promise_of(facts, intended(facts, plan), uncertainty)
     assert promise.tanks_chance == 0.0
     assert not promise.keeps(0.5)
 
@@ -439,7 +437,7 @@ def test_the_slip_of_a_launch_delays_no_other() -> None:
     instance = instance.replace(mission=instance.mission.replace(launch_separation_s=0.0))
     first, second = instance.chasers
     slips = Uncertainty(launches={"chasers": {first.name: {"chance": 1.0, "mean_s": 60.0 * DAY_S}}})
-    problem = careful_problem(Ground(instance), slips, equal(CONFIDENCE))
+    problem = careful_problem(MissionFacts(instance), slips, equal(CONFIDENCE))
     assert problem.instance.available_s[1] == second.available_s
     assert problem.instance.available_s[0][0] > instance.mission.duration_s
 

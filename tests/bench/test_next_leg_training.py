@@ -79,11 +79,11 @@ def test_what_a_judge_finds_can_be_collected() -> None:
     pytest.importorskip("torch")
     from next_leg.judging import Judge
 
-    from adr_opt.analysis.rehearse.crafts import beginning
-    from adr_opt.analysis.rehearse.ground import Ground
+    from adr_opt.analysis.rehearse.flying_chasers import beginning
+    from adr_opt.analysis.rehearse.mission_facts import MissionFacts
 
     instance = adr_opt.generate("reduced-fuel", 3, targets=8)
-    ground = Ground(instance)
+    ground = MissionFacts(instance)
     judge = Judge(ground, Uncertainty(), 0)
     assert judge.is_proven
     optimum = adr_opt.solve(instance, "exact").objective

@@ -19,7 +19,7 @@ for package in ("matplotlib", "plotly", "scipy"):
     pytest.importorskip(package)
 
 SCRIPT = Path(__file__).parents[2] / "bench" / "run_all.py"
-PATIENCE_S = 120.0
+PATIENCE_S = 400.0
 
 # Planners as a third party would install them. Each call is noted, so that work that is done twice
 # cannot hide behind rows that are kept once.

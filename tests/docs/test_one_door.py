@@ -26,6 +26,14 @@ DOORS = {
     # not on every system
     "sched_getaffinity": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
     "cpu_count": ((*PRODUCT, "bench"), {"adr_opt/common/processors.py"}),
+    # rows are made by studies: a process that dies, a Ctrl-C and a stop are seen to there alone.
+    # 'warm-up' tells what a process compiles, and so has one for each method.
+    "ProcessPoolExecutor": (PRODUCT, {"adr_opt/ui/cli/warm_up.py"}),
+    "get_context": (PRODUCT, {"adr_opt/study/processes.py", "adr_opt/ui/cli/warm_up.py"}),
+    "Process": (PRODUCT, {"adr_opt/study/processes.py"}),
+    "Pool": (PRODUCT, set()),
+    "Client": ((*PRODUCT, "bench"), {"adr_opt/study/cluster.py"}),
+    "get_reusable_executor": ((*PRODUCT, "bench"), set()),
     # without the settings that all runs need
     "CpSolver": ((*PRODUCT, "bench"), {"solvers/models/cp_sat_solver.py"}),
 }

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 import adr_opt
-from adr_opt.analysis.rehearse.crafts import refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.flying_chasers import refused
 from adr_opt.analysis.rehearse.intended import intended
+from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.plan.leg_kinds import leg_kinds
 from adr_opt.problem.instance import Instance
@@ -71,7 +71,7 @@ def drawn_uncertainty(instance: Instance, seed: int) -> Uncertainty:
 class AtRandom:
     """A policy that flies anywhere at random, at once or a little later, and gives up at random."""
 
-    def __init__(self, ground: Ground, rng: np.random.Generator) -> None:
+    def __init__(self, ground: MissionFacts, rng: np.random.Generator) -> None:
         self._ground, self._rng = ground, rng
 
     def next_leg(self, now: Situation) -> Hop | Halt:
@@ -107,7 +107,7 @@ class AtRandom:
         return bool(self._rng.random() < 0.7)
 
 
-def all_flown(ground: Ground, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]
+def all_flown(ground: MissionFacts, world: DrawnWorld, seed: int):  # type: ignore[no-untyped-def]
     """Rehearsals of one world by policies that decide at random, and by those that come along."""
     most = [0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers]
     for number in range(RANDOM_POLICIES):

@@ -18,14 +18,14 @@ from drawn_worlds import drawn_uncertainty
 from random_rules import random_campaign, random_mission
 
 import adr_opt
-from adr_opt.analysis.rehearse.crafts import DRY, FINISHED, LATE, beginning, refused
 from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.flying_chasers import DRY, FINISHED, LATE, beginning, refused
 from adr_opt.analysis.rehearse.intended import Intended
 from adr_opt.analysis.rehearse.learned import Learned
+from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
 from adr_opt.analysis.rehearse.policies import policy_of
 from adr_opt.analysis.rehearse.service_delays import largest_delays_s, mean_delays_s
-from adr_opt.analysis.rehearse.sight import RANKS, Sight
+from adr_opt.analysis.rehearse.visible_legs import RANKS, VisibleLegs
 from adr_opt.common.errors import InputError
 from adr_opt.learning.next_leg import features as seen_module
 from adr_opt.learning.next_leg import onward as onward_module
@@ -41,7 +41,7 @@ FloatArray = npt.NDArray[np.float64]
 
 # Modules by name: the package has a function of the name `rehearse`.
 learned_module = import_module("adr_opt.analysis.rehearse.learned")
-sight_module = import_module("adr_opt.analysis.rehearse.sight")
+sight_module = import_module("adr_opt.analysis.rehearse.visible_legs")
 
 
 def drawn_scorer(seed: int) -> LegScorer:
@@ -53,7 +53,7 @@ def drawn_scorer(seed: int) -> LegScorer:
     return LegScorer(ScorerLayers(**drawn), {"seed": seed})
 
 
-def without_plan(ground: Ground) -> Intended:
+def without_plan(ground: MissionFacts) -> Intended:
     most = [0 if each.loads is None else each.loads.full.size - 1 for each in ground.chasers]
     return Intended(None, ((),) * len(ground.chasers), tuple(most))
 
@@ -117,13 +117,13 @@ def test_weights_are_read_as_they_were_written(tmp_path: Path) -> None:
 def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
     """What is seen from a body is what a chaser takes that is ready there."""
     instance = adr_opt.generate("tiny", 3, targets=8, zones=zones)
-    ground = Ground(instance)
-    sight = Sight(ground, CERTAIN)
+    ground = MissionFacts(instance)
+    visible = VisibleLegs(ground, CERTAIN)
     seen = 0
     for body, free_s in ((0, 0.0), (3, 20_000.0), (5, 61_234.5)):
         craft = beginning(ground, 0, 0, free_s, 1.0)
         craft.body, craft.since = body, 1
-        choices = sight.choices(craft, {2}, [], set(), [], None)
+        choices = visible.choices(craft, {2}, [], set(), [], None)
         assert 2 not in choices.bodies
         assert body not in choices.bodies
         for at, j in enumerate(choices.bodies.tolist()):
@@ -134,7 +134,7 @@ def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
             assert (choices.delta_v[at], choices.arrival[at]) == pytest.approx(
                 (hop.delta_v, hop.arrival), rel=1e-9
             )
-            own = sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            own = visible.hop(craft, j, choices.arrival[at], choices.delta_v[at])
             assert own == pytest.approx(hop, rel=1e-12)
             assert choices.legal[at] == (not refused(ground, craft, hop))
             seen += 1
@@ -143,18 +143,18 @@ def test_legs_on_demand_are_those_of_lists(zones: int) -> None:
 
 def test_legs_from_disposal_orbits_are_those_of_lists() -> None:
     """A chaser that has towed an object away leaves from the disposal orbit, any other from it."""
-    ground = Ground(towed_fields.field())
-    sight = Sight(ground, CERTAIN)
+    ground = MissionFacts(towed_fields.field())
+    visible = VisibleLegs(ground, CERTAIN)
     body = min(ground.tow_s)
     found = []
     for towed in (False, True):
         craft = beginning(ground, 0, 1, 30_000.0, 1.0)
         craft.body, craft.since, craft.towed = body, 1, towed
-        choices = sight.choices(craft, set(), [], set(), [], None)
+        choices = visible.choices(craft, set(), [], set(), [], None)
         for at in np.flatnonzero(np.isfinite(choices.delta_v)):
             j = int(choices.bodies[at])
             hop = ground.best(body, j, craft.free_s, towed=towed)
-            own = sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            own = visible.hop(craft, j, choices.arrival[at], choices.delta_v[at])
             assert own == pytest.approx(hop, rel=1e-12)
             found.append(own)
     assert len(found) > 4
@@ -165,7 +165,7 @@ def test_delays_of_services_are_those_of_targets_one_by_one() -> None:
     """What is said of all targets and what is said of each gives the same delays, to the bit."""
     instance = adr_opt.generate("tiny", 3, targets=5)
     mission = instance.mission.replace(service_s=None, service_revolutions=2.0)
-    ground = Ground(instance.replace(mission=mission))
+    ground = MissionFacts(instance.replace(mission=mission))
     service = {"factor": {"lognormal_sigma": 0.4}, "added": {"chance": 0.3, "mean_s": 9000.0}}
     for_all = {"service_s": service, "capture": {"success": 0.7, "tries": 3}, "gone": 0.1}
     everywhere = Uncertainty(**for_all)
@@ -209,7 +209,7 @@ def test_what_is_seen_is_what_numpy_works_out(draw: str, monkeypatch: pytest.Mon
     monkeypatch.setattr(learned_module, "features", features)
     monkeypatch.setattr(sight_module, "onward", onward)
     uncertainty = drawn_uncertainty(instance, 1)
-    ground = Ground(instance)
+    ground = MissionFacts(instance)
     planned = without_plan(ground)
     policy = Learned(ground, planned, uncertainty)
     rehearsed(ground, DrawnWorld(instance, uncertainty, 0), policy, planned.kits)
@@ -221,9 +221,9 @@ def test_few_of_many_targets_are_looked_at() -> None:
     instance = adr_opt.generate("nominal", 3, targets=150)
     far = instance.targets[-1].replace(required=True)
     instance = instance.replace(targets=(*instance.targets[:-1], far))
-    ground = Ground(instance)
+    ground = MissionFacts(instance)
     craft = beginning(ground, 0, 0, 0.0, 1.0)
-    choices = Sight(ground, CERTAIN).choices(craft, set(), [140], set(), [], None)
+    choices = VisibleLegs(ground, CERTAIN).choices(craft, set(), [140], set(), [], None)
     assert RANKS < choices.bodies.size <= RANKS + 3
     assert {140, 150} <= set(choices.bodies.tolist())
 
@@ -237,7 +237,7 @@ class Watched(Learned):
         """A leg that may begin, to a body that is open."""
         found = super().next_leg(now)
         if isinstance(found, Hop) and now.craft.made:
-            assert not refused(self._ground, now.craft, found)
+            assert not refused(self._facts, now.craft, found)
         if isinstance(found, Hop):
             assert found.destination not in now.closed
             assert found.destination != now.craft.body
@@ -259,7 +259,7 @@ def test_every_leg_may_begin(draw) -> None:  # type: ignore[no-untyped-def]
     for seed in range(24):
         instance = draw(seed)
         uncertainty = drawn_uncertainty(instance, seed)
-        ground = Ground(instance)
+        ground = MissionFacts(instance)
         planned = without_plan(ground)
         policy = Watched(ground, planned, uncertainty, 0, drawn_scorer(seed))
         done = rehearsed(ground, DrawnWorld(instance, uncertainty, seed), policy, planned.kits)
@@ -283,7 +283,7 @@ def test_campaigns_with_kits_tows_and_drifts_are_flown_without_a_plan(kind: str)
         "towed": towed_fields.field,
         "drifting": lambda: launched.campaign("j2"),
     }[kind]()
-    ground = Ground(instance)
+    ground = MissionFacts(instance)
     planned = without_plan(ground)
     policy = Watched(ground, planned, CERTAIN, 0)
     done = rehearsed(ground, DrawnWorld(instance, CERTAIN, 0), policy, planned.kits)

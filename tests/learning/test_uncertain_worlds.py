@@ -16,9 +16,9 @@ from random_rules import drifting_field
 from seeds import over_kinds
 from small_fields import SMALL, tiny
 
-from adr_opt.analysis.rehearse.crafts import DRY, LATE
 from adr_opt.analysis.rehearse.flight import Halt, Situation, rehearsed
-from adr_opt.analysis.rehearse.ground import Ground, Hop
+from adr_opt.analysis.rehearse.flying_chasers import DRY, LATE
+from adr_opt.analysis.rehearse.mission_facts import Hop, MissionFacts
 from adr_opt.common.constants import DAY_S, SLACK_M_S
 from adr_opt.common.errors import InputError
 from adr_opt.kernels.episodes import world_view as columns
@@ -46,8 +46,8 @@ MODELS = (Uncertainty(), TROUBLED, TROUBLES[-1])
 class Played:
     """A policy of rehearsals that makes the moves of an episode, at the costs of its timetable."""
 
-    def __init__(self, env: MissionEnv, ground: Ground) -> None:
-        self._table, self._ground, self._left = env.mission.timetable, ground, list(env.sequence)
+    def __init__(self, env: MissionEnv, facts: MissionFacts) -> None:
+        self._table, self._facts, self._left = env.mission.timetable, facts, list(env.sequence)
 
     def next_leg(self, now: Situation) -> Hop | Halt:
         """The next move."""
@@ -55,7 +55,7 @@ class Played:
             return Halt("played")
         i, j, ready = now.craft.body, self._left.pop(0), now.craft.free_s
         delta_v, arrival = self._table.lookup(i, j, ready)
-        rows = self._ground.rows(i, j, towed=False)
+        rows = self._facts.rows(i, j, towed=False)
         same = np.flatnonzero((rows.arrival == arrival) & (rows.delta_v == delta_v))
         return Hop(j, ready, arrival, delta_v, int(rows.family[same[0]]) if same.size else 0, 0)
 
@@ -97,7 +97,7 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
     for seed in seeds:
         instance = some_field(seed)
         model = drawn_uncertainty(instance, seed)
-        env, ground = MissionEnv(instance, uncertainty=model), Ground(instance)
+        env, facts = MissionEnv(instance, uncertainty=model), MissionFacts(instance)
         rng = np.random.default_rng(seed)
         for world in range(WORLDS):
             try:
@@ -106,7 +106,7 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
                 continue
             told = play(env, rng)
             drawn = DrawnWorld(instance, model.of(instance), world)
-            flown = rehearsed(ground, drawn, Played(env, ground), (0,))
+            flown = rehearsed(facts, drawn, Played(env, facts), (0,))
             (craft,) = flown.crafts
             assert [each["outcome"] for each in told] == [made.outcome for made in craft.made]
             assert [each["tries"] for each in told] == [made.tries for made in craft.made]
@@ -114,11 +114,11 @@ def test_episodes_and_rehearsals_meet_the_same_world(seeds: range) -> None:
             lefts = [max(made.left - SLACK_M_S, 0.0) for made in craft.made]
             assert [each["delta_v_left_m_s"] for each in told] == lefts
             assert env._episodes.delta_v[0] == sum(made.delta_v for made in craft.made)
-            prizes = [prize for prize in ground.prizes.values() if prize > 0.0]
+            prizes = [prize for prize in facts.prizes.values() if prize > 0.0]
             mean = float(np.mean(prizes)) if prizes else 1.0
             assert sum(each["reward"] for each in told) * mean == pytest.approx(flown.prize)
             lost = {
-                ground.names[made.hop.destination]: made.outcome
+                facts.names[made.hop.destination]: made.outcome
                 for made in craft.made
                 if made.outcome in OUTCOMES[2:]
             }
@@ -159,16 +159,16 @@ def test_many_worlds_keep_in_lock_step_with_single_ones(observation: str) -> Non
     singles = [alone(index) for index in range(env.num_envs)]
     for _ in range(25):
         masks = env.action_masks()
-        for index, (single, sight) in enumerate(singles):
+        for index, (single, visible) in enumerate(singles):
             np.testing.assert_array_equal(masks[index], single.action_masks())
-            for left, right in zip(_parts(seen), _parts(sight), strict=True):
+            for left, right in zip(_parts(seen), _parts(visible), strict=True):
                 np.testing.assert_array_equal(left[index], right)
         actions = (masks * rng.random(masks.shape)).argmax(axis=1)
         seen, rewards, dones, infos = env.step(actions)
         for index, (single, _) in enumerate(singles):
-            sight, reward, over, _, info = single.step(actions[index])
+            visible, reward, over, _, info = single.step(actions[index])
             assert (reward, over) == (rewards[index], dones[index])
-            singles[index] = single, sight
+            singles[index] = single, visible
             if over:
                 ended += 1
                 assert infos[index]["losses"] == Counter(info["losses"].values())

@@ -29,8 +29,8 @@ from ...run.front import bound, solve
 from ...run.method_call import spec_of
 from ...run.methods import BOUNDS
 from ...study import Place, Study, check_file, run
-from .ground import FOLLOWS, Ground
 from .known_world import known_problem, refuse_bounds
+from .mission_facts import FOLLOWS, MissionFacts
 from .rehearsals import Rehearsals, share, summary
 from .worlds import EXACT, check_worlds, worlds_study
 from .worths import (
@@ -99,12 +99,12 @@ class _Proofs:
         return _Proofs, (self._setting,)  # what is shared stays in its process
 
     @cached_property
-    def _alone(self) -> Ground:
-        return Ground(self._setting.instance)
+    def _alone(self) -> MissionFacts:
+        return MissionFacts(self._setting.instance)
 
     @cached_property
-    def _beside(self) -> Ground:
-        return Ground(self._setting.instance, cores=1)
+    def _beside(self) -> MissionFacts:
+        return MissionFacts(self._setting.instance, cores=1)
 
     def row(self, seed: int, place: Place) -> WorldBounds:
         """The bounds of the world of a seed."""
@@ -303,7 +303,7 @@ def _check_price(setting: BoundSetting) -> None:
         raise InputError(f"time price = {price!r}: must be 0 or more, in prize per day")
     if price == 0.0:
         return
-    refused = refused_price(Ground(setting.instance), uncertainty, price / DAY_S)
+    refused = refused_price(MissionFacts(setting.instance), uncertainty, price / DAY_S)
     if refused is not None:
         raise InputError(f"time price = {price:g}: {refused}")
 
@@ -332,16 +332,16 @@ def _start(problem: Problem, setting: BoundSetting) -> list[str] | None:
     return None if plan is None else [leg.destination for leg in plan.legs]
 
 
-def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBounds:
+def world_bounds(facts: MissionFacts, setting: BoundSetting, seed: int) -> WorldBounds:
     """The bounds of one world."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
     proven, more = True, dict[str, Any]()
-    if ground.cores and spec_of(setting.method, BOUNDS).uses_cores:
-        more["jobs"] = ground.cores
+    if facts.cores and spec_of(setting.method, BOUNDS).uses_cores:
+        more["jobs"] = facts.cores
 
     def most(worth: Worth) -> float:
         nonlocal proven
-        problem = known_problem(ground, world, worth)
+        problem = known_problem(facts, world, worth)
         began = now_s()
         start = _start(problem, setting)
         limit_s = max(setting.time_limit_s - (now_s() - began), LEAST_S)
@@ -349,11 +349,11 @@ def world_bounds(ground: Ground, setting: BoundSetting, seed: int) -> WorldBound
         proven = proven and found.status == "optimal"
         return min(found.upper_bound, problem.total_prize)
 
-    perfect = penalised = most(clairvoyant_worth(ground, world))
+    perfect = penalised = most(clairvoyant_worth(facts, world))
     if has_penalties(setting):
-        penalised = most(penalised_worth(ground, world, setting.per_day / DAY_S))
+        penalised = most(penalised_worth(facts, world, setting.per_day / DAY_S))
     required = sum(target.required for target in setting.instance.targets)
     may = True
     if required:
-        may = most(required_worth(ground, world)) > required - 0.5
+        may = most(required_worth(facts, world)) > required - 0.5
     return WorldBounds(seed, perfect, penalised, may, proven)

@@ -9,21 +9,21 @@ from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service
 from ...plan.leg_kinds import leg_kinds
 from ...problem.world import DrawnWorld
-from .crafts import (
+from .flying_chasers import (
     DRY,
     FAILED,
     GONE,
     LATE,
     REFUELLED,
     SERVICED,
-    Craft,
+    FlyingChaser,
     Made,
     as_planned,
     beginning,
     full_of,
     refused,
 )
-from .ground import Ground, Hop
+from .mission_facts import Hop, MissionFacts
 from .tries import TryWorths
 
 
@@ -39,18 +39,18 @@ class Situation:
 
     Attributes
     ----------
-    ground : Ground
-    craft : Craft
+    facts : MissionFacts
+    craft : FlyingChaser
         The chaser that decides.
-    crafts : tuple of Craft
+    crafts : tuple of FlyingChaser
         All of them; one that is under way as it will be if the leg goes as planned.
     closed : set of int
         Targets that are serviced, given up, gone, or on the way to which a chaser is.
     """
 
-    ground: Ground
-    craft: Craft
-    crafts: tuple[Craft, ...]
+    facts: MissionFacts
+    craft: FlyingChaser
+    crafts: tuple[FlyingChaser, ...]
     closed: set[int]
 
 
@@ -58,7 +58,10 @@ class MissionPolicy(Protocol):
     """Decides what a chaser does when it is free; made anew for each rehearsal."""
 
     def next_leg(self, now: Situation) -> Hop | Halt:
-        """The next leg of ``now.craft``; a refused one ends its route (:func:`.crafts.refused`)."""
+        """The next leg of ``now.craft``; a refused one ends its route.
+
+        Those are refused that :func:`.flying_chasers.refused` names.
+        """
         ...
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
@@ -72,7 +75,7 @@ class FlownMission:
 
     Attributes
     ----------
-    crafts : list of Craft
+    crafts : list of FlyingChaser
         At the end.
     prize : float
     expected : float
@@ -81,47 +84,47 @@ class FlownMission:
         In order of the ends of services.
     """
 
-    crafts: list[Craft]
+    crafts: list[FlyingChaser]
     prize: float = 0.0
     expected: float = 0.0
     serviced: list[int] = field(default_factory=list)
 
 
 def rehearsed(
-    ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+    facts: MissionFacts, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
 ) -> FlownMission:
     """Fly a mission in a world.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     world : DrawnWorld
     policy : MissionPolicy
     kits : tuple of int
         Aboard of each chaser.
     """
-    return _Rehearsal(ground, world, policy, kits).flown()
+    return _Rehearsal(facts, world, policy, kits).flown()
 
 
 class _Rehearsal:
     """A mission while it is flown."""
 
     def __init__(
-        self, ground: Ground, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
+        self, facts: MissionFacts, world: DrawnWorld, policy: MissionPolicy, kits: tuple[int, ...]
     ) -> None:
-        self._ground, self._world, self._policy = ground, world, policy
-        self._worths = TryWorths(ground.instance, world.uncertainty)
+        self._facts, self._world, self._policy = facts, world, policy
+        self._worths = TryWorths(facts.instance, world.uncertainty)
         self._closed: set[int] = set()
         self._reopened: list[tuple[float, int]] = []
-        self._crafts: list[Craft] = []
-        self._planned: list[Craft] = []
-        for number, what in enumerate(ground.chasers):
+        self._crafts: list[FlyingChaser] = []
+        self._planned: list[FlyingChaser] = []
+        for number, what in enumerate(facts.chasers):
             slip = world.slip_s(what.name) if what.is_launched else 0.0
             usable = world.usable_share(what.name, 1)
             since = what.limits.ready
-            self._crafts.append(beginning(ground, number, kits[number], since + slip, usable))
+            self._crafts.append(beginning(facts, number, kits[number], since + slip, usable))
             # As planned: what is known of a chaser until it is free.
-            self._planned.append(beginning(ground, number, kits[number], since, 1.0))
+            self._planned.append(beginning(facts, number, kits[number], since, 1.0))
         self._flown = FlownMission(self._crafts)
 
     def flown(self) -> FlownMission:
@@ -137,10 +140,10 @@ class _Rehearsal:
             if isinstance(chosen, Halt):
                 craft.ended = chosen.reason
                 continue
-            if self._ground.chasers[craft.chaser].is_launched and not craft.made:
+            if self._facts.chasers[craft.chaser].is_launched and not craft.made:
                 at_s = max(chosen.departure, craft.free_s)
                 chosen = chosen._replace(departure=at_s, arrival=at_s)
-            reason = refused(self._ground, craft, chosen)
+            reason = refused(self._facts, craft, chosen)
             if chosen.destination in self._closed or chosen.destination == craft.body:
                 reason = "rules"
             if reason:
@@ -156,7 +159,7 @@ class _Rehearsal:
             if made.hop.destination == target and made.outcome == SERVICED
         )
 
-    def _now(self, craft: Craft) -> Situation:
+    def _now(self, craft: FlyingChaser) -> Situation:
         time = craft.free_s
         for when, target in self._reopened:
             if when <= time:
@@ -168,20 +171,20 @@ class _Rehearsal:
             else self._planned[each.chaser]
             for each in self._crafts
         )
-        return Situation(self._ground, craft, seen, self._closed)
+        return Situation(self._facts, craft, seen, self._closed)
 
     @staticmethod
-    def _is_unknown(craft: Craft, time: float) -> bool:
+    def _is_unknown(craft: FlyingChaser, time: float) -> bool:
         return craft.ended == DRY and bool(craft.made) and craft.made[-1].end_s > time
 
-    def _fly(self, now: Situation, craft: Craft, hop: Hop) -> None:
+    def _fly(self, now: Situation, craft: FlyingChaser, hop: Hop) -> None:
         """Fly a leg, and stay at its end as the world has it."""
-        ground, world, j = self._ground, self._world, hop.destination
-        what, kind = ground.chasers[craft.chaser], leg_kinds()[hop.family].name
+        facts, world, j = self._facts, self._world, hop.destination
+        what, kind = facts.chasers[craft.chaser], leg_kinds()[hop.family].name
         origin, ready = craft.body, craft.free_s
-        self._planned[craft.chaser] = as_planned(ground, craft, hop)
-        name = ground.names[j]
-        if j < ground.stations:
+        self._planned[craft.chaser] = as_planned(facts, craft, hop)
+        name = facts.names[j]
+        if j < facts.stations:
             visit = craft.refuellings.get(j, 0) + 1
             factor = world.station_factor(kind, what.name, name, visit)
             craft.refuellings[j] = visit
@@ -200,12 +203,12 @@ class _Rehearsal:
             cost, craft.left, craft.ended = craft.left, 0.0, DRY
             craft.free_s = hop.arrival
             made(hop.arrival, DRY)
-            if j >= ground.stations:
+            if j >= facts.stations:
                 self._reopened.append((hop.arrival, j))
             return
         craft.left -= cost
         begin = float(service_begin(hop.arrival, what.limits.opens[j]))
-        if j < ground.stations:
+        if j < facts.stations:
             craft.filling += 1
             untowed = craft.left
             usable = world.usable_share(what.name, craft.filling)
@@ -220,7 +223,7 @@ class _Rehearsal:
             made(begin, GONE)
             return
         self._flown.expected += self._worths.on_arrival(j, gone=False)
-        tow_s = ground.tow_s.get(j, 0.0)
+        tow_s = facts.tow_s.get(j, 0.0)
         took = world.service_s(name, float(what.limits.service[j]) - tow_s)
         left, kits = craft.left, craft.kits
         if what.loads is not None:
@@ -248,8 +251,8 @@ class _Rehearsal:
         untowed = craft.left
         craft.left, craft.kits = float(left), int(kits)
         craft.serviced += 1
-        craft.towed = j in ground.tow_s
+        craft.towed = j in facts.tow_s
         craft.free_s = end + tow_s
-        self._flown.prize += ground.prizes[j]
+        self._flown.prize += facts.prizes[j]
         self._flown.serviced.append(j)
         made(end, SERVICED, tries)

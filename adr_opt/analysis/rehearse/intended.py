@@ -14,7 +14,7 @@ from ...plan.cargo import kits_of
 from ...plan.plan import Leg, Plan
 from ...plan.routes import routes_of
 from ...problem.chasers import Chaser
-from .ground import ChaserLimits, Ground, Hop
+from .mission_facts import ChaserLimits, Hop, MissionFacts
 
 
 class PlannedHop(NamedTuple):
@@ -54,7 +54,7 @@ class Intended:
         return frozenset(each.hop.destination for route in self.routes for each in route)
 
 
-def intended(ground: Ground, plan: Plan) -> Intended:
+def intended(facts: MissionFacts, plan: Plan) -> Intended:
     """The plan as connections.
 
     Raises
@@ -62,17 +62,17 @@ def intended(ground: Ground, plan: Plan) -> Intended:
     InputError
         It is of another instance, or of another model.
     """
-    instance = ground.instance
+    instance = facts.instance
     if plan.instance.sha256 != instance.sha256:
         raise InputError("the plan belongs to another instance; give the one it was made for")
     if plan.has_former_drifts:
         raise InputError("the plan has drift legs of a former model; plan anew first")
     flown = {each.chaser.name: each for each in routes_of(instance, plan)}
     routes, kits = list[Route](), list[int]()
-    for what in ground.chasers:
+    for what in facts.chasers:
         legs = [leg for _, leg in flown[what.name].legs]
         names = [leg.destination for leg in legs]
-        routes.append(hops_of(ground, legs, what.start, towed=False))
+        routes.append(hops_of(facts, legs, what.start, towed=False))
         kits.append(_aboard(what, instance.chasers[len(kits)], kits_of(instance, names)))
     return Intended(plan, tuple(routes), tuple(kits))
 
@@ -83,11 +83,11 @@ def _aboard(what: ChaserLimits, chaser: Chaser, planned: int) -> int:
     return min(planned, most) if chaser.kit_mass_kg > 0.0 else most
 
 
-def hops_of(ground: Ground, legs: Sequence[Leg], start: int, *, towed: bool) -> Route:
+def hops_of(facts: MissionFacts, legs: Sequence[Leg], start: int, *, towed: bool) -> Route:
     """Legs of a plan from a body as connections."""
     found, body = [], start
     for leg in legs:
-        hop = ground.of_leg(leg, body, towed=towed)
+        hop = facts.of_leg(leg, body, towed=towed)
         found.append(PlannedHop(body, towed, hop))
-        body, towed = hop.destination, hop.destination in ground.tow_s
+        body, towed = hop.destination, hop.destination in facts.tow_s
     return tuple(found)

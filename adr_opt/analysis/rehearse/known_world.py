@@ -33,8 +33,8 @@ from ...problem.instance import Instance
 from ...problem.settings import Objective
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
-from .ground import Ground
-from .parts import Part, in_time, timed_part
+from .mission_facts import MissionFacts
+from .stand_ins import StandIn, in_time, timed_stand_in
 from .tries import rounded_up
 from .worths import Worth
 
@@ -61,36 +61,38 @@ def refuse_bounds(instance: Instance, uncertainty: Uncertainty) -> None:
             )
 
 
-def known_problem(ground: Ground, world: DrawnWorld, worth: Worth, *, threads: int = 1) -> Problem:
+def known_problem(
+    facts: MissionFacts, world: DrawnWorld, worth: Worth, *, threads: int = 1
+) -> Problem:
     """The mission of a clairvoyant in a world.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     world : DrawnWorld
     worth : callable
         What each target counts.
     threads : int
         Of the timetable.
     """
-    suffix = _suffix(ground.instance)
-    parts = [
+    suffix = _suffix(facts.instance)
+    stand_ins = [
         part
-        for target in ground.instance.targets
-        for part in _parts(ground, world, worth, target, suffix)
+        for target in facts.instance.targets
+        for part in _parts(facts, world, worth, target, suffix)
     ]
-    over_s = max((part.over_s for part in parts if part.over_s is not None), default=None)
+    over_s = max((part.over_s for part in stand_ins if part.over_s is not None), default=None)
     if over_s is not None:
-        parts = in_time(parts, ground.instance)
-    instance = _known_instance(ground, world, parts, over_s or 0.0)
-    corrections = _corrections(ground, world, parts)
-    is_same = instance.names == ground.names and not ground.tow_s and not over_s
+        stand_ins = in_time(stand_ins, facts.instance)
+    instance = _known_instance(facts, world, stand_ins, over_s or 0.0)
+    corrections = _corrections(facts, world, stand_ins)
+    is_same = instance.names == facts.names and not facts.tow_s and not over_s
     if not is_same:  # there are bodies, or orbits that are left, of which nothing is known yet
         finder = ConnectionFinder(instance, corrections)
     elif corrections:
-        finder = ground.finder.corrected(corrections).shortened(instance)
+        finder = facts.finder.corrected(corrections).shortened(instance)
     else:
-        finder = ground.finder.shortened(instance)
+        finder = facts.finder.shortened(instance)
     return Problem(instance, threads=threads, connecting=finder)
 
 
@@ -102,45 +104,45 @@ def _suffix(instance: Instance) -> str:
 
 
 def _parts(
-    ground: Ground, world: DrawnWorld, worth: Worth, target: Target, suffix: str
-) -> Iterator[Part]:
+    facts: MissionFacts, world: DrawnWorld, worth: Worth, target: Target, suffix: str
+) -> Iterator[StandIn]:
     """The bodies that stand for a target."""
-    name, number = target.name, ground.number[target.name]
-    planned = float(ground.chasers[0].limits.service[number]) - ground.tow_s.get(number, 0.0)
+    name, number = target.name, facts.number[target.name]
+    planned = float(facts.chasers[0].limits.service[number]) - facts.tow_s.get(number, 0.0)
     counted = worth(target)
     if counted.late is not None:
-        yield timed_part(ground, world, counted, target, planned)
+        yield timed_stand_in(facts, world, counted, target, planned)
         return
     going_on = target.replace(prize=rounded_up(counted.going_on), required=False)
     if world.is_gone(name):
-        yield Part(going_on.replace(removal="visit"), name, 0.0, planned, 1)
+        yield StandIn(going_on.replace(removal="visit"), name, 0.0, planned, 1)
         return
     took, first = world.service_s(name, planned), world.first_success(name)
     if first is None:
         going_on = going_on.replace(removal="visit")
     tries = world.uncertainty.tries_of(name) if first is None else first
-    splits = tries > 1 and ground.instance.transfer.given is None
+    splits = tries > 1 and facts.instance.transfer.given is None
     if splits and first is None and counted.going_on == 0.0:
         splits, tries = False, 1  # there is no reason to go on
     longest = tries * took if splits else took
-    yield Part(going_on, name, longest, planned, int(first is None))
+    yield StandIn(going_on, name, longest, planned, int(first is None))
     if splits:
         giving_up = target.replace(
             name=name + suffix, prize=rounded_up(counted.giving_up), required=False, removal="visit"
         )
-        yield Part(giving_up, name, took, planned, 1)
+        yield StandIn(giving_up, name, took, planned, 1)
 
 
 def _known_instance(
-    ground: Ground, world: DrawnWorld, parts: Sequence[Part], over_s: float
+    facts: MissionFacts, world: DrawnWorld, stand_ins: Sequence[StandIn], over_s: float
 ) -> Instance:
-    instance = ground.instance
-    uncounted = sum(part.uncounted for part in parts)
+    instance = facts.instance
+    uncounted = sum(part.uncounted for part in stand_ins)
     chasers = tuple(
-        _known_chaser(ground, world, number, uncounted, over_s)
+        _known_chaser(facts, world, number, uncounted, over_s)
         for number in range(len(instance.chasers))
     )
-    targets = tuple(part.target for part in parts)
+    targets = tuple(part.target for part in stand_ins)
     duration_s = instance.mission.duration_s + over_s
     mission = instance.mission.replace(launch_separation_s=None, duration_s=duration_s)
     if not any(target.removal == "tow" for target in targets):
@@ -152,10 +154,10 @@ def _known_instance(
 
 
 def _known_chaser(
-    ground: Ground, world: DrawnWorld, number: int, uncounted: int, over_s: float
+    facts: MissionFacts, world: DrawnWorld, number: int, uncounted: int, over_s: float
 ) -> Chaser:
-    chaser = ground.instance.chasers[number]
-    since, until = ground.instance.available_s[number]
+    chaser = facts.instance.chasers[number]
+    since, until = facts.instance.available_s[number]
     if chaser.is_launched:
         since += world.slip_s(chaser.name)
         since = since if until is None else min(since, until)
@@ -165,15 +167,15 @@ def _known_chaser(
         end="anywhere",
         available_s=(since, until),
         max_targets=most,
-        tank=_known_tank(ground, world, chaser),
+        tank=_known_tank(facts, world, chaser),
     )
 
 
-def _known_tank(ground: Ground, world: DrawnWorld, chaser: Chaser) -> AnyTank:
+def _known_tank(facts: MissionFacts, world: DrawnWorld, chaser: Chaser) -> AnyTank:
     """The tank at the best of its fillings."""
     if world.uncertainty.tanks is None:
         return chaser.tank
-    fillings = range(1, 2 + (most_refuellings(ground) if ground.stations else 0))
+    fillings = range(1, 2 + (most_refuellings(facts) if facts.stations else 0))
     share = max(world.usable_share(chaser.name, filling) for filling in fillings)
     tank = chaser.tank
     if isinstance(tank, TankByMass):
@@ -182,27 +184,29 @@ def _known_tank(ground: Ground, world: DrawnWorld, chaser: Chaser) -> AnyTank:
     if tank.initial_delta_v_m_s is not None:
         return tank
     full = tank.delta_v_m_s
-    if isinstance(chaser.start, AtStation) or not ground.stations:
+    if isinstance(chaser.start, AtStation) or not facts.stations:
         return tank.replace(delta_v_m_s=share * full)
     first = world.usable_share(chaser.name, 1) * full
     return tank.replace(delta_v_m_s=share * full, initial_delta_v_m_s=first)
 
 
-def _corrections(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Corrections:
+def _corrections(
+    facts: MissionFacts, world: DrawnWorld, stand_ins: Sequence[StandIn]
+) -> Corrections:
     """Drawn costs of connections and times of services."""
-    instance, uncertainty = ground.instance, world.uncertainty
-    origins = (*ground.names[: ground.first_target], *(part.target.name for part in parts))
+    instance, uncertainty = facts.instance, world.uncertainty
+    origins = (*facts.names[: facts.first_target], *(part.target.name for part in stand_ins))
     factors: dict[tuple[str, str], float] = {}
     known = uncertainty.legs.delta_v_factor is not None or bool(uncertainty.legs.kinds)
     known |= any(each.delta_v_factor is not None for each in uncertainty.targets.values())
     for kind in (each.name for each in leg_kinds()) if known else ():
-        for name in ground.names[: ground.stations]:
+        for name in facts.names[: facts.stations]:
             factors[name, kind] = min(
                 world.station_factor(kind, chaser.name, name, visit)
                 for chaser in instance.chasers
-                for visit in range(1, most_refuellings(ground) + 1)
+                for visit in range(1, most_refuellings(facts) + 1)
             )
-        for part in parts:
+        for part in stand_ins:
             factors[part.target.name, kind] = world.leg_factor(kind, part.of)
     shares = {
         (origin, name, kind): factor
@@ -211,19 +215,21 @@ def _corrections(ground: Ground, world: DrawnWorld, parts: Sequence[Part]) -> Co
         for origin in origins
         if origin != name
     }
-    services = {part.target.name: part.took_s for part in parts if part.took_s != part.planned_s}
+    services = {
+        part.target.name: part.took_s for part in stand_ins if part.took_s != part.planned_s
+    }
     return Corrections(shares=shares, services_s=services)
 
 
-def most_refuellings(ground: Ground) -> int:
+def most_refuellings(facts: MissionFacts) -> int:
     """Maximum number of legs of one chaser to one station, by its targets and its time."""
-    instance = ground.instance
+    instance = facts.instance
     targets = len(instance.targets)
-    if not targets or not ground.stations:
+    if not targets or not facts.stations:
         return 1
-    limits = ground.chasers[0].limits
+    limits = facts.chasers[0].limits
     # Every refuelling follows a target: each takes at least the refuelling.
-    least = float(limits.service[: ground.stations].min())
+    least = float(limits.service[: facts.stations].min())
     if least <= SLACK_S:
         return targets
     return max(1, min(targets, math.ceil(instance.mission.duration_s / least)))

@@ -11,13 +11,13 @@ from ...learning.next_leg.choices import Choices, Standing
 from ...learning.next_leg.features import features
 from ...learning.next_leg.scorer import LegScorer, shipped
 from ...problem.uncertainty import Uncertainty
-from .crafts import FINISHED, Craft, as_planned, beginning, full_of, refused
+from .expectation import CAUTION
 from .flight import Halt, Situation
-from .ground import Ground, Hop
+from .flying_chasers import FINISHED, FlyingChaser, as_planned, beginning, full_of, refused
 from .intended import Intended, PlannedHop
-from .prospect import CAUTION
+from .mission_facts import Hop, MissionFacts
 from .replanning import AtDeviations
-from .sight import Sight
+from .visible_legs import VisibleLegs
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Learned(AtDeviations):
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     intended : Intended
     uncertainty : Uncertainty
     seed : int
@@ -46,17 +46,17 @@ class Learned(AtDeviations):
 
     def __init__(
         self,
-        ground: Ground,
+        facts: MissionFacts,
         intended: Intended,
         uncertainty: Uncertainty,
         seed: int = 0,
         scorer: LegScorer | None = None,
     ) -> None:
-        super().__init__(ground, intended, uncertainty, seed)
+        super().__init__(facts, intended, uncertainty, seed)
         self._scorer = shipped() if scorer is None else scorer
-        self._sight = sight_of(ground, uncertainty)
+        self._visible = visible_legs_of(facts, uncertainty)
         self._ahead = [
-            _forecasts(ground, chaser, route, intended.kits[chaser])
+            _forecasts(facts, chaser, route, intended.kits[chaser])
             for chaser, route in enumerate(intended.routes)
         ]
         factor = uncertainty.legs.delta_v_factor
@@ -75,16 +75,16 @@ class Learned(AtDeviations):
             if found is None:
                 return Halt(FINISHED)
             hop = found
-        self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
+        self._forecast[craft.chaser] = as_planned(self._facts, craft, hop)
         return hop
 
-    def _is_prudent(self, craft: Craft, hop: Hop) -> bool:
+    def _is_prudent(self, craft: FlyingChaser, hop: Hop) -> bool:
         """Whether a planned leg leaves a way to refuel, where its service may be late."""
-        return self._sight.late_s[hop.destination] == 0.0 or self._is_guarded(craft, hop)
+        return self._visible.late_s[hop.destination] == 0.0 or self._is_guarded(craft, hop)
 
     def _pass_what_is_done(self, now: Situation) -> None:
         """Drop planned legs to targets that are closed, and to stations that are of no use now."""
-        craft, stations = now.craft, self._ground.stations
+        craft, stations = now.craft, self._facts.stations
         route, ahead = self._routes[craft.chaser], self._ahead[craft.chaser]
         while route:
             j = route[0].hop.destination
@@ -96,7 +96,7 @@ class Learned(AtDeviations):
 
     def _best_scored(self, now: Situation) -> Hop | None:
         """The leg of the largest score that may begin and leaves a way to refuel, if one does."""
-        ground, craft, sight = self._ground, now.craft, self._sight
+        facts, craft, visible = self._facts, now.craft, self._visible
         route = self._routes[craft.chaser]
         planned = [each.hop.destination for each in route]
         elsewhere = {
@@ -109,7 +109,7 @@ class Learned(AtDeviations):
         own = None
         if route and (route[0].origin, route[0].towed) == (craft.body, craft.towed):
             own = route[0].hop if route[0].departs(craft.free_s) else None
-        choices = sight.choices(craft, now.closed, planned, elsewhere, others, own)
+        choices = visible.choices(craft, now.closed, planned, elsewhere, others, own)
         if not choices.legal.any():
             return None
         scores = self._scored(now, choices)
@@ -119,8 +119,8 @@ class Learned(AtDeviations):
                 break
             j = int(choices.bodies[at])
             is_own = own is not None and own.destination == j
-            hop = own if is_own else sight.hop(craft, j, choices.arrival[at], choices.delta_v[at])
-            if hop is None or refused(ground, craft, hop):
+            hop = own if is_own else visible.hop(craft, j, choices.arrival[at], choices.delta_v[at])
+            if hop is None or refused(facts, craft, hop):
                 continue
             if self._is_guarded(craft, hop):
                 return hop
@@ -134,8 +134,8 @@ class Learned(AtDeviations):
 
     def _seen(self, now: Situation, choices: Choices) -> tuple[FloatArray, FloatArray]:
         """What the network sees, of tanks that keep a reserve for dear legs."""
-        ground, craft, sight = self._ground, now.craft, self._sight
-        what, ahead = ground.chasers[craft.chaser], self._ahead[craft.chaser]
+        facts, craft, visible = self._facts, now.craft, self._visible
+        what, ahead = facts.chasers[craft.chaser], self._ahead[craft.chaser]
         full = full_of(what, craft.kits)
         reserve, kept = self._reserve_m_s(full), self._kept_m_s(craft, full)
         standing = Standing(
@@ -145,39 +145,39 @@ class Learned(AtDeviations):
             craft.left - kept,
             full - reserve,
             craft.since,
-            ground.stations,
+            facts.stations,
             len(now.crafts),
             craft.left - kept - ahead[0].left if ahead else None,
             ahead[0].free_s - craft.free_s if ahead else None,
         )
-        worths = sight.worths.copy()
+        worths = visible.worths.copy()
         worths[list(now.closed)] = 0.0
-        left = choices.left - np.where(choices.bodies < ground.stations, reserve, kept)
+        left = choices.left - np.where(choices.bodies < facts.stations, reserve, kept)
         choices = choices._replace(left=left)
-        places, onward = sight.around.at(craft.free_s), sight.onward(craft, choices, worths)
-        return features(standing, choices, onward, places, worths, sight.required)
+        places, onward = visible.around.at(craft.free_s), visible.onward(craft, choices, worths)
+        return features(standing, choices, onward, places, worths, visible.required)
 
     def _reserve_m_s(self, full: float) -> float:
         """Reserve of a full tank: that of the plan, or of usual legs without one [m/s]."""
-        if self._prospect.reserve_m_s > 0.0 or not self._ground.stations:
-            return min(self._prospect.reserve_m_s, 0.5 * full)
+        if self._expectation.reserve_m_s > 0.0 or not self._facts.stations:
+            return min(self._expectation.reserve_m_s, 0.5 * full)
         return usual_reserve(self._sigma) * full
 
-    def _kept_m_s(self, craft: Craft, full: float) -> float:
+    def _kept_m_s(self, craft: FlyingChaser, full: float) -> float:
         """Reserve of the tank as it is now [m/s]."""
         return kept_m_s(self._reserve_m_s(full), craft.left, full)
 
-    def _is_guarded(self, craft: Craft, hop: Hop) -> bool:
+    def _is_guarded(self, craft: FlyingChaser, hop: Hop) -> bool:
         """Whether a leg leaves a way to refuel, also if it is dear and the service long."""
-        ground, j = self._ground, hop.destination
-        if j < ground.stations or not ground.stations:
+        facts, j = self._facts, hop.destination
+        if j < facts.stations or not facts.stations:
             return True
-        after, sight = as_planned(ground, craft, hop), self._sight
+        after, visible = as_planned(facts, craft, hop), self._visible
         ways = [
-            sight.way_back_m_s(craft, j, after.free_s + late_s)
-            for late_s in {sight.later_s[j], sight.late_s[j]}
+            visible.way_back_m_s(craft, j, after.free_s + late_s)
+            for late_s in {visible.later_s[j], visible.late_s[j]}
         ]
-        spread = CAUTION * self._prospect.sigma(hop) * math.hypot(hop.delta_v, max(ways))
+        spread = CAUTION * self._expectation.sigma(hop) * math.hypot(hop.delta_v, max(ways))
         return min(ways) == 0.0 or max(ways) + spread <= after.left
 
 
@@ -194,21 +194,21 @@ def kept_m_s(reserve_m_s: float, left_m_s: float, full_m_s: float) -> float:
 
 
 def _forecasts(
-    ground: Ground, chaser: int, route: tuple[PlannedHop, ...], kits: int
-) -> list[Craft]:
+    facts: MissionFacts, chaser: int, route: tuple[PlannedHop, ...], kits: int
+) -> list[FlyingChaser]:
     """The chaser before each of its planned legs, if all goes as planned."""
-    craft = beginning(ground, chaser, kits, ground.chasers[chaser].limits.ready, 1.0)
+    craft = beginning(facts, chaser, kits, facts.chasers[chaser].limits.ready, 1.0)
     found = []
     for each in route:
         found.append(craft)
-        craft = as_planned(ground, craft, each.hop)
+        craft = as_planned(facts, craft, each.hop)
     return found
 
 
-def sight_of(ground: Ground, uncertainty: Uncertainty) -> Sight:
+def visible_legs_of(facts: MissionFacts, uncertainty: Uncertainty) -> VisibleLegs:
     """What policies see of a mission, which its rehearsals share."""
-    known = ground.sight
+    known = facts.visible_legs
     if known is None or known[0] is not uncertainty:
-        known = ground.sight = uncertainty, Sight(ground, uncertainty)
-    made: Sight = known[1]
+        known = facts.visible_legs = uncertainty, VisibleLegs(facts, uncertainty)
+    made: VisibleLegs = known[1]
     return made

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 from pydantic import ConfigDict
 
 from ...common.constants import SLACK_M_S
-from .crafts import DRY, FAILED, FINISHED, GONE, REFUELLED, SERVICED
 from .flight import FlownMission
-from .ground import Ground
+from .flying_chasers import DRY, FAILED, FINISHED, GONE, REFUELLED, SERVICED
 from .intended import Intended
+from .mission_facts import MissionFacts
 from .worlds import EXACT
 
 LEFT_OUT = "left-out"
@@ -71,20 +71,20 @@ class Rehearsal:
 
 
 def outcome_of(
-    ground: Ground, intended: Intended, flown: FlownMission, seed: int, *, keeps: bool
+    facts: MissionFacts, intended: Intended, flown: FlownMission, seed: int, *, keeps: bool
 ) -> Rehearsal:
     """The outcome of a flown mission, by a policy that keeps to the plan or does not."""
-    names, prizes = ground.names, ground.prizes
+    names, prizes = facts.names, facts.prizes
     serviced = set(flown.serviced)
     losses = dict[str, str]()
     for craft in flown.crafts:
         for made in craft.made:
             j = made.hop.destination
-            if j >= ground.stations and j not in serviced:
+            if j >= facts.stations and j not in serviced:
                 losses[names[j]] = made.outcome
         for planned in intended.routes[craft.chaser]:
             j = planned.hop.destination
-            if j >= ground.stations and j not in serviced:
+            if j >= facts.stations and j not in serviced:
                 ended = craft.ended if keeps and craft.ended != FINISHED else LEFT_OUT
                 losses.setdefault(names[j], ended)
     legs = [made for craft in flown.crafts for made in craft.made]
@@ -96,7 +96,7 @@ def outcome_of(
     for made in sorted(legs, key=lambda made: made.hop.arrival):
         delta_v += made.delta_v
         spent.append((made.hop.arrival, delta_v))
-    ends = [ground.instance.chasers[craft.chaser].end for craft in flown.crafts]
+    ends = [facts.instance.chasers[craft.chaser].end for craft in flown.crafts]
     returned = all(
         end == "anywhere" or names[craft.body] == end.station
         for craft, end in zip(flown.crafts, ends, strict=True)
@@ -105,22 +105,22 @@ def outcome_of(
         seed,
         flown.prize,
         flown.expected,
-        ground.required <= serviced,
+        facts.required <= serviced,
         returned,
         max((made.free_s for made in legs if made.outcome == SERVICED), default=0.0),
         delta_v,
-        tuple(_tanks(ground, flown)),
+        tuple(_tanks(facts, flown)),
         losses,
         tuple(course),
         tuple(spent),
     )
 
 
-def _tanks(ground: Ground, flown: FlownMission) -> list[tuple[str, int, float, bool]]:
+def _tanks(facts: MissionFacts, flown: FlownMission) -> list[tuple[str, int, float, bool]]:
     """Each tank of each chaser, with what was left of it at its end."""
     found = []
     for craft in flown.crafts:
-        name, number = ground.chasers[craft.chaser].name, 1
+        name, number = facts.chasers[craft.chaser].name, 1
         for each in craft.made:
             if each.outcome == REFUELLED:
                 found.append((name, number, max(each.untowed - SLACK_M_S, 0.0), False))

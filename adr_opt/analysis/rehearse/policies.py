@@ -1,8 +1,8 @@
 """Policies by name.
 
 A policy of another package is an entry point of the group ``adr_opt.rehearsal_policies``: a
-callable that takes a :class:`.ground.Ground`, a :class:`.intended.Intended`, an uncertainty and a
-seed, and gives a :class:`.flight.MissionPolicy` for one rehearsal.
+callable that takes a :class:`.mission_facts.MissionFacts`, a :class:`.intended.Intended`, an
+uncertainty and a seed, and gives a :class:`.flight.MissionPolicy` for one rehearsal.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from ...common.errors import InputError
 from ...common.packages import load
 from ...problem.uncertainty import Uncertainty
 from .flight import MissionPolicy
-from .ground import Ground
 from .intended import Intended
+from .mission_facts import MissionFacts
 
 ENTRY_POINTS = "adr_opt.rehearsal_policies"
 
-PolicyMaker = Callable[[Ground, Intended, Uncertainty, int], MissionPolicy]
+PolicyMaker = Callable[[MissionFacts, Intended, Uncertainty, int], MissionPolicy]
 
 
 BUILT_IN: Mapping[str, tuple[str, str]] = {
-    "follow": ("keeping", "Follow"),
-    "skip": ("keeping", "Skip"),
+    "follow": ("planned_order", "Follow"),
+    "skip": ("planned_order", "Skip"),
     "replan": ("replanning", "AtDeviations"),
     "beam": ("replanning", "AtEveryService"),
     "learned": ("learned", "Learned"),

@@ -21,23 +21,23 @@ from ..launch_windows import in_order
 from ..remaining_instance import remaining_instance
 from ..rest import PlannerChoice, planned_rest
 from ..state import ChaserState
-from .crafts import (
+from .expectation import expectation_of
+from .flight import Halt, Situation
+from .flying_chasers import (
     DRY,
     FAILED,
     FINISHED,
     GONE,
     LATE,
     SERVICED,
-    Craft,
+    FlyingChaser,
     Made,
     as_planned,
     beginning,
     refused,
 )
-from .flight import Halt, Situation
-from .ground import Ground, Hop, hop_of
 from .intended import Intended, hops_of
-from .prospect import prospect_of
+from .mission_facts import Hop, MissionFacts, hop_of
 
 SLIGHT_S = HOUR_S
 """Lateness below which a plan is kept [s]."""
@@ -53,14 +53,14 @@ class AtEveryService:
     """Plans the rest anew whenever a chaser is free, as it is to be expected."""
 
     def __init__(
-        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
+        self, facts: MissionFacts, intended: Intended, uncertainty: Uncertainty, seed: int = 0
     ) -> None:
-        self._ground, self._seed = ground, seed
-        self._prospect = prospect_of(ground, intended, uncertainty)
+        self._facts, self._seed = facts, seed
+        self._expectation = expectation_of(facts, intended, uncertainty)
         self._routes = [list(route) for route in intended.routes]
         self._forecast = [
-            beginning(ground, chaser, intended.kits[chaser], what.limits.ready, 1.0)
-            for chaser, what in enumerate(ground.chasers)
+            beginning(facts, chaser, intended.kits[chaser], what.limits.ready, 1.0)
+            for chaser, what in enumerate(facts.chasers)
         ]
 
     def next_leg(self, now: Situation) -> Hop | Halt:
@@ -69,13 +69,13 @@ class AtEveryService:
         if self._has_changed(now):
             self._plan(now)
         route = self._routes[craft.chaser]
-        if not route and self._prospect.is_cautious:
+        if not route and self._expectation.is_cautious:
             self._plan(now, cautious=False)  # to be so is of no use any more
             route = self._routes[craft.chaser]
         if not route:
             return Halt(FINISHED)
         hop = self._earlier(craft, route.pop(0).hop)
-        self._forecast[craft.chaser] = as_planned(self._ground, craft, hop)
+        self._forecast[craft.chaser] = as_planned(self._facts, craft, hop)
         return hop
 
     def tries_again(self, now: Situation, target: int, tries: int) -> bool:
@@ -84,22 +84,22 @@ class AtEveryService:
 
     def _has_changed(self, now: Situation) -> bool:
         """Whether to plan anew: always, but where nothing is uncertain at the beginning."""
-        return bool(now.craft.made) or self._prospect.differs or self._differs(now.craft)
+        return bool(now.craft.made) or self._expectation.differs or self._differs(now.craft)
 
-    def _differs(self, craft: Craft) -> bool:
+    def _differs(self, craft: FlyingChaser) -> bool:
         """Whether the chaser is later, or has less or more, by more than a little."""
-        ahead, what = self._forecast[craft.chaser], self._ground.chasers[craft.chaser]
+        ahead, what = self._forecast[craft.chaser], self._facts.chasers[craft.chaser]
         differs = abs(craft.left - ahead.left) > SLIGHT_SHARE * what.budget
         return differs or abs(craft.free_s - ahead.free_s) > SLIGHT_S
 
-    def _earlier(self, craft: Craft, hop: Hop) -> Hop:
+    def _earlier(self, craft: FlyingChaser, hop: Hop) -> Hop:
         """The first connection to the same body to arrive, of those that take no more ΔV.
 
         Neither as planned, nor by a kind of leg that may cost more than planned by a larger factor.
         """
-        if self._ground.chasers[craft.chaser].is_launched and not craft.made:
+        if self._facts.chasers[craft.chaser].is_launched and not craft.made:
             return hop
-        rows = self._ground.rows(craft.body, hop.destination, towed=craft.towed)
+        rows = self._facts.rows(craft.body, hop.destination, towed=craft.towed)
         first = int(np.searchsorted(rows.departure, craft.free_s - SLACK_S))
         last = int(np.searchsorted(rows.departure, hop.departure))
         could = first + np.flatnonzero(rows.delta_v[first:last] <= hop.delta_v)
@@ -107,32 +107,32 @@ class AtEveryService:
             return hop
         row = int(could[np.argmin(rows.arrival[could])])
         found = hop_of(hop.destination, rows, row)
-        is_as_certain = self._prospect.sigma(found) <= self._prospect.sigma(hop)
+        is_as_certain = self._expectation.sigma(found) <= self._expectation.sigma(hop)
         return found if found.arrival < hop.arrival and is_as_certain else hop
 
     def _plan(self, now: Situation, *, cautious: bool = True) -> None:
         """Plan what is left, for all chasers, from where they are or will be."""
-        ground, at_s = self._ground, now.craft.free_s
+        facts, at_s = self._facts, now.craft.free_s
         crafts = [craft for craft in now.crafts if craft is now.craft or not craft.ended]
-        states = in_order(ground.instance, tuple(_state(ground, craft, at_s) for craft in crafts))
+        states = in_order(facts.instance, tuple(_state(facts, craft, at_s) for craft in crafts))
         former = {
-            ground.chasers[craft.chaser].name: tuple(
-                ground.names[each.hop.destination] for each in self._routes[craft.chaser]
+            facts.chasers[craft.chaser].name: tuple(
+                facts.names[each.hop.destination] for each in self._routes[craft.chaser]
             )
             for craft in crafts
         }
         visited = {leg.destination for state in states for leg in state.legs}
-        lost = [ground.names[j] for j in sorted(now.closed)]
+        lost = [facts.names[j] for j in sorted(now.closed)]
         gone = tuple(name for name in lost if name not in visited)
-        choice = PlannerChoice(None, TIME_LIMIT_S, self._seed, None, ground.cores)
-        for wanted in (ground.instance, ground.without_required):
+        choice = PlannerChoice(None, TIME_LIMIT_S, self._seed, None, facts.cores)
+        for wanted in (facts.instance, facts.without_required):
 
             def left(
                 known: tuple[ChaserState, ...], instance: Instance = wanted
             ) -> Instance | None:
                 missed = [name for state in known for name in state.missed]
                 rest = remaining_instance(instance, known, gone, at_s, missed)
-                return None if rest is None else self._prospect.expected(rest, cautious=cautious)
+                return None if rest is None else self._expectation.expected(rest, cautious=cautious)
 
             rest = planned_rest(wanted, left, states, former, choice)
             if rest.result.plan is not None:
@@ -140,13 +140,13 @@ class AtEveryService:
         else:
             return
         flown = {route.chaser: route.legs for route in rest.result.plan.routes}
-        here = {ground.chasers[craft.chaser].name: craft for craft in crafts}
+        here = {facts.chasers[craft.chaser].name: craft for craft in crafts}
         before = {state.chaser.name: len(state.legs) for state in states}
         for state in rest.states:
             name = state.chaser.name
             craft = here[name]
             more = (*state.legs[before[name] :], *state.onward(flown.get(name, ())))
-            self._routes[craft.chaser] = list(hops_of(ground, more, craft.body, towed=craft.towed))
+            self._routes[craft.chaser] = list(hops_of(facts, more, craft.body, towed=craft.towed))
 
 
 class AtDeviations(AtEveryService):
@@ -154,31 +154,31 @@ class AtDeviations(AtEveryService):
 
     def _has_changed(self, now: Situation) -> bool:
         craft = now.craft
-        if self._differs(craft) or (not craft.made and self._prospect.differs):
+        if self._differs(craft) or (not craft.made and self._expectation.differs):
             return True
         if craft.made and craft.made[-1].outcome in (FAILED, GONE):
-            what = self._ground.chasers[craft.chaser]
+            what = self._facts.chasers[craft.chaser]
             if what.loads is not None or what.most_targets is not None:
                 return True
         return not self._is_flyable(craft)
 
-    def _is_flyable(self, craft: Craft) -> bool:
+    def _is_flyable(self, craft: FlyingChaser) -> bool:
         """Whether the rest of the plan can be flown as planned."""
         ahead, hops = craft.copied(), [each.hop for each in self._routes[craft.chaser]]
-        ahead.left -= self._prospect.spread_m_s(hops)
+        ahead.left -= self._expectation.spread_m_s(hops)
         for each in self._routes[craft.chaser]:
             if each.origin != ahead.body or each.towed != ahead.towed:
                 return False
-            if refused(self._ground, ahead, each.hop):
+            if refused(self._facts, ahead, each.hop):
                 return False
-            ahead = as_planned(self._ground, ahead, each.hop)
+            ahead = as_planned(self._facts, ahead, each.hop)
         return True
 
 
-def _state(ground: Ground, craft: Craft, at_s: float) -> ChaserState:
+def _state(facts: MissionFacts, craft: FlyingChaser, at_s: float) -> ChaserState:
     """A chaser as replanning knows it; with an object that it has still to tow, if it has one."""
-    chaser = ground.instance.chasers[craft.chaser]
-    legs = tuple(_leg(ground, made) for made in craft.made)
+    chaser = facts.instance.chasers[craft.chaser]
+    legs = tuple(_leg(facts, made) for made in craft.made)
     is_put = craft.towed
     left = max((craft.made[-1].untowed if is_put else craft.left) - SLACK_M_S, 0.0)
     free_s = craft.made[-1].end_s if is_put else craft.free_s
@@ -188,46 +188,46 @@ def _state(ground: Ground, craft: Craft, at_s: float) -> ChaserState:
         propellant = empty_kg * math.expm1(left / chaser.tank.exhaust_m_s)
     kits = chaser.kits
     takers = sum(
-        made.outcome == SERVICED and ground.takes_kit(made.hop.destination) for made in craft.made
+        made.outcome == SERVICED and facts.takes_kit(made.hop.destination) for made in craft.made
     )
     if legs and chaser.kit_mass_kg > 0.0:
         kits = craft.kits
     elif kits is not None:
         kits -= takers
     missed = tuple(
-        ground.names[made.hop.destination]
+        facts.names[made.hop.destination]
         for made in craft.made
         if made.outcome in (FAILED, GONE, LATE, DRY)
     )
     return ChaserState(
         chaser,
         legs,
-        legs[-1].destination if legs else _start(ground, craft),
+        legs[-1].destination if legs else _start(facts, craft),
         max(free_s, at_s if not is_put else free_s),
         left,
         propellant,
         kits,
         craft.since,
-        ground.chasers[craft.chaser].limits.ready,
+        facts.chasers[craft.chaser].limits.ready,
         is_put=is_put,
         missed=missed,
     )
 
 
-def _start(ground: Ground, craft: Craft) -> str | None:
-    return None if ground.chasers[craft.chaser].is_launched else ground.names[craft.body]
+def _start(facts: MissionFacts, craft: FlyingChaser) -> str | None:
+    return None if facts.chasers[craft.chaser].is_launched else facts.names[craft.body]
 
 
-def _leg(ground: Ground, made: Made) -> Leg:
+def _leg(facts: MissionFacts, made: Made) -> Leg:
     """A flown leg, as far as replanning looks at it."""
     j = made.hop.destination
     tow = None
-    if made.outcome == SERVICED and j in ground.tow_s:
+    if made.outcome == SERVICED and j in facts.tow_s:
         tow = Tow(start_s=made.end_s, end_s=made.free_s, delta_v_m_s=0.0, burns=())
     return Leg(
         kind=leg_kinds()[made.hop.family].name,
-        origin=ground.names[made.origin],
-        destination=ground.names[j],
+        origin=facts.names[made.origin],
+        destination=facts.names[j],
         ready_s=made.ready_s,
         departure_s=made.hop.departure,
         arrival_s=made.hop.arrival,

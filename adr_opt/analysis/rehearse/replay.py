@@ -21,10 +21,10 @@ from ...problem.numbering import LEO
 from ...problem.settings import MissionSettings, TransferSettings
 from ...problem.world import DrawnWorld
 from ..state import heavier
-from .crafts import DRY, LATE, REFUELLED, SERVICED, Craft, Made, full_of
 from .flight import FlownMission
-from .ground import Ground
+from .flying_chasers import DRY, LATE, REFUELLED, SERVICED, FlyingChaser, Made, full_of
 from .intended import intended
+from .mission_facts import MissionFacts
 from .outcome import Rehearsal
 from .sampling import Setting, flown_in
 
@@ -71,14 +71,14 @@ def replay(setting: Setting, seed: int, connections: str | None = None) -> Repla
     """
     if seed < 0:
         raise InputError(f"replay = {seed}: must not be negative")
-    ground = Ground(setting.instance)
-    flown, outcome = flown_in(ground, intended(ground, setting.plan), setting, seed)
+    facts = MissionFacts(setting.instance)
+    flown, outcome = flown_in(facts, intended(facts, setting.plan), setting, seed)
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    instance = _as_instance(ground, world, flown, connections)
+    instance = _as_instance(facts, world, flown, connections)
     problem = Problem(instance)
     number = {name: body for body, name in enumerate(problem.names)}
     routes = [
-        [number[ground.names[made.hop.destination]] for made in _done(craft)]
+        [number[facts.names[made.hop.destination]] for made in _done(craft)]
         for craft in flown.crafts
     ]
     made = certify_routes(problem, setting.policy, routes, seed=seed, runtime_s=0.0)
@@ -86,18 +86,16 @@ def replay(setting: Setting, seed: int, connections: str | None = None) -> Repla
     return Replayed(instance, made.plan, outcome)
 
 
-def _done(craft: Craft) -> list[Made]:
+def _done(craft: FlyingChaser) -> list[Made]:
     """Legs of which something came."""
     return [made for made in craft.made if made.outcome not in (DRY, LATE)]
 
 
 def _as_instance(
-    ground: Ground, world: DrawnWorld, flown: FlownMission, connections: str | None
+    facts: MissionFacts, world: DrawnWorld, flown: FlownMission, connections: str | None
 ) -> Instance:
-    instance, serviced = ground.instance, {ground.names[j] for j in flown.serviced}
-    visited = {
-        ground.names[made.hop.destination] for craft in flown.crafts for made in _done(craft)
-    }
+    instance, serviced = facts.instance, {facts.names[j] for j in flown.serviced}
+    visited = {facts.names[made.hop.destination] for craft in flown.crafts for made in _done(craft)}
     targets = tuple(
         target.replace(
             required=False,
@@ -112,7 +110,7 @@ def _as_instance(
         for target in instance.targets
     )
     chasers = tuple(_as_flown(instance.chasers[craft.chaser], craft) for craft in flown.crafts)
-    rows = [row for craft in flown.crafts for row in _rows(ground, world, craft)]
+    rows = [row for craft in flown.crafts for row in _rows(facts, world, craft)]
     bare = instance.replace(
         name=f"{instance.name}-world-{world.seed}",
         targets=targets,
@@ -129,7 +127,7 @@ def _as_instance(
     return bare.with_given(of_rows(content, bare.names), connections)
 
 
-def _as_flown(chaser: Chaser, craft: Craft) -> Chaser:
+def _as_flown(chaser: Chaser, craft: FlyingChaser) -> Chaser:
     """The chaser with the kits that it brought back as a part of it."""
     start = chaser.start
     if chaser.is_launched:
@@ -147,25 +145,25 @@ def _as_flown(chaser: Chaser, craft: Craft) -> Chaser:
 
 
 def _rows(
-    ground: Ground, world: DrawnWorld, craft: Craft
+    facts: MissionFacts, world: DrawnWorld, craft: FlyingChaser
 ) -> Iterator[tuple[str, str, float, float, float]]:
     """Legs as connections: what a tow took and what a tank could not use are part of them."""
-    what = ground.chasers[craft.chaser]
+    what = facts.chasers[craft.chaser]
     filling, lacking = 1, True
     kits = craft.kits + sum(
-        made.outcome == SERVICED and ground.takes_kit(made.hop.destination) for made in craft.made
+        made.outcome == SERVICED and facts.takes_kit(made.hop.destination) for made in craft.made
     )
-    origin = ground.instance.chasers[craft.chaser].start_name
+    origin = facts.instance.chasers[craft.chaser].start_name
     for made in _done(craft):
-        destination = ground.names[made.hop.destination]
+        destination = facts.names[made.hop.destination]
         cost = made.delta_v
         if lacking:
             share = 1.0 - world.usable_share(what.name, filling)
             cost, lacking = cost + share * full_of(what, kits), False
-        if made.outcome == SERVICED and made.hop.destination in ground.tow_s:
+        if made.outcome == SERVICED and made.hop.destination in facts.tow_s:
             cost += made.untowed - made.left
         if made.outcome == SERVICED:
-            kits -= ground.takes_kit(made.hop.destination)
+            kits -= facts.takes_kit(made.hop.destination)
         departure = min(made.hop.departure, made.free_s - LEAST_S)
         yield origin, destination, departure, made.free_s, cost
         if made.outcome == REFUELLED:

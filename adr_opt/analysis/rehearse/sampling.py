@@ -19,8 +19,8 @@ from ...problem.world import DrawnWorld
 from ...run.front import solve
 from ...study import Place, Study, run
 from .flight import FlownMission, rehearsed
-from .ground import FOLLOWS, Ground
 from .intended import Intended, intended
+from .mission_facts import FOLLOWS, MissionFacts
 from .outcome import Rehearsal, outcome_of
 from .policies import NEED_PLAN, policy_of
 from .rehearsals import Rehearsals
@@ -75,12 +75,12 @@ class _Flights:
         return _Flights, (self._setting,)  # what is shared stays in its process
 
     @cached_property
-    def _alone(self) -> Ground:
-        return Ground(self._setting.instance)
+    def _alone(self) -> MissionFacts:
+        return MissionFacts(self._setting.instance)
 
     @cached_property
-    def _beside(self) -> Ground:
-        return Ground(self._setting.instance, cores=1)
+    def _beside(self) -> MissionFacts:
+        return MissionFacts(self._setting.instance, cores=1)
 
     @cached_property
     def _planned(self) -> Intended:
@@ -88,8 +88,8 @@ class _Flights:
 
     def row(self, seed: int, place: Place) -> Rehearsal:
         """The rehearsal in the world of a seed."""
-        ground = self._alone if place.alone else self._beside
-        return flown_in(ground, self._planned, self._setting, seed)[1]
+        facts = self._alone if place.alone else self._beside
+        return flown_in(facts, self._planned, self._setting, seed)[1]
 
 
 def rehearse(  # noqa: PLR0913
@@ -185,16 +185,16 @@ def setting_of(
     else:
         begun = admit(instance, plan)
     setting = Setting(instance, begun.plan, uncertainty, policy)
-    intended(Ground(instance), begun.plan)
+    intended(MissionFacts(instance), begun.plan)
     return setting
 
 
 def flown_in(
-    ground: Ground, planned: Intended, setting: Setting, seed: int
+    facts: MissionFacts, planned: Intended, setting: Setting, seed: int
 ) -> tuple[FlownMission, Rehearsal]:
     """One rehearsal, and its outcome."""
     world = DrawnWorld(setting.instance, setting.uncertainty, seed)
-    policy = policy_of(setting.policy)(ground, planned, setting.uncertainty, 0)
-    flown = rehearsed(ground, world, policy, planned.kits)
+    policy = policy_of(setting.policy)(facts, planned, setting.uncertainty, 0)
+    flown = rehearsed(facts, world, policy, planned.kits)
     keeps = setting.policy in NEED_PLAN
-    return flown, outcome_of(ground, planned, flown, seed, keeps=keeps)
+    return flown, outcome_of(facts, planned, flown, seed, keeps=keeps)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...problem.uncertainty import Delay, Uncertainty
-from .ground import Ground
+from .mission_facts import MissionFacts
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -17,12 +17,12 @@ ROUNDING = 1e-9
 """Difference of chances that counts as none."""
 
 
-def mean_delays_s(ground: Ground, uncertainty: Uncertainty) -> FloatArray:
+def mean_delays_s(facts: MissionFacts, uncertainty: Uncertainty) -> FloatArray:
     """By how much later than planned services end on average, all tries counted.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     uncertainty : Uncertainty
 
     Returns
@@ -41,15 +41,15 @@ def mean_delays_s(ground: Ground, uncertainty: Uncertainty) -> FloatArray:
         tries = sum(failing**number for number in range(uncertainty.tries_of(name)))
         return (1.0 - uncertainty.gone_of(name)) * tries * took - planned
 
-    return _of_each(ground, uncertainty, of)
+    return _of_each(facts, uncertainty, of)
 
 
-def largest_delays_s(ground: Ground, uncertainty: Uncertainty, share: float) -> FloatArray:
+def largest_delays_s(facts: MissionFacts, uncertainty: Uncertainty, share: float) -> FloatArray:
     """By how much later than planned services end at most in a share of cases.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     uncertainty : Uncertainty
     share : float
 
@@ -70,29 +70,29 @@ def largest_delays_s(ground: Ground, uncertainty: Uncertainty, share: float) -> 
         tries = _tries_until(share, uncertainty.success_of(name), uncertainty.tries_of(name))
         return np.maximum(tries * took - planned, 0.0)
 
-    return _of_each(ground, uncertainty, of)
+    return _of_each(facts, uncertainty, of)
 
 
 def _of_each(
-    ground: Ground, uncertainty: Uncertainty, delays: Callable[[str, FloatArray], FloatArray]
+    facts: MissionFacts, uncertainty: Uncertainty, delays: Callable[[str, FloatArray], FloatArray]
 ) -> FloatArray:
     """Delays of all targets; at once of those of which nothing of their own is said."""
-    planned = _planned_s(ground)
-    usual = np.arange(planned.size) >= ground.first_target
+    planned = _planned_s(facts)
+    usual = np.arange(planned.size) >= facts.first_target
     found = np.zeros(planned.size)
-    for name in uncertainty.targets.keys() & ground.number.keys():
-        target = ground.number[name]
+    for name in uncertainty.targets.keys() & facts.number.keys():
+        target = facts.number[name]
         usual[target] = False
         found[target] = delays(name, planned[[target]])[0]
     if usual.any():
-        found[usual] = delays(ground.names[int(np.argmax(usual))], planned[usual])
+        found[usual] = delays(facts.names[int(np.argmax(usual))], planned[usual])
     return found
 
 
-def _planned_s(ground: Ground) -> FloatArray:
+def _planned_s(facts: MissionFacts) -> FloatArray:
     """Planned times of services, without tows, shape (bodies,) [s]."""
-    planned = ground.chasers[0].limits.service.copy()
-    for target, tow_s in ground.tow_s.items():
+    planned = facts.chasers[0].limits.service.copy()
+    for target, tow_s in facts.tow_s.items():
         planned[target] -= tow_s
     return planned
 

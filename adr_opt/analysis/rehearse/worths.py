@@ -11,7 +11,7 @@ from ...problem.bodies import Target
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
 from ...problem.world import DrawnWorld
-from .ground import Ground
+from .mission_facts import MissionFacts
 from .service_times import LateWorth, levels_of, most_worths
 from .tries import TryWorths
 
@@ -47,12 +47,12 @@ def can_be_serviced(world: DrawnWorld, target: Target) -> bool:
     return not world.is_gone(target.name) and world.first_success(target.name) is not None
 
 
-def clairvoyant_worth(ground: Ground, world: DrawnWorld) -> Worth:
+def clairvoyant_worth(facts: MissionFacts, world: DrawnWorld) -> Worth:
     """The prize of each target that can be serviced in a world."""
     return lambda target: Counted(target.prize if can_be_serviced(world, target) else 0.0)
 
 
-def required_worth(ground: Ground, world: DrawnWorld) -> Worth:
+def required_worth(facts: MissionFacts, world: DrawnWorld) -> Worth:
     """1 for each required target that can be serviced in a world."""
     return lambda target: Counted(float(target.required and can_be_serviced(world, target)))
 
@@ -74,15 +74,15 @@ def is_priced(uncertainty: Uncertainty, target: Target) -> bool:
     return is_once and target.removal != "tow"
 
 
-def prices_of_tries(ground: Ground, per_s: float) -> dict[int, float]:
+def prices_of_tries(facts: MissionFacts, per_s: float) -> dict[int, float]:
     """Price of the planned time of a try at each target, by its number.
 
     Tries of about the median time all have its price: prizes are the same then, and proofs quicker.
     """
-    service = ground.chasers[0].limits.service
+    service = facts.chasers[0].limits.service
     tries_s = {
-        body: float(service[body]) - ground.tow_s.get(body, 0.0)
-        for body in range(ground.first_target, len(ground.names))
+        body: float(service[body]) - facts.tow_s.get(body, 0.0)
+        for body in range(facts.first_target, len(facts.names))
     }
     if not tries_s:
         return {}
@@ -93,7 +93,7 @@ def prices_of_tries(ground: Ground, per_s: float) -> dict[int, float]:
     }
 
 
-def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Worth:
+def penalised_worth(facts: MissionFacts, world: DrawnWorld, per_s: float = 0.0) -> Worth:
     """The mean prize of going to each target, and what of it is left if a chaser gives up.
 
     Parameters
@@ -101,22 +101,22 @@ def penalised_worth(ground: Ground, world: DrawnWorld, per_s: float = 0.0) -> Wo
     per_s : float
         Price of the time of services [prize per s].
     """
-    of_tries = _worth_of_tries(ground, world, per_s)
+    of_tries = _worth_of_tries(facts, world, per_s)
 
     def worth(target: Target) -> Counted:
         if per_s > 0.0 and takes_uncertain_time(world.uncertainty, target.name):
-            return _worth_of_time(ground, world, target, per_s)
+            return _worth_of_time(facts, world, target, per_s)
         return of_tries(target)
 
     return worth
 
 
-def _worth_of_tries(ground: Ground, world: DrawnWorld, per_s: float) -> Worth:
+def _worth_of_tries(facts: MissionFacts, world: DrawnWorld, per_s: float) -> Worth:
     """Where times are certain."""
-    worths = TryWorths(ground.instance, world.uncertainty, prices_of_tries(ground, per_s))
+    worths = TryWorths(facts.instance, world.uncertainty, prices_of_tries(facts, per_s))
 
     def worth(target: Target) -> Counted:
-        number, first = ground.number[target.name], world.first_success(target.name)
+        number, first = facts.number[target.name], world.first_success(target.name)
         tries = world.uncertainty.tries_of(target.name) if first is None else first
         if world.is_gone(target.name):
             return Counted(max(worths.most(number), 0.0))
@@ -127,16 +127,16 @@ def _worth_of_tries(ground: Ground, world: DrawnWorld, per_s: float) -> Worth:
     return worth
 
 
-def _worth_of_time(ground: Ground, world: DrawnWorld, target: Target, per_s: float) -> Counted:
+def _worth_of_time(facts: MissionFacts, world: DrawnWorld, target: Target, per_s: float) -> Counted:
     """Where one try takes an uncertain time: the mean worth, and the price of the time spent."""
     uncertainty, name = world.uncertainty, target.name
-    planned_s = float(ground.chasers[0].limits.service[ground.number[name]])
+    planned_s = float(facts.chasers[0].limits.service[facts.number[name]])
     most = most_worths(
         planned_s,
         uncertainty.service_of(name),
         uncertainty.success_of(name) * target.prize,
         per_s,
-        ground.instance.mission.duration_s,
+        facts.instance.mission.duration_s,
     )
     worth = (1.0 - uncertainty.gone_of(name)) * most.worth
     if not world.is_gone(name):
@@ -145,17 +145,17 @@ def _worth_of_time(ground: Ground, world: DrawnWorld, target: Target, per_s: flo
     return Counted(float(worth[-1]), 0.0, levels_of(most.left_s, worth, LEVEL * target.prize))
 
 
-def refused_price(ground: Ground, uncertainty: Uncertainty, per_s: float) -> str | None:
+def refused_price(facts: MissionFacts, uncertainty: Uncertainty, per_s: float) -> str | None:
     """Why a price of the time of services is refused; None if it is not."""
-    instance: Instance = ground.instance
+    instance: Instance = facts.instance
     if not all(is_priced(uncertainty, target) for target in instance.targets):
         return (
             "penalties may price the time of tries only where services take as long as planned, or "
             "are tried once and no tow follows; leave it out"
         )
-    paid = prices_of_tries(ground, per_s)
+    paid = prices_of_tries(facts, per_s)
     worths = TryWorths(instance, uncertainty, paid)
-    for body, target in enumerate(instance.targets, start=ground.first_target):
+    for body, target in enumerate(instance.targets, start=facts.first_target):
         # Of a drawn time, and of no prize, less than nothing counts as nothing.
         counts = target.prize > 0.0 and not takes_uncertain_time(uncertainty, target.name)
         if counts and worths.most(body) < 0.0:

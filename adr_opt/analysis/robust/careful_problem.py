@@ -18,7 +18,7 @@ from ...mission.problem import Problem
 from ...plan.leg_kinds import leg_kinds
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from ..rehearse.ground import Ground
+from ..rehearse.mission_facts import MissionFacts
 from ..rehearse.tries import mean_worths, with_worths
 from .levels import Levels
 from .stays import StayTime, slip_quantile
@@ -27,13 +27,13 @@ _NORMAL = NormalDist()
 
 
 def careful_problem(
-    ground: Ground, uncertainty: Uncertainty, levels: Levels, *, threads: int | None = None
+    facts: MissionFacts, uncertainty: Uncertainty, levels: Levels, *, threads: int | None = None
 ) -> Problem:
     """The mission with reserves.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
         Of the instance.
     uncertainty : Uncertainty
     levels : Levels
@@ -46,16 +46,16 @@ def careful_problem(
         Tanks can be used so little that none holds anything with that chance, or some service has
         no time that it does not exceed.
     """
-    instance = _instance(ground.instance, uncertainty, levels)
+    instance = _instance(facts.instance, uncertainty, levels)
     corrections = Corrections(
-        services_s=_services(ground, uncertainty, levels.stay),
-        charge=risk_charge(ground, uncertainty, levels.tank),
+        services_s=_services(facts, uncertainty, levels.stay),
+        charge=risk_charge(facts, uncertainty, levels.tank),
     )
-    finder = ground.finder.corrected(corrections).shortened(instance)
+    finder = facts.finder.corrected(corrections).shortened(instance)
     return Problem(instance, threads=threads, connecting=finder)
 
 
-def risk_charge(ground: Ground, uncertainty: Uncertainty, level: float) -> RiskCharge | None:
+def risk_charge(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> RiskCharge | None:
     """What legs are charged so that each tank holds with a chance; None where legs are certain.
 
     Raises
@@ -64,9 +64,9 @@ def risk_charge(ground: Ground, uncertainty: Uncertainty, level: float) -> RiskC
         No tank holds anything with that chance.
     """
     factors: dict[tuple[str, str], Moments] = {}
-    for body, name in enumerate(ground.names):
+    for body, name in enumerate(facts.names):
         for kind in leg_kinds():
-            target = None if body < ground.stations else name
+            target = None if body < facts.stations else name
             model = uncertainty.factor_of(kind.name, target)
             if model is not None and model.lognormal_sigma > 0.0:
                 factors[name, kind.name] = Moments(*model.moments)
@@ -75,26 +75,26 @@ def risk_charge(ground: Ground, uncertainty: Uncertainty, level: float) -> RiskC
     score = max(0.0, _NORMAL.inv_cdf(level))
     if usable.mean <= score * usable.sigma:
         raise InputError(f"tanks: no part of a full tank can be used with a chance of {level:.4g}")
-    largest = max(what.budget for what in ground.chasers)
+    largest = max(what.budget for what in facts.chasers)
     charge = RiskCharge(score, largest, usable, factors)
     return charge or None
 
 
-def is_bounded(ground: Ground, uncertainty: Uncertainty) -> bool:
+def is_bounded(facts: MissionFacts, uncertainty: Uncertainty) -> bool:
     """Whether what is proven of such a mission is proven of all plans that keep these chances.
 
     Not where tanks by mass can be used in part: what a service makes of the ΔV that is left is not
     a share of it.
     """
-    return uncertainty.tanks is None or all(what.loads is None for what in ground.chasers)
+    return uncertainty.tanks is None or all(what.loads is None for what in facts.chasers)
 
 
-def _services(ground: Ground, uncertainty: Uncertainty, level: float) -> dict[str, float]:
+def _services(facts: MissionFacts, uncertainty: Uncertainty, level: float) -> dict[str, float]:
     """Time of each service that may last longer, by name of the target [s]."""
-    limits, found = ground.chasers[0].limits, {}
-    for body in range(ground.first_target, len(ground.names)):
-        name = ground.names[body]
-        planned_s = float(limits.service[body]) - ground.tow_s.get(body, 0.0)
+    limits, found = facts.chasers[0].limits, {}
+    for body in range(facts.first_target, len(facts.names)):
+        name = facts.names[body]
+        planned_s = float(limits.service[body]) - facts.tow_s.get(body, 0.0)
         stay = StayTime(uncertainty, name, planned_s)
         if stay.is_certain:
             continue

@@ -18,9 +18,9 @@ from ...common.constants import SLACK_S
 from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service
 from ...problem.uncertainty import Uncertainty
-from ..rehearse.crafts import beginning, full_of
-from ..rehearse.ground import Ground, Hop
+from ..rehearse.flying_chasers import beginning, full_of
 from ..rehearse.intended import Intended
+from ..rehearse.mission_facts import Hop, MissionFacts
 from .stays import StayTime, slip_chance
 
 HALVINGS = 50
@@ -105,12 +105,12 @@ class Promise:
         return min(self.tanks_chance, self.least_chance) >= confidence
 
 
-def promise_of(ground: Ground, planned: Intended, uncertainty: Uncertainty) -> Promise:
+def promise_of(facts: MissionFacts, planned: Intended, uncertainty: Uncertainty) -> Promise:
     """The promise of a plan.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     planned : Intended
         The plan.
     uncertainty : Uncertainty
@@ -118,9 +118,9 @@ def promise_of(ground: Ground, planned: Intended, uncertainty: Uncertainty) -> P
     tanks, stays, launches = list[TankChance](), list[InTime](), list[InTime]()
     for chaser, route in enumerate(planned.routes):
         hops = [each.hop for each in route]
-        tanks += _tanks(ground, chaser, planned.kits[chaser], hops, uncertainty)
-        stays += _stays(ground, chaser, hops, uncertainty)
-        what = ground.chasers[chaser]
+        tanks += _tanks(facts, chaser, planned.kits[chaser], hops, uncertainty)
+        stays += _stays(facts, chaser, hops, uncertainty)
+        what = facts.chasers[chaser]
         slip = uncertainty.slip_of(what.name) if what.is_launched else None
         if slip is not None and hops:
             spare_s = hops[0].departure - what.limits.ready
@@ -133,65 +133,70 @@ def promise_of(ground: Ground, planned: Intended, uncertainty: Uncertainty) -> P
 
 
 def _stays(
-    ground: Ground, chaser: int, hops: list[Hop], uncertainty: Uncertainty
+    facts: MissionFacts, chaser: int, hops: list[Hop], uncertainty: Uncertainty
 ) -> Iterator[InTime]:
-    what = ground.chasers[chaser]
+    what = facts.chasers[chaser]
     for place, hop in enumerate(hops):
         j = hop.destination
-        if j < ground.stations:
+        if j < facts.stations:
             continue
-        tow_s = ground.tow_s.get(j, 0.0)
-        stay = StayTime(uncertainty, ground.names[j], float(what.limits.service[j]) - tow_s)
+        tow_s = facts.tow_s.get(j, 0.0)
+        stay = StayTime(uncertainty, facts.names[j], float(what.limits.service[j]) - tow_s)
         if stay.is_certain:
             continue
         begin = float(service_begin(hop.arrival, what.limits.opens[j]))
         is_last = place + 1 == len(hops)
         until = what.limits.duration if is_last else hops[place + 1].departure + SLACK_S
-        yield InTime(what.name, ground.names[j], stay.chance(until - tow_s - begin))
+        yield InTime(what.name, facts.names[j], stay.chance(until - tow_s - begin))
 
 
 def _tanks(
-    ground: Ground, chaser: int, kits: int, hops: list[Hop], uncertainty: Uncertainty
+    facts: MissionFacts, chaser: int, kits: int, hops: list[Hop], uncertainty: Uncertainty
 ) -> Iterator[TankChance]:
     """The tanks of a chaser, one after the other."""
-    what = ground.chasers[chaser]
+    what = facts.chasers[chaser]
     mean_share, share_sigma = (1.0, 0.0)
     if uncertainty.tanks is not None:
         mean_share, share_sigma = uncertainty.tanks.moments
-    left, filling, begun = beginning(ground, chaser, kits, 0.0, mean_share).left, 1, 0
+    left, filling, begun = beginning(facts, chaser, kits, 0.0, mean_share).left, 1, 0
     aboard = kits
     for place, hop in enumerate(hops):
-        refuels = hop.destination < ground.stations
+        refuels = hop.destination < facts.stations
         if not refuels and place + 1 < len(hops):
             continue
         legs = hops[begun : place + 1]
         full = full_of(what, aboard)
         square = (full * share_sigma) ** 2
         for leg in legs:
-            _, sigma = moments_of(ground, leg, uncertainty)
+            _, sigma = moments_of(facts, leg, uncertainty)
             square += (sigma * leg.delta_v) ** 2
-        spare = _spare(ground, chaser, aboard, legs, left, uncertainty)
+        spare = _spare(facts, chaser, aboard, legs, left, uncertainty)
         yield TankChance(what.name, filling, spare, math.sqrt(square))
-        aboard -= sum(ground.takes_kit(leg.destination) for leg in legs)
+        aboard -= sum(facts.takes_kit(leg.destination) for leg in legs)
         left, filling, begun = mean_share * full_of(what, aboard), filling + 1, place + 1
 
 
-def moments_of(ground: Ground, hop: Hop, uncertainty: Uncertainty) -> tuple[float, float]:
+def moments_of(facts: MissionFacts, hop: Hop, uncertainty: Uncertainty) -> tuple[float, float]:
     """Mean and standard deviation of the factor on the ΔV of a leg."""
-    model = ground.factor_of(hop, uncertainty)
+    model = facts.factor_of(hop, uncertainty)
     return (1.0, 0.0) if model is None else model.moments
 
 
 def _spare(
-    ground: Ground, chaser: int, kits: int, legs: list[Hop], left: float, uncertainty: Uncertainty
+    facts: MissionFacts,
+    chaser: int,
+    kits: int,
+    legs: list[Hop],
+    left: float,
+    uncertainty: Uncertainty,
 ) -> float:
     """What a tank has at its beginning beyond what its legs take on average [m/s].
 
     With cargo a metre per second more at the beginning is worth at least as much later, as the
     chaser becomes lighter: that much is on the safe side. Negative where it is not enough.
     """
-    loads = ground.chasers[chaser].loads
-    takes = [moments_of(ground, leg, uncertainty)[0] * leg.delta_v for leg in legs]
+    loads = facts.chasers[chaser].loads
+    takes = [moments_of(facts, leg, uncertainty)[0] * leg.delta_v for leg in legs]
     if loads is None:
         return left - math.fsum(takes)
 
@@ -201,7 +206,7 @@ def _spare(
             has -= taken
             if has < 0.0:
                 return False
-            if leg.destination >= ground.stations:
+            if leg.destination >= facts.stations:
                 has, aboard = after_service(loads, leg.destination, aboard, has)
                 if has < 0.0:
                     return False

@@ -30,8 +30,8 @@ from ...problem.uncertainty import Uncertainty
 from ...run.front import DEFAULT_METHOD, DEFAULT_TIME_LIMIT_S, RunOptions, run, spec_of
 from ...run.methods import PLANNERS
 from ..departures import plan_of
-from ..rehearse.ground import FOLLOWS, Ground
 from ..rehearse.intended import Intended, intended
+from ..rehearse.mission_facts import FOLLOWS, MissionFacts
 from ..rehearse.sampling import Setting, flown_in
 from ..rehearse.tries import common_share, mean_worths
 from .careful_problem import careful_problem, is_bounded
@@ -132,13 +132,13 @@ class _Search:
         wanted: RunOptions,
         stop: Stop | None,
     ) -> None:
-        self._ground = Ground(instance)
+        self._facts = MissionFacts(instance)
         self._uncertainty, self._confidence = uncertainty, confidence
         self._method, self._wanted, self._stop = method, wanted, stop
         self._began = now_s()
         self._end = self._began + wanted.time_limit
-        self._is_bounded = is_bounded(self._ground, uncertainty)
-        self._whole = Problem(instance, connecting=self._ground.finder)
+        self._is_bounded = is_bounded(self._facts, uncertainty)
+        self._whole = Problem(instance, connecting=self._facts.finder)
         self._worths = mean_worths(instance, uncertainty)
         # Prizes are planned with where all targets are worth as much of theirs.
         share = common_share(instance, uncertainty)
@@ -221,7 +221,7 @@ class _Search:
     def _result(
         self, levels: Levels, limit_s: float, progress: Progress, start: Plan | None = None
     ) -> Result:
-        problem = careful_problem(self._ground, self._uncertainty, levels)
+        problem = careful_problem(self._facts, self._uncertainty, levels)
         can_start = start is not None and spec_of(self._method).starts
         wanted = replace(
             self._wanted, time_limit=limit_s, start=start if can_start else None, repair=can_start
@@ -234,8 +234,8 @@ class _Search:
             self._rounds.append(Caution(levels, -math.inf, 0.0))
             return None
         plan = _as_it_is(self._whole, result)
-        planned = intended(self._ground, plan)
-        promise, kept = promise_of(self._ground, planned, self._uncertainty), 0.0
+        planned = intended(self._facts, plan)
+        promise, kept = promise_of(self._facts, planned, self._uncertainty), 0.0
         if promise.keeps(self._confidence):
             kept = self._kept(planned)
         made = _Made(plan, self._worth(plan), promise, kept)
@@ -247,9 +247,9 @@ class _Search:
     def _kept(self, planned: Intended) -> float:
         """Share of worlds in which a plan is kept that is followed."""
         assert planned.plan is not None
-        setting = Setting(self._ground.instance, planned.plan, self._uncertainty, "follow")
+        setting = Setting(self._facts.instance, planned.plan, self._uncertainty, "follow")
         worlds = range(FIRST_WORLD, FIRST_WORLD + WORLDS)
-        outcomes = (flown_in(self._ground, planned, setting, seed)[1] for seed in worlds)
+        outcomes = (flown_in(self._facts, planned, setting, seed)[1] for seed in worlds)
         return sum(each.as_planned for each in outcomes) / WORLDS
 
     def _worth(self, plan: Plan) -> float:

@@ -11,17 +11,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import chain
 from typing import Any, NamedTuple
 
 from ...common.errors import InputError
 from ...common.stop import Stop
 from ...common.tolerance import meets
 from ...judge.admit import admit
-from ...mission.build_legs import legs
+from ...mission.certified import certify_routes
 from ...mission.problem import Problem
-from ...plan.expense import cost_of_routes
-from ...plan.plan import MODEL, InstanceReference, Plan, Route, Unvisited
+from ...plan.plan import Plan
 from ...problem.instance import Instance
 from ...run.front import solve
 from ...run.method_call import spec_of
@@ -236,29 +234,11 @@ def _to_json(point: Point) -> dict[str, Any]:
 
 def _plan(routes: tuple[tuple[str, ...], ...], problem: Problem) -> Plan:
     """The plan of routes at their best schedules, judged like any other."""
-    instance = problem.instance
-    priced = []
     ask_few(problem)
-    for mission, route in zip(problem.missions, routes, strict=True):
-        moves = mission.numbers(route).tolist()
-        priced.append(Route(chaser=mission.chaser.name, legs=legs(mission, moves)))
-    names = list(chain.from_iterable(routes))
-    number = {name: at for at, name in enumerate(problem.names)}
-    ends_s = [leg.free_s for route in priced for leg in route.legs]
-    left = [target.name for target in instance.targets if target.name not in set(names)]
-    plan = Plan(
-        model=MODEL,
-        instance=InstanceReference(name=instance.name, sha256=problem.sha256),
-        method=METHOD,
-        seed=0,
-        status="feasible",
-        objective=problem.prizes([number[name] for name in names], ends_s),
-        cost=cost_of_routes(instance, priced),
-        runtime_s=0.0,
-        routes=tuple(priced),
-        unvisited=tuple(Unvisited(target=name, reason="not-considered") for name in left),
-    )
-    admitted = admit(instance, plan, unjudged=True)
+    plan = certify_routes(problem, METHOD, routes, seed=0, runtime_s=0.0).plan
+    if plan is None:
+        raise InputError("the routes are no plan, as a required target or the end is missing")
+    admitted = admit(problem.instance, plan, unjudged=True)
     if not admitted.holds:
         raise InputError(f"the routes cannot be flown: {admitted.violations[0]}")
     return plan

@@ -101,7 +101,7 @@ FOLLOWS = Follower("rehearse", (FIRST | CAMPAIGNS) - SUPPLIES - {"low thrust", "
 """What rehearsals and robust plans follow."""
 
 
-class Ground:
+class MissionFacts:
     """Everything about an instance that rehearsals share.
 
     Parameters
@@ -112,10 +112,10 @@ class Ground:
 
     Attributes
     ----------
-    prospect : tuple or None
-        What policies expect that plan, for what (:func:`.prospect.prospect_of`).
-    sight : tuple or None
-        What the learned policy sees, for what (:func:`.learned.sight_of`).
+    expectation : tuple or None
+        What policies expect that plan, for what (:func:`.expectation.expectation_of`).
+    visible_legs : tuple or None
+        What the learned policy sees, for what (:func:`.learned.visible_legs_of`).
 
     Raises
     ------
@@ -146,8 +146,8 @@ class Ground:
             if target.required
         )
         self.chasers = tuple(map(self._limits, range(len(instance.chasers))))
-        self.prospect: tuple[Any, Any, Any] | None = None
-        self.sight: tuple[Any, Any] | None = None
+        self.expectation: tuple[Any, Any, Any] | None = None
+        self.visible_legs: tuple[Any, Any] | None = None
         self._rows: dict[tuple[int, int, bool], Rows] = {}
 
     def _limits(self, chaser: int) -> ChaserLimits:

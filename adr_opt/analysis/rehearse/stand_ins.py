@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ...problem.bodies import Target
 from ...problem.instance import Instance
 from ...problem.world import DrawnWorld
-from .ground import Ground
+from .mission_facts import MissionFacts
 from .worths import Counted
 
 UNIT_DIGITS, ALMOST = 3, 1e-9
@@ -20,7 +20,7 @@ UNIT_DIGITS, ALMOST = 3, 1e-9
 none [units]."""
 
 
-class Part(NamedTuple):
+class StandIn(NamedTuple):
     """A body that stands for a target in a known world.
 
     Attributes
@@ -46,18 +46,18 @@ class Part(NamedTuple):
     over_s: float | None = None
 
 
-def timed_part(
-    ground: Ground, world: DrawnWorld, counted: Counted, target: Target, planned_s: float
-) -> Part:
+def timed_stand_in(
+    facts: MissionFacts, world: DrawnWorld, counted: Counted, target: Target, planned_s: float
+) -> StandIn:
     """The body of a target that counts the less, the less time is left at its service.
 
     One that has begun in time may go on after the mission.
     """
-    name, mission_s = target.name, ground.instance.mission.duration_s
+    name, mission_s = target.name, facts.instance.mission.duration_s
     is_gone = world.is_gone(name)
     took_s = 0.0 if is_gone else world.service_s(name, planned_s)
     caught = not is_gone and world.first_success(name) is not None
-    unit = _unit(ground.instance)
+    unit = _unit(facts.instance)
     prizes = [counted.going_on, *(level.worth for level in counted.late or ())]
     *falling, last = (_whole(prize, unit) for prize in prizes)
     ends_s = [mission_s - level.below_s + took_s for level in counted.late or ()]
@@ -68,7 +68,7 @@ def timed_part(
         required=False,
         removal=target.removal if caught else "visit",
     )
-    return Part(made, name, took_s, planned_s, int(not caught), max(took_s - planned_s, 0.0))
+    return StandIn(made, name, took_s, planned_s, int(not caught), max(took_s - planned_s, 0.0))
 
 
 def _strictly_falling(
@@ -90,14 +90,16 @@ def _whole(prize: float, unit: float) -> float:
     return float(f"{math.ceil(prize / unit - ALMOST) * unit:.12g}")
 
 
-def in_time(parts: Sequence[Part], instance: Instance) -> list[Part]:
-    """The parts with windows that end with the mission, and prizes of one unit, for a longer one.
+def in_time(stand_ins: Sequence[StandIn], instance: Instance) -> list[StandIn]:
+    """The stand-ins with windows that end with the mission, and prizes of one unit.
+
+    They are for a mission that is longer.
 
     A window limits when a service begins by what is planned of it. A service of a certain prize
     also has to end in time, or is left out.
     """
-    kept, mission_s, unit = list[Part](), instance.mission.duration_s, _unit(instance)
-    for part in parts:
+    kept, mission_s, unit = list[StandIn](), instance.mission.duration_s, _unit(instance)
+    for part in stand_ins:
         opens_s, closes_s = part.target.window_s
         late_s = 0.0 if part.over_s is not None else max(part.took_s - part.planned_s, 0.0)
         closes_s = min(mission_s - late_s, mission_s if closes_s is None else closes_s)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ...problem.uncertainty import Uncertainty
-from .crafts import FINISHED, refused
 from .flight import Halt, Situation
-from .ground import Ground, Hop
+from .flying_chasers import FINISHED, refused
 from .intended import Intended, Route
+from .mission_facts import Hop, MissionFacts
 
 
 class Follow:
@@ -17,7 +17,7 @@ class Follow:
     """
 
     def __init__(
-        self, ground: Ground, intended: Intended, uncertainty: Uncertainty, seed: int = 0
+        self, facts: MissionFacts, intended: Intended, uncertainty: Uncertainty, seed: int = 0
     ) -> None:
         self._routes = intended.routes
         self._next = [0] * len(intended.routes)
@@ -50,7 +50,7 @@ class Skip(Follow):
             if found is None:
                 reason = "duration"
             elif found.destination != craft.body:
-                why = refused(now.ground, craft, found)
+                why = refused(now.facts, craft, found)
                 if not why:
                     return found
                 if why != "rules":  # a station after targets that were left out, which had reasons
@@ -62,7 +62,7 @@ def planned_hop(now: Situation, route: Route, at: int) -> Hop | None:
     """A planned leg if the chaser is where it begins and in time, else the best one there is."""
     craft, planned = now.craft, route[at]
     if craft.body == planned.origin and craft.towed == planned.towed:
-        launches = now.ground.chasers[craft.chaser].is_launched and not craft.made
+        launches = now.facts.chasers[craft.chaser].is_launched and not craft.made
         if launches or planned.departs(craft.free_s):
             return planned.hop
-    return now.ground.best(craft.body, planned.hop.destination, craft.free_s, towed=craft.towed)
+    return now.facts.best(craft.body, planned.hop.destination, craft.free_s, towed=craft.towed)

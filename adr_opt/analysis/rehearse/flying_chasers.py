@@ -9,7 +9,7 @@ from ...common.constants import SLACK_S
 from ...kernels.core.windows import service_begin
 from ...kernels.rules.loads import after_service, first_tank, full_tank
 from ...problem.world import OUTCOMES
-from .ground import ChaserLimits, Ground, Hop
+from .mission_facts import ChaserLimits, Hop, MissionFacts
 
 SERVICED, REFUELLED, FAILED, GONE, LATE, DRY = OUTCOMES
 """What comes of a leg: the last four are losses."""
@@ -53,7 +53,7 @@ class Made(NamedTuple):
 
 
 @dataclass(slots=True)
-class Craft:
+class FlyingChaser:
     """A chaser at a moment of a rehearsal.
 
     Attributes
@@ -94,17 +94,19 @@ class Craft:
     made: list[Made] = field(default_factory=list)
     ended: str = ""
 
-    def copied(self) -> Craft:
+    def copied(self) -> FlyingChaser:
         """A copy that shares nothing that changes."""
         return replace(self, refuellings=dict(self.refuellings), made=list(self.made))
 
 
-def beginning(ground: Ground, chaser: int, kits: int, since_s: float, usable: float) -> Craft:
+def beginning(
+    facts: MissionFacts, chaser: int, kits: int, since_s: float, usable: float
+) -> FlyingChaser:
     """A chaser before its first leg.
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     chaser : int
     kits : int
         Aboard.
@@ -113,10 +115,10 @@ def beginning(ground: Ground, chaser: int, kits: int, since_s: float, usable: fl
     usable : float
         Share of its first tank that can be used.
     """
-    what = ground.chasers[chaser]
+    what = facts.chasers[chaser]
     full = full_of(what, kits)
     left = (full if what.loads is None else float(first_tank(what.loads, full, kits))) - what.spent
-    return Craft(chaser, what.start, False, since_s, left - (1.0 - usable) * full, kits)
+    return FlyingChaser(chaser, what.start, False, since_s, left - (1.0 - usable) * full, kits)
 
 
 def full_of(what: ChaserLimits, kits: int) -> float:
@@ -124,14 +126,14 @@ def full_of(what: ChaserLimits, kits: int) -> float:
     return what.budget if what.loads is None else float(full_tank(what.loads, what.budget, kits))
 
 
-def refused(ground: Ground, craft: Craft, hop: Hop) -> str:
+def refused(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> str:
     """Why a leg may not begin, by what is planned of it; empty if it may.
 
     ``delta-v``: the tank does not hold what it is planned to take, or what follows; ``duration``:
     its service would end late; ``late``: it departs before the chaser is free; ``capacity``: no
     kit, or enough targets; ``rules`` where no plan has such a leg.
     """
-    what, j = ground.chasers[craft.chaser], hop.destination
+    what, j = facts.chasers[craft.chaser], hop.destination
     if hop.departure < craft.free_s - SLACK_S and not (what.is_launched and not craft.made):
         return "late"
     limits = what.limits
@@ -140,7 +142,7 @@ def refused(ground: Ground, craft: Craft, hop: Hop) -> str:
         return "duration"
     if hop.delta_v > craft.left:
         return "delta-v"
-    if j < ground.stations:
+    if j < facts.stations:
         return "" if craft.since > 0 else "rules"
     if what.most_targets is not None and craft.serviced >= what.most_targets:
         return "capacity"
@@ -153,14 +155,14 @@ def refused(ground: Ground, craft: Craft, hop: Hop) -> str:
     return ""
 
 
-def as_planned(ground: Ground, craft: Craft, hop: Hop) -> Craft:
+def as_planned(facts: MissionFacts, craft: FlyingChaser, hop: Hop) -> FlyingChaser:
     """The chaser after a leg that goes as planned, with the stay after it."""
-    what, j, planned = ground.chasers[craft.chaser], hop.destination, craft.copied()
+    what, j, planned = facts.chasers[craft.chaser], hop.destination, craft.copied()
     begin = float(service_begin(hop.arrival, what.limits.opens[j]))
-    planned.body, planned.towed = j, j in ground.tow_s
+    planned.body, planned.towed = j, j in facts.tow_s
     planned.free_s = begin + float(what.limits.service[j])
     planned.left = untowed = craft.left - hop.delta_v
-    if j < ground.stations:
+    if j < facts.stations:
         planned.left, planned.since = full_of(what, craft.kits), 0
         planned.filling += 1
     else:
@@ -168,8 +170,8 @@ def as_planned(ground: Ground, craft: Craft, hop: Hop) -> Craft:
         if what.loads is not None:
             left, kits = after_service(what.loads, j, craft.kits, planned.left)
             planned.left, planned.kits = max(float(left), 0.0), int(kits)
-    outcome = REFUELLED if j < ground.stations else SERVICED
-    end_s = planned.free_s - ground.tow_s.get(j, 0.0)
+    outcome = REFUELLED if j < facts.stations else SERVICED
+    end_s = planned.free_s - facts.tow_s.get(j, 0.0)
     planned.made.append(
         Made(
             craft.body,

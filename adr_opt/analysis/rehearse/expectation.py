@@ -10,8 +10,8 @@ import numpy as np
 from ...problem.chasers import Chaser, Tank
 from ...problem.instance import Instance
 from ...problem.uncertainty import Uncertainty
-from .ground import Ground, Hop
 from .intended import Intended
+from .mission_facts import Hop, MissionFacts
 from .service_delays import mean_delays_s
 from .tries import mean_worths, with_worths
 
@@ -19,7 +19,7 @@ CAUTION = 2.5
 """Reserve of a tank, in standard deviations of what its legs take."""
 
 
-class Prospect:
+class Expectation:
     """The uncertainty of a mission as a planner of what is left takes it into account.
 
     Prizes are what going to a target is worth on average, and services take as long as stays at
@@ -28,7 +28,7 @@ class Prospect:
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     intended : Intended
     uncertainty : Uncertainty
 
@@ -40,11 +40,11 @@ class Prospect:
         Mean time at a target, with all tries, as a multiple of the planned one; at least 1.
     """
 
-    def __init__(self, ground: Ground, intended: Intended, uncertainty: Uncertainty) -> None:
-        self._ground, self._uncertainty = ground, uncertainty
-        self._worths = mean_worths(ground.instance, uncertainty)
+    def __init__(self, facts: MissionFacts, intended: Intended, uncertainty: Uncertainty) -> None:
+        self._facts, self._uncertainty = facts, uncertainty
+        self._worths = mean_worths(facts.instance, uncertainty)
         self.reserve_m_s = self._reserve(intended)
-        self.time_share = _time_share(ground, uncertainty)
+        self.time_share = _time_share(facts, uncertainty)
 
     @property
     def differs(self) -> bool:
@@ -78,7 +78,7 @@ class Prospect:
         squares = 0.0
         for hop in hops:
             squares += (self.sigma(hop) * hop.delta_v) ** 2
-            if hop.destination < self._ground.stations:
+            if hop.destination < self._facts.stations:
                 return CAUTION * math.sqrt(squares)
         return 0.0  # nothing comes after this tank that could be lost
 
@@ -96,7 +96,7 @@ class Prospect:
 
     def sigma(self, hop: Hop) -> float:
         """Spread of the factor on a leg; 0 where it is 1."""
-        model = self._ground.factor_of(hop, self._uncertainty)
+        model = self._facts.factor_of(hop, self._uncertainty)
         return 0.0 if model is None else model.lognormal_sigma
 
     def _reserve(self, intended: Intended) -> float:
@@ -106,22 +106,22 @@ class Prospect:
             squares = 0.0
             for each in route:
                 squares += (self.sigma(each.hop) * each.hop.delta_v) ** 2
-                if each.hop.destination < self._ground.stations:
+                if each.hop.destination < self._facts.stations:
                     needed.append(CAUTION * math.sqrt(squares))
                     squares = 0.0
         return float(np.median(needed)) if needed else 0.0
 
 
-def _time_share(ground: Ground, uncertainty: Uncertainty) -> float:
+def _time_share(facts: MissionFacts, uncertainty: Uncertainty) -> float:
     """Mean time at a target as a multiple of what is planned; 1 where objects are towed.
 
     One that has still to be towed has a window for just its service. Stays that are shorter on
     average count as planned, since a leg may only begin if its planned service ends in time.
     """
-    if ground.tow_s:
+    if facts.tow_s:
         return 1.0
-    planned_s = float(ground.chasers[0].limits.service[ground.first_target :].sum())
-    late_s = float(mean_delays_s(ground, uncertainty).sum())
+    planned_s = float(facts.chasers[0].limits.service[facts.first_target :].sum())
+    late_s = float(mean_delays_s(facts, uncertainty).sum())
     return max(1.0 + late_s / planned_s, 1.0) if planned_s > 0.0 else 1.0
 
 
@@ -138,10 +138,16 @@ def _slower(instance: Instance, share: float) -> Instance:
     return instance.replace(mission=mission.replace(service_s=share * mission.service_s))
 
 
-def prospect_of(ground: Ground, intended: Intended, uncertainty: Uncertainty) -> Prospect:
-    """The prospect of a mission, which its rehearsals share."""
-    known = ground.prospect
+def expectation_of(
+    facts: MissionFacts, intended: Intended, uncertainty: Uncertainty
+) -> Expectation:
+    """The expectation of a mission, which its rehearsals share."""
+    known = facts.expectation
     if known is None or known[0] is not intended or known[1] is not uncertainty:
-        known = ground.prospect = intended, uncertainty, Prospect(ground, intended, uncertainty)
-    made: Prospect = known[2]
+        known = facts.expectation = (
+            intended,
+            uncertainty,
+            Expectation(facts, intended, uncertainty),
+        )
+    made: Expectation = known[2]
     return made

@@ -17,8 +17,8 @@ from ...legs.connection_finder import ConnectionFinder
 from ...legs.families.ends import is_regular
 from ...plan.leg_kinds import LAUNCH, SHORT
 from ...problem.uncertainty import Uncertainty
-from .crafts import Craft, full_of
-from .ground import MATCH_S, Ground, Hop, hop_of
+from .flying_chasers import FlyingChaser, full_of
+from .mission_facts import MATCH_S, Hop, MissionFacts, hop_of
 from .service_delays import largest_delays_s, mean_delays_s
 from .tries import TryWorths
 
@@ -36,7 +36,7 @@ LATE = 0.9
 """Share of times of services, and chance of captures, for which a way to refuel is kept."""
 
 
-class Sight:
+class VisibleLegs:
     """Legs from a body at a time, and what they lead to on average; shared by rehearsals.
 
     Where all legs between bodies are short, connections are computed on demand, as those of large
@@ -44,7 +44,7 @@ class Sight:
 
     Parameters
     ----------
-    ground : Ground
+    facts : MissionFacts
     uncertainty : Uncertainty
 
     Attributes
@@ -59,27 +59,27 @@ class Sight:
         By how much later than planned services may well end (:data:`LATE`) [s].
     """
 
-    def __init__(self, ground: Ground, uncertainty: Uncertainty) -> None:
-        self._ground = ground
-        instance = ground.instance
-        bodies = len(ground.names)
+    def __init__(self, facts: MissionFacts, uncertainty: Uncertainty) -> None:
+        self._facts = facts
+        instance = facts.instance
+        bodies = len(facts.names)
         self.around = NearOrbits(instance)
         tries = TryWorths(instance, uncertainty)
-        worths = np.array([tries.most(j) if j in ground.prizes else 0.0 for j in range(bodies)])
+        worths = np.array([tries.most(j) if j in facts.prizes else 0.0 for j in range(bodies)])
         positive = worths > 0.0
         self.worths = worths / (worths[positive].mean() if positive.any() else 1.0)
-        self.required = np.array([j in ground.required for j in range(bodies)])
-        self.later_s = mean_delays_s(ground, uncertainty)
-        self.late_s = largest_delays_s(ground, uncertainty, LATE)
-        self._towed = np.array([j in ground.tow_s for j in range(bodies)])
-        self._stations = np.arange(ground.stations)
-        self._targets = np.arange(ground.first_target, bodies)
+        self.required = np.array([j in facts.required for j in range(bodies)])
+        self.later_s = mean_delays_s(facts, uncertainty)
+        self.late_s = largest_delays_s(facts, uncertainty, LATE)
+        self._towed = np.array([j in facts.tow_s for j in range(bodies)])
+        self._stations = np.arange(facts.stations)
+        self._targets = np.arange(facts.first_target, bodies)
         self._sources: dict[tuple[int, bool], Source | None] = {}
         self._sorties: dict[int, float] = {}
 
     def choices(
         self,
-        craft: Craft,
+        craft: FlyingChaser,
         closed: set[int],
         planned: list[int],
         elsewhere: set[int],
@@ -90,7 +90,7 @@ class Sight:
 
         Parameters
         ----------
-        craft : Craft
+        craft : FlyingChaser
         closed : set of int
             Targets that are done, or on the way to which a chaser is.
         planned : list of int
@@ -102,7 +102,7 @@ class Sight:
         own : Hop or None
             The planned leg, in place of the connection chosen now to the same body.
         """
-        ground, what = self._ground, self._ground.chasers[craft.chaser]
+        facts, what = self._facts, self._facts.chasers[craft.chaser]
         limits = what.limits
         bodies = self._candidates(craft, closed, planned)
         delta_v, arrival = self._rows(craft, bodies)
@@ -111,7 +111,7 @@ class Sight:
             delta_v[at], arrival[at] = own.delta_v, own.arrival
         begin = np.maximum(arrival, limits.opens[bodies])
         free = begin + limits.service[bodies]
-        station = bodies < ground.stations
+        station = bodies < facts.stations
         legal = (free <= limits.closes[bodies]) & (free <= limits.duration)
         legal &= (delta_v <= craft.left) & (~station | (craft.since > 0))
         left = np.where(station, full_of(what, craft.kits), craft.left - delta_v)
@@ -121,7 +121,7 @@ class Sight:
             for leg in np.flatnonzero(legal & ~station).tolist():
                 left[leg], kits = after_service(what.loads, int(bodies[leg]), craft.kits, left[leg])
                 legal[leg] = kits >= 0 and left[leg] >= 0.0
-        ranks = np.full(len(ground.names), -1)
+        ranks = np.full(len(facts.names), -1)
         for rank, j in reversed(list(enumerate(planned))):
             ranks[j] = rank
         theirs = np.zeros(ranks.size, dtype=np.bool_)
@@ -144,9 +144,9 @@ class Sight:
             apart,
         )
 
-    def onward(self, craft: Craft, choices: Choices, worths: FloatArray) -> OnwardLegs:
+    def onward(self, craft: FlyingChaser, choices: Choices, worths: FloatArray) -> OnwardLegs:
         """The legs after the next one; unknown where connections are listed."""
-        chaser, ground = craft.chaser, self._ground
+        chaser, facts = craft.chaser, self._facts
         sources = self._source(chaser, False), self._source(chaser, True)
 
         def connecting(
@@ -164,33 +164,35 @@ class Sight:
 
         if sources[0] is None or sources[1] is None:
             return unknown(choices.bodies.size)
-        places, end_s = self.around.at(craft.free_s), ground.chasers[chaser].limits.duration
-        return onward(choices, places, worths, end_s, ground.stations, connecting)
+        places, end_s = self.around.at(craft.free_s), facts.chasers[chaser].limits.duration
+        return onward(choices, places, worths, end_s, facts.stations, connecting)
 
-    def way_back_m_s(self, craft: Craft, body: int, free_s: float) -> float:
+    def way_back_m_s(self, craft: FlyingChaser, body: int, free_s: float) -> float:
         """Least ΔV from a body to a station; 0 if nothing could be serviced after refuelling there.
 
         +inf where no station can be reached in time.
         """
-        ground, limits = self._ground, self._ground.chasers[craft.chaser].limits
-        there = Craft(craft.chaser, body, bool(self._towed[body]), free_s, 0.0, craft.kits)
+        facts, limits = self._facts, self._facts.chasers[craft.chaser].limits
+        there = FlyingChaser(craft.chaser, body, bool(self._towed[body]), free_s, 0.0, craft.kits)
         delta_v, arrival = self._rows(there, self._stations)
-        ends = arrival + limits.service[: ground.stations]
+        ends = arrival + limits.service[: facts.stations]
         if not (ends <= limits.duration - self._sortie_s(craft.chaser)).any():
             return 0.0
         return float(delta_v[ends <= limits.duration].min())
 
-    def hop(self, craft: Craft, body: int, arrival_s: float, delta_v_m_s: float) -> Hop | None:
+    def hop(
+        self, craft: FlyingChaser, body: int, arrival_s: float, delta_v_m_s: float
+    ) -> Hop | None:
         """The connection of a leg among those of its pair; else the one chosen there, or none."""
-        ground = self._ground
+        facts = self._facts
         is_launching = self._is_launching(craft)
-        source = self._source(craft.chaser, craft.towed and craft.body in ground.tow_s)
+        source = self._source(craft.chaser, craft.towed and craft.body in facts.tow_s)
         if source is not None and not source.is_listed and not is_launching:
             # Events are regular: this is in the list of the pair, up to rounding.
             made = at_regular_events(source, craft.body, body, craft.free_s)
             leg = body, made.departure, made.arrival, made.delta_v
             return Hop(*leg, families.SHORT, made.revolutions) if made.delta_v < np.inf else None
-        rows = ground.rows(craft.body, body, towed=craft.towed)
+        rows = facts.rows(craft.body, body, towed=craft.towed)
         if is_launching:
             return hop_of(body, rows, 0) if rows.arrival.size else None
         first = int(np.searchsorted(rows.departure, craft.free_s - SLACK_S))
@@ -198,14 +200,14 @@ class Sight:
         off += np.abs(rows.delta_v[first:] - delta_v_m_s) / MATCH_M_S
         if off.size and off.min() < 1.0:
             return hop_of(body, rows, first + int(np.argmin(off)))
-        return ground.best(craft.body, body, craft.free_s, towed=craft.towed)
+        return facts.best(craft.body, body, craft.free_s, towed=craft.towed)
 
-    def _is_launching(self, craft: Craft) -> bool:
-        return self._ground.chasers[craft.chaser].is_launched and not craft.made
+    def _is_launching(self, craft: FlyingChaser) -> bool:
+        return self._facts.chasers[craft.chaser].is_launched and not craft.made
 
-    def _candidates(self, craft: Craft, closed: set[int], planned: list[int]) -> IntArray:
+    def _candidates(self, craft: FlyingChaser, closed: set[int], planned: list[int]) -> IntArray:
         """Stations and open targets, of many the nearest."""
-        is_open = np.ones(len(self._ground.names), dtype=np.bool_)
+        is_open = np.ones(len(self._facts.names), dtype=np.bool_)
         is_open[list(closed)] = False
         is_open[craft.body] = False
         targets = self._targets[is_open[self._targets]]
@@ -220,30 +222,30 @@ class Sight:
             away[self.required[targets]] = -np.inf
             few = RANKS + int(self.required[targets].sum())
             nearest = targets[np.argpartition(away, min(few, targets.size) - 1)[:few]]
-            first = [j for j in planned[:2] if j >= self._ground.stations and is_open[j]]
+            first = [j for j in planned[:2] if j >= self._facts.stations and is_open[j]]
             targets = np.sort(nearest)
             if first:
                 targets = np.union1d(nearest, np.array(first, dtype=np.int64))
-        stations = self._stations[is_open[: self._ground.stations]]
+        stations = self._stations[is_open[: self._facts.stations]]
         return np.concatenate([stations, targets])
 
-    def _rows(self, craft: Craft, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
+    def _rows(self, craft: FlyingChaser, bodies: IntArray) -> tuple[FloatArray, FloatArray]:
         """ΔV and arrival of the connection chosen to each body; +inf where there is none."""
-        ground, here, ready = self._ground, craft.body, craft.free_s
+        facts, here, ready = self._facts, craft.body, craft.free_s
         delta_v, arrival = np.full(bodies.size, np.inf), np.full(bodies.size, np.inf)
         if self._is_launching(craft):
             for at, j in enumerate(bodies.tolist()):
-                rows = ground.rows(here, j, towed=False)
+                rows = facts.rows(here, j, towed=False)
                 if rows.arrival.size:
                     delta_v[at], arrival[at] = rows.delta_v[0], max(rows.arrival[0], ready)
             return delta_v, arrival
-        source = self._source(craft.chaser, craft.towed and here in ground.tow_s)
+        source = self._source(craft.chaser, craft.towed and here in facts.tow_s)
         if source is not None:
             origins, since = np.full(bodies.size, here), np.full(bodies.size, ready)
             from_source(source, origins, since, bodies, delta_v, arrival)
             return delta_v, arrival
         for at, j in enumerate(bodies.tolist()):
-            hop = None if j == here else ground.best(here, j, ready, towed=craft.towed)
+            hop = None if j == here else facts.best(here, j, ready, towed=craft.towed)
             if hop is not None:
                 delta_v[at], arrival[at] = hop.delta_v, hop.arrival
         return delta_v, arrival
@@ -252,25 +254,25 @@ class Sight:
         """Data for connections on demand; None where they are listed."""
         key = chaser, towed
         if key not in self._sources:
-            ground = self._ground
-            finder = ground.finder_of(towed=towed)
-            self._sources[key] = _source_of(finder, ground, chaser)
+            facts = self._facts
+            finder = facts.finder_of(towed=towed)
+            self._sources[key] = _source_of(finder, facts, chaser)
         return self._sources[key]
 
     def _sortie_s(self, chaser: int) -> float:
         """Least time from a station to the end of a service, as far as it is known quickly [s]."""
         if chaser not in self._sorties:
-            source, ground = self._source(chaser, False), self._ground
+            source, facts = self._source(chaser, False), self._facts
             self._sorties[chaser] = (
-                float(ground.chasers[chaser].limits.service[ground.first_target :].min(initial=0.0))
+                float(facts.chasers[chaser].limits.service[facts.first_target :].min(initial=0.0))
                 if source is None
-                else float(shortest_sortie(source, ground.stations, ground.first_target))
+                else float(shortest_sortie(source, facts.stations, facts.first_target))
             )
         return self._sorties[chaser]
 
 
-def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source | None:
-    instance = ground.instance
+def _source_of(finder: ConnectionFinder, facts: MissionFacts, chaser: int) -> Source | None:
+    instance = facts.instance
     kinds = {family.kind for family in finder.families}
     if not kinds <= {SHORT, LAUNCH} or instance.given is not None or instance.spent_m_s:
         return None
@@ -279,7 +281,7 @@ def _source_of(finder: ConnectionFinder, ground: Ground, chaser: int) -> Source 
     return Source(
         *finder.inputs[:3],
         rule,
-        ground.chasers[chaser].limits,
+        facts.chasers[chaser].limits,
         np.zeros((1, 1, 1), np.int32),
         1.0,
         not is_regular(instance),
