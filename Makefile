@@ -6,6 +6,9 @@ BIN := $(VENV)/bin
 # Modules are compiled when they are first imported, which most of them never are.
 INSTALL := $(BIN)/python -m pip --quiet --disable-pip-version-check install --no-compile
 
+# The tests start hundreds of processes: each would compile all that it imports.
+unexport PYTHONDONTWRITEBYTECODE
+
 # `make solve INSTANCE=my.json METHOD=greedy-guarded` plans something else.
 INSTANCE := instances/nominal/nominal-000.json
 METHOD := ortools

@@ -2,11 +2,13 @@
 
     python bench/house.py
     python bench/house.py --list
+    python bench/house.py --rooms
 
 Imports inside functions and those for types only are counted. A room is a folder of ``adr_opt`` or
 ``solvers``, or a module that lies loose in one of them; the order of rooms is that of the import
 contract ``Rooms stand on each other in one order`` in ``pyproject.toml``. ``--list`` names what is
-counted. Code lines are lines with code on them: no blank lines, comments and docstrings.
+counted; ``--rooms`` draws the rooms from the top storey down, with their modules and code lines.
+Code lines are lines with code on them: no blank lines, comments and docstrings.
 """
 
 from __future__ import annotations
@@ -32,6 +34,9 @@ MOST_ARGUMENTS = 8
 """Functions with more are counted."""
 
 TOW = re.compile(r"(?:^|_)tow(?:s|ed|ing|er)?(?:_|$)|Tow")
+
+VISITS = re.compile(r"visits.between.refuel")
+"""The rule of visits between refuellings, by its field or its word."""
 
 Imports = Mapping[str, set[str]]
 
@@ -128,6 +133,18 @@ def identifiers(tree: ast.AST) -> Iterator[str]:
             value = getattr(node, field, None)
             if isinstance(value, str):
                 yield value
+
+
+def knows_visits(tree: ast.AST) -> bool:
+    """Whether a module knows of the rule of visits between refuellings, or of its limit."""
+    for node in ast.walk(tree):
+        name = node.arg if isinstance(node, ast.keyword) else getattr(node, "attr", None)
+        words = [name, getattr(node, "id", None), getattr(node, "value", None)]
+        if name == "between" or any(
+            isinstance(each, str) and VISITS.search(each) for each in words
+        ):
+            return True
+    return False
 
 
 def is_window_rule(node: ast.AST) -> bool:
@@ -237,6 +254,20 @@ def lines_of_docstrings(trees: Mapping[str, ast.Module]) -> float:
     return total / public
 
 
+def picture(trees: Iterable[str]) -> Iterator[str]:
+    """The rooms from the top storey down, each with its modules and its code lines."""
+    order = storey_of_rooms()
+    rooms = Counter(map(room_of, trees))
+    for storey in sorted(set(order.values()), reverse=True):
+        here = []
+        for room in sorted(name for name in order if order[name] == storey):
+            folder = room.replace(".", "/")
+            if (ROOT / folder).is_dir():
+                weight = sum(map(code_lines, files(folder)))
+                here.append(f"{folder} {rooms[room]} / {weight:,}")
+        yield f"{storey:2}  " + "    ".join(here)
+
+
 def budgets(trees: Mapping[str, ast.Module]) -> Iterator[tuple[str, str]]:
     """What the code weighs: names and figures."""
     yield "code lines of adr_opt and solvers", str(sum(map(code_lines, files(*PACKAGES))))
@@ -259,8 +290,13 @@ def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--list", action="store_true", help="name what is counted")
-    is_listed = parser.parse_args().list
-    trees, edges = modules(), imports()
+    parser.add_argument("--rooms", action="store_true", help="draw the rooms: modules / code lines")
+    arguments = parser.parse_args()
+    is_listed, trees = arguments.list, modules()
+    if arguments.rooms:
+        print(*picture(trees), sep="\n")
+        return
+    edges = imports()
     rooms = by_room(edges)
     show("modules", sorted(trees), False)
     show("rooms", sorted(rooms), is_listed)

@@ -23,13 +23,17 @@ import adr_opt
 from adr_opt.common.errors import InputError
 from adr_opt.mission.certify import certificate_of
 
-FIELDS = {"tiny": 5, "nominal": 3, "campaign": 2, "removal": 2, "rocket-bodies": 3}
+FIELDS = {
+    **dict.fromkeys(("tiny", "nominal", "reduced-time", "reduced-fuel", "campaign", "cloud"), 5),
+    **dict.fromkeys(("sso", "rocket-bodies", "removal", "electric", "fragment-cloud"), 5),
+    "large": 5,
+}
 """Number of fields by family."""
 
-WORK = {"auto": 3, "exact": 8}
+WORK = {"auto": 2, "exact": 3}
 """Iterations by method."""
 
-LABELS = 300_000
+LABELS = 100_000
 """Maximum number of labels per search."""
 
 LIMIT_S = 3600.0

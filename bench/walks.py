@@ -1,11 +1,11 @@
-"""Three walks through the house, counted: an instance to a plan, a deadline, a tow.
+"""Walks through the house, counted: an instance to a plan, a deadline, a tow, a rule.
 
     python bench/walks.py
 
 The first follows the calls of ``solve INSTANCE --method auto`` until the planner is called: a
 *stay* is a stretch of calls in one room, and a call is a *climb* if it leads into a room above its
-caller's. The other two read the code: where a window and a tow are known, and where their rules
-stand.
+caller's. The others read the code: where a window, a tow, and the limit on visits between
+refuellings are known, and where their rules stand.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from house import TOW, identifiers, is_window_rule, modules, room_of, storey_of_rooms
+from house import TOW, identifiers, is_window_rule, knows_visits, modules, room_of, storey_of_rooms
 
 import adr_opt
 from adr_opt.ui.cli.entry import main as command_line
@@ -93,7 +93,7 @@ def rooms(names: Iterable[str]) -> str:
 
 
 def main() -> None:
-    """Print the three walks."""
+    """Print the walks."""
     walk, order, trees = instance_to_plan(), storey_of_rooms(), modules()
     stays = [room for room, _ in groupby(room_of(called) for _, called in walk.calls)]
     climbs = [
@@ -115,6 +115,11 @@ def main() -> None:
     known = [name for name, tree in trees.items() if any(map(TOW.search, identifiers(tree)))]
     print("a tow:")
     print(f"  tows are known in {len(known)} modules in {rooms(known)}")
+    known = [name for name, tree in trees.items() if knows_visits(tree)]
+    print("a rule, max_visits_between_refuels:")
+    print(f"  it is known in {len(known)} modules in {rooms(known)}:")
+    for name in known:
+        print(f"    {name}")
 
 
 if __name__ == "__main__":

@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from adr_opt.problem.rules import CAMPAIGNS, FIRST, TOURS
+from adr_opt.problem.rules import CAMPAIGNS, FIRST, PLAYED, TOURS
 from adr_opt.run.method_spec import MethodSpec, Practice
 
-PLAYED = FIRST - {
-    "bodies without an orbit",
-    "prizes that fall",
-    "number of stations",
-    "start orbits",
-    "launches",
-    "late availability",
-    "ends",
-    "most targets",
-    "tanks not full",
-}
-"""What policies play: missions of :data:`adr_opt.learning.episodes.FOLLOWS`."""
+ON_A_TANK = FIRST | {"visits between refuellings"}
+"""What moves, labels and walks of one chaser follow; walks that do not count visits bound those
+that do."""
 
 AUTO = MethodSpec(
     "auto",
     "solvers.planners.auto:auto",
-    follows=FIRST | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -34,7 +25,7 @@ AUTO = MethodSpec(
 EXACT = MethodSpec(
     "exact",
     "solvers.planners.exact:exact",
-    follows=FIRST | CAMPAIGNS | TOURS | {"functions of time"},
+    follows=ON_A_TANK | CAMPAIGNS | TOURS | {"functions of time"},
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -44,13 +35,13 @@ EXACT = MethodSpec(
 )
 
 GREEDY = MethodSpec(
-    "greedy", "solvers.planners.greedy:greedy", follows=FIRST | CAMPAIGNS, on_demand=True
+    "greedy", "solvers.planners.greedy:greedy", follows=ON_A_TANK | CAMPAIGNS, on_demand=True
 )
 
 GREEDY_GUARDED = MethodSpec(
     "greedy-guarded",
     "solvers.planners.greedy:greedy_guarded",
-    follows=FIRST | CAMPAIGNS,
+    follows=ON_A_TANK | CAMPAIGNS,
     on_demand=True,
 )
 
@@ -62,11 +53,17 @@ ORTOOLS = MethodSpec(
     uses_cores=True,
 )
 
-BEAM = MethodSpec("beam", "solvers.planners.beam:beam", on_demand=True, table_options=("policy",))
+BEAM = MethodSpec(
+    "beam",
+    "solvers.planners.beam:beam",
+    follows=ON_A_TANK,
+    on_demand=True,
+    table_options=("policy",),
+)
 
 LOCAL_SEARCH = MethodSpec("local-search", "solvers.planners.local_search:local_search", starts=True)
 
-MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts")
+MCTS = MethodSpec("mcts", "solvers.planners.mcts:mcts", follows=ON_A_TANK)
 
 PPO = MethodSpec("ppo", "solvers.planners.ppo:ppo", follows=PLAYED, uses_cores=True)
 
@@ -89,6 +86,7 @@ MIP = MethodSpec(
 LAGRANGIAN = MethodSpec(
     "lagrangian",
     "solvers.bounds.lagrangian:lagrangian",
+    follows=ON_A_TANK,
     starts=True,
     uses_cores=True,
     shows_evidence=True,
@@ -97,5 +95,5 @@ LAGRANGIAN = MethodSpec(
 )
 
 ROUTING_BOUND = MethodSpec(
-    "routing-bound", "solvers.bounds.routing_bound:routing_bound", starts=True
+    "routing-bound", "solvers.bounds.routing_bound:routing_bound", follows=ON_A_TANK, starts=True
 )

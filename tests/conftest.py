@@ -36,13 +36,15 @@ settings.load_profile("same")
 
 LONG = {
     "test_all_rules",
+    "test_best_known",
     "test_campaigns",
     "test_cli_interrupted",
+    "test_export_thrust",
     "test_large_bound",
+    "test_low_thrust_refined",
     "test_models",
     "test_registry",
-    "test_report",
-    "test_verify_steps",
+    "test_serve_walk",
     "test_wheel",
 }
 """Begun with: a file is for one process, and none should be left with one of these at the end."""

@@ -13,7 +13,7 @@ from ..judge.admit import Admitted, AnyPlan, admit
 from ..plan.plan import Leg, Plan
 from ..plan.routes import Flown, routes_of
 from ..problem.instance import Instance
-from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ..problem.rules import JUDGED, Follower
 from ..problem.support import refuse
 
 SAME_S, SAME_M_S = 1.0, 0.01
@@ -163,7 +163,7 @@ class Comparison(Shown):
         }
 
 
-FOLLOWS = Follower("compare", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("compare", JUDGED)
 
 
 def compare(instance: Instance, plans: Mapping[str, AnyPlan]) -> Comparison:

@@ -24,7 +24,7 @@ from ..kernels.tables.on_demand import Source
 from ..kernels.tables.timetable_making import Pairs
 from ..problem.given import Costs, of_function, of_matrices, of_rows
 from ..problem.instance import AnyInstance, Instance
-from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ..problem.rules import JUDGED, Follower
 from ..problem.support import followed
 from .connection_finder import ConnectionFinder, estimate
 from .connections import CHOICES, AllConnections, Choice, Connections, Pairwise, weights_of
@@ -41,7 +41,7 @@ SLICE_SAMPLES = 1_000_000
 """Number of matrix entries looked up at once, after which an interrupt is noticed."""
 
 
-FOLLOWS = Follower("a timetable", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("a timetable", JUDGED)
 
 
 class Timetable(Shown):

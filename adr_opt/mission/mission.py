@@ -14,6 +14,7 @@ from ..common.constants import SLACK_M_S
 from ..common.errors import InputError
 from ..kernels.legs.co_elliptic import TransferRule
 from ..kernels.rules import rules as kernels
+from ..kernels.rules.resources import ANY, CountLimits
 from ..kernels.tables import on_demand
 from ..kernels.tables.timetable import Table, source_of, transfer_exists
 from ..kernels.tables.timetable_making import Pairs
@@ -24,7 +25,7 @@ from ..legs.timetable import Timetable
 from ..plan.cargo import loads_of, most_left_m_s
 from ..problem.chasers import AtStation
 from ..problem.instance import AnyInstance
-from ..problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower, most_targets
+from ..problem.rules import JUDGED, Follower, most_targets
 from ..problem.support import followed
 from .orders import first_break
 from .prizes import Prizes
@@ -33,7 +34,7 @@ from .schedule import Schedule, Scheduler
 Sequence = npt.NDArray[np.int64]
 
 
-FOLLOWS = Follower("planning", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("planning", JUDGED)
 """What planners are told of, by arrays and functions; what each follows is said by itself."""
 
 
@@ -215,7 +216,7 @@ class Mission(Shown, Prizes):
             first_target=instance.first_target,
             start=instance.starts[self._number],
             ready=limits.ready,
-            most_targets=bodies if self.most_targets is None else self.most_targets,
+            limits=self.limits,
             returns=not may_end.all(),
             budget=budget,
             duration=limits.duration,
@@ -235,6 +236,18 @@ class Mission(Shown, Prizes):
     def most_targets(self) -> int | None:
         """Maximum number of targets; ``None`` if unlimited."""
         return most_targets(self.instance, self.chaser)
+
+    @property
+    def limits(self) -> CountLimits:
+        """The most that the chaser may count; what all targets are within is no limit."""
+        targets = len(self.instance.targets)
+
+        def limit(most: int | None) -> int:
+            return ANY if most is None or most >= targets else most
+
+        return CountLimits(
+            targets=limit(self.most_targets), between=limit(self.chaser.max_visits_between_refuels)
+        )
 
     def _like(self, **changes: Any) -> Mission:
         """The same mission with some arguments changed."""

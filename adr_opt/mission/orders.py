@@ -5,14 +5,36 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from ..kernels.rules.loads import most_kits
+from ..kernels.rules.resources import ANY, CountLimits
 from ..kernels.rules.rules import Rules
 
 UNEARNED = "refuels, but no target was visited since the last refuelling"
 ITSELF = "goes from {name} to itself"
 START = "goes to {name}, where a chaser starts"
 AGAIN = "goes to {name}, which was visited before"
-MOST = "goes to {name}, one more target than the {most} of the chaser"
 KITS = "goes to {name}, one more kit than the {kits} of the chaser"
+FULL = {
+    "targets": "goes to {name}, one more target than the {targets} of the chaser",
+    "between": "goes to {name}, one more target than the {between} between refuellings",
+}
+"""What to say where a limit allows no further target."""
+
+NOTHING = CountLimits(targets=0, between=0)
+"""Counts of an order without moves."""
+
+
+def counts_after(rules: Rules, counts: CountLimits, j: int) -> CountLimits:
+    """Counts of an order after a move; what does not limit it is not counted."""
+    if rules.is_station[j]:
+        return counts._replace(between=0)
+    limited = zip(counts, rules.limits, strict=True)
+    return CountLimits(*(count + (most != ANY) for count, most in limited))
+
+
+def why_full(rules: Rules, counts: CountLimits) -> str:
+    """Why an order may go to no further target, as one of the sentences above; empty if it may."""
+    limits = zip(counts, rules.limits, CountLimits._fields, strict=True)
+    return next((FULL[name] for count, most, name in limits if count == most), "")
 
 
 def first_break(rules: Rules, moves: Sequence[int]) -> tuple[int, str]:
@@ -25,7 +47,7 @@ def first_break(rules: Rules, moves: Sequence[int]) -> tuple[int, str]:
     why : str
         One of the sentences above, to which :func:`told` gives names; empty if there is none.
     """
-    body, since, visited = rules.start, 0, set[int]()
+    body, since, visited, counts = rules.start, 0, set[int](), NOTHING
     for made, j in enumerate(moves):
         if rules.is_station[j]:
             if since == 0:
@@ -37,12 +59,12 @@ def first_break(rules: Rules, moves: Sequence[int]) -> tuple[int, str]:
             return made, START
         elif j in visited:
             return made, AGAIN
-        elif len(visited) == rules.most_targets:
-            return made, MOST
+        elif full := why_full(rules, counts):
+            return made, full
         else:
             visited.add(j)
             since += 1
-        body = j
+        body, counts = j, counts_after(rules, counts, j)
     return len(moves), ""
 
 
@@ -62,4 +84,5 @@ def why_broken(
 
 def told(rules: Rules, why: str, name: str) -> str:
     """A reason with the name of a body and the numbers of a mission."""
-    return why.format(name=repr(name), most=rules.most_targets, kits=most_kits(rules.loads))
+    most = rules.limits._asdict()
+    return why.format(name=repr(name), kits=most_kits(rules.loads), **most)

@@ -171,8 +171,7 @@ class Problem(Shown, Prizes):
         if instance.objective.cost != "duration" or self.connecting.corrections:
             return False
         all_required = all(target.required for target in instance.targets)
-        most = targets if mission.most_targets is None else mission.most_targets
-        if not all_required or most < targets:
+        if not all_required or min(mission.limits) < targets:
             return False
         if chaser.end != "anywhere":
             return False

@@ -256,6 +256,8 @@ class Chaser(Record):
     """A spacecraft that visits targets.
 
     It takes along as many kits as its route leaves behind, ``kits`` at most; null for no limit.
+    Before it refuels for the first time, and between two refuellings, it visits at most
+    ``max_visits_between_refuels`` targets; the field is in no file that does not state it.
     ``expense`` counts where the objective says so; the field is in no file that does not state it.
     With ``thrust_n`` all its transfers are of low thrust (docs/model.md
     section 11), which is on for the share ``duty_cycle`` of the time at most; they stand in files
@@ -267,6 +269,7 @@ class Chaser(Record):
     available_s: Window = (0.0, None)
     end: End = "anywhere"
     max_targets: Count | None = None
+    max_visits_between_refuels: Annotated[Count, Field(ge=1)] | None = None
     tank: AnyTank
     kits: Count | None = None
     kit_mass_kg: Annotated[float, Field(ge=0.0, le=LARGEST_MASS_KG)] = 0.0
@@ -274,9 +277,16 @@ class Chaser(Record):
     thrust_n: Annotated[float, Field(gt=0.0, le=LARGEST_THRUST_N)] | None = None
     duty_cycle: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
 
+    @property
+    def most_visits(self) -> tuple[int | None, ...]:
+        """Limits on the number of targets visited without refuelling."""
+        return self.max_targets, self.max_visits_between_refuels
+
     @model_serializer(mode="wrap")
     def _without_what_is_none(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return without(write(self), "expense", "thrust_n", "duty_cycle")
+        return without(
+            write(self), "max_visits_between_refuels", "expense", "thrust_n", "duty_cycle"
+        )
 
     @model_validator(mode="before")
     @classmethod

@@ -125,6 +125,11 @@ def _limits_targets(instance: Instance) -> bool:
     return any(each is not None and each < len(instance.targets) for each in most)
 
 
+def _limits_visits(instance: Instance) -> bool:
+    most = [chaser.max_visits_between_refuels for chaser in instance.chasers]
+    return any(each is not None and each < len(instance.targets) for each in most)
+
+
 def _kits_count(instance: Instance) -> bool:
     """Whether kits weigh something, or are fewer than some targets that take one."""
     wanted = sum(target.service.takes_kit for target in instance.targets)
@@ -149,7 +154,9 @@ def _beyond_tours(instance: Instance) -> str | None:
 
 
 def _functions_beyond_one(instance: Instance) -> bool:
-    return _has_functions(instance) and any(RULES[word].binds(instance) for word in CAMPAIGNS)
+    return _has_functions(instance) and any(
+        RULES[word].binds(instance) for word in CAMPAIGNS | {"visits between refuellings"}
+    )
 
 
 def _falling_beyond_lists(instance: Instance) -> bool:
@@ -229,6 +236,7 @@ RULES = {
         ("chasers[].end", "chasers[].end.station"), _chasers(lambda c: c.end != "anywhere")
     ),
     "most targets": Rule(("chasers[].max_targets", "chasers[].kits"), _limits_targets),
+    "visits between refuellings": Rule(("chasers[].max_visits_between_refuels",), _limits_visits),
     "tanks": Rule(
         ("chasers[].tank", *_at("chasers[].tank", "delta_v_m_s dry_mass_kg propellant_kg isp_s")),
         _always,
@@ -349,6 +357,24 @@ TOGETHER = frozenset(
     }
 )
 """What planners follow each alone; judges follow them together as well."""
+
+JUDGED = FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time", "visits between refuellings"}
+"""What both judges state once more, and all follow that make, hold, compare and show what planners
+are told and plan: a rule comes in here by hand, with its judges."""
+
+PLAYED = (FIRST | {"visits between refuellings"}) - {
+    "bodies without an orbit",
+    "prizes that fall",
+    "number of stations",
+    "start orbits",
+    "launches",
+    "late availability",
+    "ends",
+    "most targets",
+    "tanks not full",
+}
+"""What the environment and its policies play. Episodes begin at the only station, at t = 0, may
+service any number of targets, know no kits and no tows, and may end anywhere."""
 
 
 @dataclass(frozen=True)

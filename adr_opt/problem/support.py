@@ -65,11 +65,12 @@ def refuse(instance: Instance, follower: Follower, able: Iterable[str] = ()) -> 
             "nobody does; leave it out, or use a version that knows it"
         )
     for word, where in binding(instance, (word for word in RULES if word not in follower.follows)):
-        rule, others = RULES[word], ", ".join(able)
+        rule, others = RULES[word], list(able)
+        instead = f"use {'one of: ' * (len(others) > 1)}{', '.join(others)}, or " if others else ""
         raise InputError(
             f"{follower.name} does not follow {word} (field {rule.fields[0]}"
             f"{f': {where}' if where else ''}), which {instance.name!r} has; "
-            f"{f'use one of: {others}, or ' if others else ''}{follower.instead or rule.cure}"
+            f"{instead}{follower.instead or rule.cure}"
         )
 
 

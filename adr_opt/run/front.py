@@ -276,10 +276,10 @@ def _run(
     # Each side counts its own iterations, or the work of one would depend on the other's speed.
     limits = [] if iterations is None else [MaxIterations(iterations) for _ in range(2)]
     known, prover = spec_of(method, group), None
-    refuse_unable(whole, known)
+    refuse_unable(whole, known, group)
     if bound is not None:
         prover = spec_of(bound, BOUNDS)
-        refuse_unable(whole, prover)
+        refuse_unable(whole, prover, BOUNDS)
     both_jobs = jobs if prover is not None and prover.uses_cores else None
     only_prover = both_jobs is not None and not known.uses_cores
     its_jobs = None if only_prover else jobs

@@ -275,22 +275,21 @@ def is_tour(problem: Problem, method: MethodSpec) -> bool:
     return method.tours and tour_obstacle(problem.instance) is None
 
 
-def refuse_unable(problem: Problem, method: MethodSpec) -> None:
-    """Refuse a problem that sets what a method does not follow; say which methods do.
+def refuse_unable(problem: Problem, method: MethodSpec, group: str = PLANNERS) -> None:
+    """Refuse a problem that sets what a method does not follow; say which of its group do.
 
     Raises
     ------
     InputError
     """
     if not support.follows_all(problem.instance, method.follows):
-        support.refuse(problem.instance, method.follower, able=able(problem.instance))
+        support.refuse(problem.instance, method.follower, able=able(problem.instance, group))
 
 
-def able(instance: Instance) -> list[str]:
-    """Installed methods that follow all rules of an instance, bounds called so."""
+def able(instance: Instance, group: str = PLANNERS) -> list[str]:
+    """Installed planners, or bounds, that follow all rules of an instance."""
     return [
-        f"{name} ({group.rsplit('.', 1)[1]})" if group == BOUNDS else name
-        for group in (PLANNERS, BOUNDS)
+        name
         for name in names(group)
         if _can(name, group, lambda other: support.follows_all(instance, other.follows))
     ]
@@ -331,7 +330,7 @@ def warm_up(
         name: habit.options.get(name, value) if not isinstance(value, (str, bool)) else value
         for name, value in vars(given).items()
     }
-    refuse_unable(problem, prepared.spec)
+    refuse_unable(problem, prepared.spec, group)
     begins: dict[str, Any] = {}
     if kind.starts and prepared.spec.starts:
         routes = ((1,), *[()] * (len(problem.missions) - 1))

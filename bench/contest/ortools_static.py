@@ -181,7 +181,7 @@ def _add_targets(routing: Any, manager: Any, problem: Problem, nodes: Nodes) -> 
             manager.NodeToIndex(node) for node in np.flatnonzero(nodes.body[:ways] == j).tolist()
         ]
         routing.AddDisjunction(its, round(PRIZE_UNITS * float(problem.planning_prizes[j])), 1)
-    most = [int(mission.rules.most_targets) for mission in problem.missions]
+    most = [int(mission.rules.limits.targets) for mission in problem.missions]
     counted = (np.arange(nodes.body.size) < ways).astype(np.int64)
     counts = routing.RegisterUnaryTransitVector(counted.tolist())
     routing.AddDimensionWithVehicleCapacity(counts, 0, most, True, "targets")

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from adr_opt.analysis.rehearse.flying_chasers import FlyingChaser
 from adr_opt.kernels.rules import rules as rule_kernels
-from adr_opt.kernels.rules.resources import Resources
+from adr_opt.kernels.rules.resources import ANY, Resources
 from adr_opt.mission.mission import Mission
 from solvers.beams.beams import beam_kernel, usual_settings
 from solvers.beams.levels import Weights
@@ -61,6 +61,10 @@ def beam_from(
     halt = np.zeros(1, dtype=np.bool_)
     # Kernels take all that is done for the work of one chaser, of which only its own counts.
     others = max(int(done.sum()) - int(has.serviced), 0)
-    rules = mission.rules._replace(most_targets=mission.rules.most_targets + others)
+    rules = mission.rules._replace(
+        limits=mission.rules.limits._replace(
+            targets=min(mission.rules.limits.targets + others, ANY)
+        )
+    )
     sequence, prize = beam_kernel(rules, done.copy(), first, no_latest(), False, weights, halt)[:2]
     return sequence, float(prize) - float(mission.rules.prize[done].sum())

@@ -137,7 +137,7 @@ def beam_kernel(rules, done, first, guide, guided, weights, halt):
     for j in range(bodies):
         keys[j] = levels.key_of(j, weights.seed)
         serviced += done[j]
-    remaining = min(bodies - rules.first_target, rules.most_targets) - serviced
+    remaining = min(bodies - rules.first_target, rules.limits.targets) - serviced
     search = BeamContext(rules, guide, guided, weights, keys)
     size = levels.begin(search, done, first, serviced, level)
 

@@ -392,7 +392,7 @@ def keep(search, level, cand, count, room, scratch, after):
             after.key[other] == set_key
             and after.body[other] == j
             and resource_kernels.dominates(
-                resource_kernels.at(after.resources, other), has, rules.loads
+                resource_kernels.at(after.resources, other), has, rules.loads, rules.limits
             )
             and (rules.falls is None or after.prize[other] >= prize)
         ):

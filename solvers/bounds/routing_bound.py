@@ -150,8 +150,8 @@ class StaticModel:
         self._one_route()
         self._delta_v_fits()
         self._time_fits()
-        if rules.most_targets < len(self._visit):
-            self.block.add(sum(self._visit.values()) <= rules.most_targets)
+        if rules.limits.targets < len(self._visit):
+            self.block.add(sum(self._visit.values()) <= rules.limits.targets)
         self.block.maximize(sum(int(worth[j]) * visit for j, visit in self._visit.items()))
 
     def _literals(self, ways: Iterable[Way]) -> dict[Way, cp_model.IntVar]:

@@ -12,13 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from adr_opt.kernels.rules.resources import CountLimits
 from adr_opt.kernels.rules.schedule import undominated
 from adr_opt.mission.mission import Mission
+from adr_opt.mission.orders import NOTHING, counts_after, why_full
 from adr_opt.mission.schedule import Front
 
 
 class _State(NamedTuple):
-    """Done targets, position, whether it has refuelled, and stops at limited stations.
+    """Done targets, position, whether it has refuelled, stops at limited stations, and counts.
 
     Then ``stops`` are the refuellings at those, in order of their numbers.
     """
@@ -27,6 +29,7 @@ class _State(NamedTuple):
     body: int
     refuelled: bool
     stops: tuple[int, ...]
+    counts: CountLimits
 
 
 class _Reached(NamedTuple):
@@ -84,9 +87,9 @@ def cheapest_routes(
     rules, schedules = mission.rules, mission.schedules
     kits = schedules.kits_for(tuple(targets))
     room = 0 if rules.loads is None else rules.loads.full.size - 1
-    if len(targets) > rules.most_targets or kits > room:
+    if len(targets) > rules.limits.targets or kits > room:
         return []
-    start = _State(frozenset(), rules.start, False, ())
+    start = _State(frozenset(), rules.start, False, (), NOTHING)
     known: dict[_State, _Reached] = {start: _Reached(schedules.beginning(kits), [None])}
     layer = [start]
     for _ in range(len(targets)):
@@ -137,15 +140,18 @@ def _extend(
     found: dict[_State, list[tuple[_State, Front]]],
 ) -> None:
     """Extend a state to body j."""
+    stop = bool(mission.rules.is_station[j])
+    if not stop and why_full(mission.rules, state.counts):
+        return
     aboard = kits - mission.schedules.kits_for(tuple(state.done))
     front = mission.schedules.extended(
         known[state].front, state.body, j, aboard, refuelled=state.refuelled
     )
     if front.ready.size:
-        stop = bool(mission.rules.is_station[j])
         done = state.done if stop else state.done | {j}
         stops = tuple(sorted((*state.stops, j))) if j in counted else state.stops
-        then = _State(done, j, state.refuelled or stop, stops)
+        counts = counts_after(mission.rules, state.counts, j)
+        then = _State(done, j, state.refuelled or stop, stops, counts)
         found.setdefault(then, []).append((state, front))
 
 

@@ -28,13 +28,14 @@ from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.core.memory import borrowed
 from adr_opt.kernels.rules import resources as resource_kernels
 from adr_opt.kernels.rules.falls import Falls, lost_at
-from adr_opt.kernels.rules.loads import Loads, is_possible, with_kits
+from adr_opt.kernels.rules.loads import Loads, is_possible
+from adr_opt.kernels.rules.resources import CountLimits
 from adr_opt.mission.evidence import WORD
 
 from ..networks.layers import SLACK
 from .pending import is_preceded, next_of, send, take
 from .row_cuts import CutTolls, count_row, toll_at
-from .waiting import FINE, Candidate, arrive, is_dominated, keep, resources_of
+from .waiting import FINE, Candidate, LabelTerms, arrive, is_dominated, keep, resources_of
 
 MOST_PAID = 2.0**60
 """Upper limit on the price of time of a walk, beyond which it is useless [fine units]."""
@@ -88,9 +89,8 @@ class LabelQuery(NamedTuple):
     budget : float
         [m/s].
     loads : Loads or None
+    limits : CountLimits
         As in :class:`adr_opt.kernels.rules.rules.Rules`.
-    most_visits : int
-        Services that a walk may make.
     price : (kits + 1,) float64
         What a m/s takes off the value of a walk, by number of kits aboard [fine units].
     pays : bool
@@ -127,7 +127,7 @@ class LabelQuery(NamedTuple):
     compared: np.ndarray
     budget: float
     loads: Loads | None
-    most_visits: int
+    limits: CountLimits
     price: np.ndarray
     pays: bool
     time_price: float
@@ -205,7 +205,7 @@ def _stay(search, labels, waiting, row, i, kept):
         kept[k] = label >= 0 and _promises(
             search,
             row,
-            resources_of(labels, label, search.loads),
+            resources_of(labels, label),
             labels.value[label],
             labels.worth[label],
             labels.came_from[label],
@@ -299,7 +299,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
     body, order = rows
     cuts = search.cuts
     words = search.neighbourhood.shape[1]
-    counts = search.most_visits < search.gain.size
+    terms = LabelTerms(search.loads, search.limits, cuts)
     timed = network.end.size > 0
     remembered = np.empty(words, dtype=np.int64)
     target_effort = cursor[2] + effort
@@ -309,9 +309,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
         row = order[cursor[0]]
         i = body[row]
         while next_of(pending, row) >= 0:
-            if not arrive(
-                waiting, labels, i, next_of(pending, row), search.compared[i], search.loads, cuts
-            ):
+            if not arrive(waiting, labels, i, next_of(pending, row), search.compared[i], terms):
                 return CROWDED
             take(pending, row, words)
         if waiting.bucket[i] != search.values.bucket[row]:
@@ -325,8 +323,8 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                 continue
             if not to_station and labels.memory[here, j // WORD] >> (j % WORD) & 1:
                 continue
-            has = resources_of(labels, here, search.loads)
-            if not to_station and has.serviced == search.most_visits:
+            has = resources_of(labels, here)
+            if not (to_station or resource_kernels.may_service(has, search.limits)):
                 continue
             value, collected = labels.value[here], labels.worth[here] + search.worths[j]
             value -= toll_at(cuts, labels, here, search.neighbourhood, j)
@@ -352,12 +350,10 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                     continue
                 cursor[2] += 1
                 candidate = Candidate(most, then, collected)
-                if is_dominated(
-                    waiting, labels, j, candidate, remembered, compared, search.loads, cuts
-                ):
+                if is_dominated(waiting, labels, j, candidate, remembered, compared, terms):
                     continue
                 preceded = is_preceded(
-                    pending, landing, labels, candidate, remembered, compared, search.loads, cuts
+                    pending, landing, labels, candidate, remembered, compared, terms
                 )
                 # A label ready by the same row may have been ready later: if the walk ends here,
                 # it may pay for less time than the one that dominates it.
@@ -373,9 +369,7 @@ def extend(network, rows, search, labels, pending, waiting, cursor, effort):
                     return FULL
                 labels.row[count], labels.parent[count] = landing, here
                 labels.value[count], labels.left[count] = most, then.left
-                # What does not limit a walk is not counted, so that it tells no labels apart.
-                services = then.serviced if counts else 0
-                labels.visits[count] = with_kits(search.loads, services, then.kits)
+                labels.counts[count] = resource_kernels.counts_of(then)
                 labels.worth[count] = collected
                 labels.came_from[count] = behind
                 if timed:

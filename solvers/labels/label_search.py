@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from adr_opt.common.tolerance import ROUNDED
-from adr_opt.kernels.rules.loads import KITS_BIT
+from adr_opt.kernels.rules.resources import kits_alone
 from adr_opt.mission.evidence import Cut
 
 from ..walks.walks import WalkBound
@@ -200,7 +200,7 @@ class LabelSearch:
         paid = np.floor(bound.constant / self._unit)
         labels.value[roots] = np.where(bound.tank < 0.0, NOTHING, -paid)
         labels.final[roots] = labels.value[roots]  # nothing is flown, and no time paid for
-        labels.visits[roots] = np.arange(self._roots) << KITS_BIT
+        labels.counts[roots] = kits_alone(np.arange(self._roots))
         labels.came_from[roots], labels.worth[roots] = -1, 0.0
 
     def _extension(self, need: int) -> Callable[[Labels, np.ndarray], int]:
@@ -221,7 +221,7 @@ class LabelSearch:
             self.compared,
             bound.budget,
             bound.loads,
-            bound.most_targets,
+            bound.limits,
             price,
             bool(price.any()),
             bound.time_price / self._unit,

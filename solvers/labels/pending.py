@@ -67,7 +67,7 @@ def more_room(pending: Pending, words: int) -> Pending:
 
 
 @kernel
-def is_preceded(pending, row, labels, candidate, memory, compared, loads, cuts):
+def is_preceded(pending, row, labels, candidate, memory, compared, terms):
     """Whether a pending label at a row dominates a candidate there."""
     left, value = candidate.resources.left, candidate.value
     block = pending.first[row]
@@ -77,13 +77,7 @@ def is_preceded(pending, row, labels, candidate, memory, compared, loads, cuts):
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels,
-                pending.label[block * LANES + lane],
-                candidate,
-                memory,
-                compared,
-                loads,
-                cuts,
+                labels, pending.label[block * LANES + lane], candidate, memory, compared, terms
             ):
                 return True
             lane += 1

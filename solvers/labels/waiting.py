@@ -13,11 +13,12 @@ import numpy as np
 
 from adr_opt.kernels.core.compile import inlined, kernel
 from adr_opt.kernels.rules import resources as resource_kernels
-from adr_opt.kernels.rules.loads import kits_in, services_in
-from adr_opt.kernels.rules.resources import Resources
+from adr_opt.kernels.rules.loads import Loads
+from adr_opt.kernels.rules.resources import CountLimits, Resources
 from adr_opt.mission.evidence import WORD
 
 from ..networks import simd
+from .row_cuts import CutTolls
 
 FINE = 30
 """Extra bits of precision of labels over completion values."""
@@ -40,8 +41,8 @@ class Labels(NamedTuple):
         has no price.
     left : (labels,) float64
         [m/s].
-    visits : (labels,) int32
-        Services so far, and kits aboard, see :func:`adr_opt.kernels.rules.loads.with_kits`.
+    counts : (labels,) int64
+        See :func:`adr_opt.kernels.rules.resources.counts_of`.
     came_from : (labels,) int16
         The body that it may not go back to at once, −1 for none.
     worth : (labels,) float64
@@ -57,7 +58,7 @@ class Labels(NamedTuple):
     value: np.ndarray
     final: np.ndarray
     left: np.ndarray
-    visits: np.ndarray
+    counts: np.ndarray
     came_from: np.ndarray
     worth: np.ndarray
     memory: np.ndarray
@@ -65,12 +66,13 @@ class Labels(NamedTuple):
 
 def labels_room(size: int, words: int = 1, *, timed: bool = False) -> Labels:
     """Storage for labels with a number of memory words; ``timed`` if time has a price."""
-    row, parent, visits = (np.empty(size, dtype=np.int32) for _ in range(3))
+    row, parent = np.empty(size, dtype=np.int32), np.empty(size, dtype=np.int32)
     came_from = np.empty(size, dtype=np.int16)
     left, worth = np.empty(size), np.empty(size)
-    value, memory = np.empty(size, dtype=np.int64), np.empty((size, words), dtype=np.int64)
+    value, counts = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
+    memory = np.empty((size, words), dtype=np.int64)
     final = np.empty(size, dtype=np.int64) if timed else value
-    return Labels(row, parent, value, final, left, visits, came_from, worth, memory)
+    return Labels(row, parent, value, final, left, counts, came_from, worth, memory)
 
 
 def bytes_each() -> int:
@@ -87,6 +89,23 @@ class Candidate(NamedTuple):
     value: np.int64
     resources: Resources
     worth: float
+
+
+class LabelTerms(NamedTuple):
+    """What tells labels apart besides their values and memories.
+
+    Attributes
+    ----------
+    loads : Loads or None
+    limits : CountLimits
+        As in :class:`adr_opt.kernels.rules.rules.Rules`.
+    cuts : CutTolls or None
+        What walks pay at a second row.
+    """
+
+    loads: Loads | None
+    limits: CountLimits
+    cuts: CutTolls | None
 
 
 class Waiting(NamedTuple):
@@ -141,26 +160,19 @@ def _part(memory, part):
 
 
 @inlined
-def resources_of(labels, label, loads):
+def resources_of(labels, label):
     """Resources of a label, with a time common to all that wait with it."""
-    visits = labels.visits[label]
-    return Resources(
-        0.0,
-        labels.left[label],
-        np.int64(0),
-        np.int64(services_in(loads, visits)),
-        np.int64(kits_in(loads, visits)),
-    )
+    return resource_kernels.with_counts(0.0, labels.left[label], labels.counts[label])
 
 
 @inlined
-def candidate_of(labels, label, loads):
+def candidate_of(labels, label):
     """A label as a candidate."""
-    return Candidate(labels.value[label], resources_of(labels, label, loads), labels.worth[label])
+    return Candidate(labels.value[label], resources_of(labels, label), labels.worth[label])
 
 
 @inlined
-def dominates(labels, one, other, memory, compared, loads, cuts):
+def dominates(labels, one, other, memory, compared, terms):
     """Whether a label dominates a candidate: at least equal worth and resources, no more memory.
 
     Of the memory only the targets in ``compared`` count. Its worth has to be enough for the tolls
@@ -168,13 +180,21 @@ def dominates(labels, one, other, memory, compared, loads, cuts):
     """
     if labels.value[one] < other.value or labels.worth[one] < other.worth:
         return False
-    if not resource_kernels.dominates(resources_of(labels, one, loads), other.resources, loads):
+    if not resource_kernels.dominates(
+        resources_of(labels, one), other.resources, terms.loads, terms.limits
+    ):
         return False
     beyond = 0
     for w in range(memory.size):
         beyond |= labels.memory[one, w] & ~memory[w] & compared[w]
-    if cuts is None or beyond != 0:
-        return beyond == 0
+    return beyond == 0 and _pays_tolls(labels, one, other, memory, terms.cuts)
+
+
+@inlined
+def _pays_tolls(labels, one, other, memory, cuts):
+    """Whether a label's lead over a candidate suffices for the tolls that it alone owes."""
+    if cuts is None:
+        return True
     lead = labels.value[one] - other.value
     for w in range(memory.size):
         owed = labels.memory[one, w] & ~memory[w] & cuts.bits[w]
@@ -215,7 +235,7 @@ def fill_lane(keys, at, stride, labels, label):
 
 
 @kernel
-def is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
+def is_dominated(waiting, labels, j, candidate, memory, compared, terms):
     """Whether a label waiting at body j dominates a candidate."""
     left, value = candidate.resources.left, candidate.value
     capacity = waiting.label.shape[1]
@@ -225,7 +245,7 @@ def is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
         lane = 0
         while hits >> lane:
             if hits >> lane & 1 and dominates(
-                labels, waiting.label[j, k + lane], candidate, memory, compared, loads, cuts
+                labels, waiting.label[j, k + lane], candidate, memory, compared, terms
             ):
                 return True
             lane += 1
@@ -233,7 +253,7 @@ def is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
 
 
 @kernel
-def _drop_dominated(waiting, labels, j, label, compared, loads, cuts):
+def _drop_dominated(waiting, labels, j, label, compared, terms):
     """Mark labels at body j that are dominated by a new label."""
     capacity = waiting.label.shape[1]
     memory = labels.memory[label]
@@ -255,11 +275,10 @@ def _drop_dominated(waiting, labels, j, label, compared, loads, cuts):
                 if other >= 0 and dominates(
                     labels,
                     label,
-                    candidate_of(labels, other, loads),
+                    candidate_of(labels, other),
                     labels.memory[other],
                     compared,
-                    loads,
-                    cuts,
+                    terms,
                 ):
                     waiting.label[j, k + lane] = -1
                     waiting.keys[base + k + lane] = NOBODY
@@ -267,15 +286,14 @@ def _drop_dominated(waiting, labels, j, label, compared, loads, cuts):
 
 
 @kernel
-def arrive(waiting, labels, j, label, compared, loads, cuts):
+def arrive(waiting, labels, j, label, compared, terms):
     """Add a label at body j unless dominated, and remove those that it dominates.
 
     Parameters
     ----------
     compared : (words,) int64
         Targets by whose memory labels are told apart there.
-    loads : Loads or None
-    cuts : CutTolls or None
+    terms : LabelTerms
 
     Returns
     -------
@@ -283,13 +301,13 @@ def arrive(waiting, labels, j, label, compared, loads, cuts):
         False if there is no room for it.
     """
     memory = labels.memory[label]
-    candidate = candidate_of(labels, label, loads)
-    if is_dominated(waiting, labels, j, candidate, memory, compared, loads, cuts):
+    candidate = candidate_of(labels, label)
+    if is_dominated(waiting, labels, j, candidate, memory, compared, terms):
         return True
     at, capacity = waiting.size[j], waiting.label.shape[1]
     if at == capacity:
         return False
-    _drop_dominated(waiting, labels, j, label, compared, loads, cuts)
+    _drop_dominated(waiting, labels, j, label, compared, terms)
     base = j * (2 + 2 * memory.size) * capacity + at
     waiting.label[j, at] = label
     fill_lane(waiting.keys, base, capacity, labels, label)

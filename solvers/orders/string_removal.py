@@ -163,7 +163,7 @@ def _recreate(rules, connections, around, course, length, workspace, rng):
         turns[m] = order[length + ranks[m]]
     bit_orders.find_room(rules, course, length, workspace)
     for j in turns:
-        if length == rules.most_targets:
+        if length == rules.limits.targets:
             break
         if not bit_orders.has_room(reach, before, room, order, length, j):
             continue

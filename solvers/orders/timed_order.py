@@ -93,15 +93,15 @@ def _move(labels, position, place, to):
 
 
 @kernel
-def _add(labels, position, count, has, parent, via, loads):
+def _add(labels, position, count, has, parent, via, rules):
     """Add a label unless dominated, and drop those that it dominates."""
     labels = borrowed(labels)
     for a in range(count):
-        if dominates(_has(labels, position, a), has, loads):
+        if dominates(_has(labels, position, a), has, rules.loads, rules.limits):
             return count
     kept = 0
     for a in range(count):
-        if not dominates(has, _has(labels, position, a), loads):
+        if not dominates(has, _has(labels, position, a), rules.loads, rules.limits):
             if kept < a:
                 _move(labels, position, a, kept)
             kept += 1
@@ -134,7 +134,7 @@ def extend(rules, order, labels, position):
         here = State(i, _has(labels, position, a))
         legal, _, then = rule_kernels.step(rules, here, j)
         if legal:
-            count = _add(labels, position + 1, count, then.resources, a, STRAIGHT, rules.loads)
+            count = _add(labels, position + 1, count, then.resources, a, STRAIGHT, rules)
         for s in range(rules.stations):
             if s == i:
                 continue
@@ -142,7 +142,7 @@ def extend(rules, order, labels, position):
             if legal:
                 legal, _, then = rule_kernels.step(rules, full, j)
                 if legal:
-                    count = _add(labels, position + 1, count, then.resources, a, s, rules.loads)
+                    count = _add(labels, position + 1, count, then.resources, a, s, rules)
     labels.size[position + 1] = count
     return count
 

@@ -304,7 +304,7 @@ class Orienteering:
             rules.first_target,
             rules.stations,
             rules.start,
-            rules.most_targets,
+            rules.limits.targets,
             rules.service,
             rules.opens,
             rules.closes,

@@ -181,7 +181,7 @@ def tour_of(mission: Mission) -> TimedTour | None:
     """
     instance, rules = mission.instance, mission.rules
     targets = len(instance.targets)
-    if instance.objective.cost != "duration" or rules.most_targets < targets:
+    if instance.objective.cost != "duration" or rules.limits.targets < targets:
         return None
     if not 1 <= targets <= MOST_TARGETS:
         return None

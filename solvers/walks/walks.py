@@ -207,7 +207,7 @@ class WalkBound:
         self._bonuses = bonuses(mission)
         self._starts = [each.rules.start for each in (mission, *others)]
         self.since = np.array([each.rules.ready for each in (mission, *others)])
-        self.most_targets = rules.most_targets
+        self.limits = rules.limits
         bodies = self.prize.size
         self.network = network or build(mission, others=others, jobs=jobs, with_ends=paid.time)
         assignment = assign(self.network, bucket_share)

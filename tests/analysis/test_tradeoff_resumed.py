@@ -98,7 +98,9 @@ def test_routes_that_ask_for_more_are_refused(tmp_path: Path, made: tuple[str, T
             row["key"]["delta_v_m_s"] = tank
             row["value"]["routes"] = routes
 
-        with pytest.raises(InputError, match=r"line \d+: (move \d of the sequence|.* is visited twice)"):
+        with pytest.raises(
+            InputError, match=r"line \d+: (move \d of the sequence|.* is visited twice)"
+        ):
             resumed(tmp_path / "r.jsonl", edited(made[0], change))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -10,6 +11,8 @@ from types import ModuleType
 import pytest
 
 pytest.importorskip("grimp")
+
+MOST_MODULES_OF_A_RULE = 10
 
 MOST_STOREYS, MOST_ROOM_STOREYS = 32, 12  # the server stands on the judges
 
@@ -35,6 +38,19 @@ def test_imports_lead_downwards(house: ModuleType) -> None:
     assert set(house.by_room(edges)) - {"adr_opt.__main__"} == set(house.storey_of_rooms())
     assert house.storeys(edges) <= MOST_STOREYS
     assert house.storeys(house.by_room(edges)) <= MOST_ROOM_STOREYS
+
+
+def test_a_rule_stands_in_few_modules_and_all_are_named(house: ModuleType) -> None:
+    """The walk of a rule in CONTRIBUTING names each module that knows of it, ten at most."""
+    known = {
+        name.replace(".", "/") + ".py"
+        for name, tree in house.modules().items()
+        if house.knows_visits(tree)
+    }
+    text = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = text.partition("## Adding a rule")[2].partition("| what |")[2].partition("\n\n")[0]
+    assert known == set(re.findall(r"`((?:adr_opt|solvers)/[^`]+)`", table))
+    assert len(known) <= MOST_MODULES_OF_A_RULE
 
 
 def test_names_of_public_classes_stand_once(house: ModuleType) -> None:

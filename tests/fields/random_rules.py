@@ -553,6 +553,48 @@ def hurried_mission(seed: int) -> Instance:
     return instance.replace(chasers=(instance.chaser.replace(available_s=available_s),))
 
 
+def visiting(instance: Instance, seed: int) -> Instance:
+    """The same with few visits between refuellings, for each chaser or some."""
+    rng = np.random.default_rng([14, seed])
+    chasers = [
+        chaser.replace(max_visits_between_refuels=int(rng.choice([1, 1, 1, 2, 3])))
+        if at == 0 or rng.random() < 0.7
+        else chaser
+        for at, chaser in enumerate(instance.chasers)
+    ]
+    return instance.replace(name=f"{instance.name}-visiting", chasers=tuple(chasers))
+
+
+def visiting_field(seed: int) -> Instance:
+    """A mission of one chaser with few visits between refuellings, by turns of each kind."""
+    draws = random_mission, drifting_mission, given_mission
+    return visiting(draws[seed % 3](seed // 3), seed)
+
+
+def visiting_mission(seed: int) -> Instance:
+    """The same, by turns with tows or prizes that fall."""
+    draws = towing_mission, falling_mission
+    return visiting_field(seed) if seed % 5 < 3 else visiting(draws[seed % 5 - 3](seed), seed)
+
+
+def visiting_campaign(seed: int) -> Instance:
+    """A campaign with few visits between refuellings, by turns with all that campaigns may have."""
+    draw = (random_campaign, mixed_campaign, falling_campaign)[seed % 3]
+    instance = draw(seed // 3)
+    if seed % 4 == 1:
+        instance = carrying(instance, seed)
+    if seed % 5 == 1:
+        instance = limited(instance, seed)
+    if seed % 5 == 2:
+        instance = priced(instance, seed)
+    return visiting(instance, seed)
+
+
+def visiting_hurried(seed: int) -> Instance:
+    """A mission that policies play, with few visits between refuellings."""
+    return visiting(hurried_mission(seed), seed)
+
+
 DRAWS: dict[str, Callable[[int], Instance]] = {
     "random": random_mission,
     "drifting": drifting_mission,
@@ -565,5 +607,9 @@ DRAWS: dict[str, Callable[[int], Instance]] = {
     "carrying": lambda seed: carrying(random_campaign(seed), seed),
     "priced": lambda seed: priced(carrying(random_campaign(seed), seed), seed),
     "limited": lambda seed: limited(carrying(random_campaign(seed), seed), seed),
+    "visiting": visiting_mission,
+    "visiting field": visiting_field,
+    "visiting campaign": visiting_campaign,
+    "visiting hurried": visiting_hurried,
 }
 """All kinds of drawn fields that enumeration can tell the best plan of."""

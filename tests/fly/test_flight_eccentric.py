@@ -14,6 +14,7 @@ import adr_opt
 from adr_opt.common.constants import MU_M3_S2
 from adr_opt.fly.flight import fly
 from adr_opt.fly.trajectory import body_states, propagate
+from adr_opt.kernels.core.cache import used
 from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from adr_opt.plan.plan import Plan, load_plan
@@ -111,6 +112,17 @@ def test_miss_and_correction_vanish_with_the_eccentricity() -> None:
     assert small.worst_true_miss_m < 50.0
     assert small.correction_delta_v_m_s is not None
     assert small.correction_delta_v_m_s < 0.05
+
+
+def test_what_boinor_compiles_is_kept() -> None:
+    """Functions of boinor that take seconds to compile are files in the cache of the kernels."""
+    fly(*ellipses(0.01))
+    kept = {file.name.partition("-")[0] for file in used()}
+    assert kept >= {
+        "boinor.core.elements.coe2rv",
+        "boinor.core.iod.izzo",
+        "boinor.core.propagation.vallado.vallado",
+    }
 
 
 def test_the_flight_of_a_plan_adds_up() -> None:

@@ -22,6 +22,7 @@ from random_rules import (
     given_mission,
     random_mission,
     towing_mission,
+    visiting_field,
 )
 from seeds import over_kinds
 
@@ -37,6 +38,7 @@ KINDS_OF_FIELDS = {
     "two_body": (random_mission, range(150), 20),
     "j2": (drifting_mission, range(90), 10),
     "given": (given_mission, range(80), 12),
+    "visits": (visiting_field, range(120), 20),
 }
 every_kind = over_kinds("draw, seeds", **KINDS_OF_FIELDS)
 every_kind_and_tows = over_kinds(
@@ -49,6 +51,7 @@ SEARCHED = {
     "two_body": (random_mission, range(40), 16),
     "j2": (drifting_mission, range(40), 8),
     "given": (given_mission, range(40), 8),
+    "visits": (visiting_field, range(60), 6),
 }
 searched = over_kinds("draw, seeds", **SEARCHED)
 searched_and_falls = over_kinds("draw, seeds", **SEARCHED, falls=(falling_mission, range(40), 8))
@@ -57,6 +60,7 @@ KINDS = {
     random_mission: {"short"},
     drifting_mission: {"short", "drift"},
     given_mission: {"given"},
+    visiting_field: {"short", "drift", "given"},
     towing_mission: {"short", "drift"},
     falling_mission: {"short", "drift", "given", "launch"},
 }
@@ -154,6 +158,7 @@ SHARES = {
         "local-search": 0.5,
         "auto": 0.99,
     },
+    visiting_field: {"greedy-guarded": 0.2, "beam": 0.5, "mcts": 0.3, "auto": 0.99},
     given_mission: {
         "greedy-guarded": 0.2,
         "beam": 0.5,

@@ -8,9 +8,23 @@ import numpy as np
 import pytest
 
 from adr_opt.kernels.rules.loads import Loads
-from adr_opt.kernels.rules.resources import Resources, at, columns, dominates, extend, put
+from adr_opt.kernels.rules.resources import (
+    ANY,
+    CountLimits,
+    Resources,
+    at,
+    columns,
+    counts_of,
+    dominates,
+    extend,
+    put,
+    with_counts,
+)
 
 BODIES, BUDGET = 4, 300.0
+
+LIMITED = CountLimits(*(9 for _ in CountLimits._fields))
+"""Counts that all matter."""
 
 
 def carrying(kit_kg: float, towed_kg: float) -> Loads:
@@ -50,11 +64,13 @@ def test_to_dominate_is_an_order(loads: Loads | None) -> None:
     found = some(np.random.default_rng(0), loads, 14)
     strict = 0
     for one, other in itertools.product(found, repeat=2):
-        if dominates(one, other, loads):
+        if dominates(one, other, loads, LIMITED):
             strict += one != other
-            assert not dominates(other, one, loads) or one == other
+            assert not dominates(other, one, loads, LIMITED) or one == other
             assert all(
-                dominates(one, third, loads) for third in found if dominates(other, third, loads)
+                dominates(one, third, loads, LIMITED)
+                for third in found
+                if dominates(other, third, loads, LIMITED)
             )
         else:
             assert one != other
@@ -74,16 +90,30 @@ def test_each_resource_counts(loads: Loads | None, better: dict, worse: dict) ->
     """Of two routes that differ in one resource only the one with more of it dominates."""
     usual = Resources(1.0, 100.0, 1, 1, 0)
     one, other = usual._replace(**better), usual._replace(**worse)
-    assert dominates(one, other, loads)
-    assert not dominates(other, one, loads)
+    assert dominates(one, other, loads, LIMITED)
+    assert not dominates(other, one, loads, LIMITED)
+
+
+def test_what_does_not_limit_tells_none_apart() -> None:
+    """Counts are compared only where there is a limit to them."""
+    one, other = Resources(1.0, 100.0, 2, 2, 0), Resources(1.0, 100.0, 1, 1, 0)
+    free = CountLimits(*(ANY for _ in CountLimits._fields))
+    assert dominates(one, other, None, free)
+    assert not dominates(one, other, None, LIMITED)
+
+
+def test_counts_are_packed_without_loss() -> None:
+    """Packed counts give back the same resources, up to the largest numbers there are."""
+    for has in (*some(np.random.default_rng(3), CARRIED[1], 6), Resources(1.0, 2.0, ANY, ANY, ANY)):
+        assert with_counts(has.time, has.left, counts_of(has)) == has
 
 
 def test_kits_will_do_unless_they_weigh() -> None:
     """With more kits everything is possible that is with fewer, except where kits are heavy."""
     usual = Resources(1.0, 100.0, 1, 1, 1)
     for loads, expected in ((CARRIED[1], True), (CARRIED[2], False)):
-        assert dominates(usual._replace(kits=2), usual, loads) == expected
-        assert not dominates(usual, usual._replace(kits=2), loads)
+        assert dominates(usual._replace(kits=2), usual, loads, LIMITED) == expected
+        assert not dominates(usual, usual._replace(kits=2), loads, LIMITED)
 
 
 @pytest.mark.parametrize("loads", CARRIED)
@@ -92,7 +122,7 @@ def test_who_dominates_does_so_after_any_leg(loads: Loads | None) -> None:
     rng, kept = np.random.default_rng(1), 0
     found = some(rng, loads, 25)
     for one, other in itertools.product(found, repeat=2):
-        if one == other or not dominates(one, other, loads):
+        if one == other or not dominates(one, other, loads, LIMITED):
             continue
         for body in range(BODIES):
             refuels, end = body == 0, 5.0
@@ -100,7 +130,9 @@ def test_who_dominates_does_so_after_any_leg(loads: Loads | None) -> None:
             then = extend(other, body, refuels, 30.0, end, loads, BUDGET)
             assert after.since == then.since == (0 if refuels else 2)
             if then.left >= 0.0:
-                assert dominates(after, then, loads) or (refuels and after.kits != then.kits)
+                assert dominates(after, then, loads, LIMITED) or (
+                    refuels and after.kits != then.kits
+                )
                 kept += 1
     assert kept > 50
 

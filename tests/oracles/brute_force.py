@@ -38,6 +38,7 @@ def _enumerate(  # noqa: PLR0913
     full,
     at_start,
     most,
+    between,
     takes,
     kits,
     kit,
@@ -59,7 +60,7 @@ def _enumerate(  # noqa: PLR0913
     ``limited`` each label has how often it refuelled there, and by how many kilograms. ``tows`` are
     time, ΔV and mass of what is towed, body by body, and no tow ends after ``last``. ``steps`` are
     body, time and loss of prizes that fall: the loss of a service that ends later. A label has the
-    sum of them last.
+    sum of them last. Of targets at most ``between`` are serviced before a refuelling and after it.
     """
     bodies = service.size
     sets = 1 << (bodies - first_target)
@@ -70,6 +71,7 @@ def _enumerate(  # noqa: PLR0913
         (room, 4 + 2 * stations)
     )  # ΔV of the first tank, mass, whether it is done, uses, loss
     chain = np.empty(room, np.int64)
+    since = np.zeros(room, np.int64)  # targets since the last refuelling
     head = np.full((sets, bodies), -1)
     where[0, 0], where[0, 1], where[0, 2] = 0, start, -1
     what[0, 0], what[0, 1], what[0, 2] = begin, at_start[kits], 0.0
@@ -99,7 +101,7 @@ def _enumerate(  # noqa: PLR0913
                         after = done
                         if j >= first_target:
                             bit = 1 << (j - first_target)
-                            if done & bit or size == most:
+                            if done & bit or size == most or since[label] == between:
                                 continue
                             after = done | bit
                             if takes[j] > aboard:
@@ -147,6 +149,7 @@ def _enumerate(  # noqa: PLR0913
                                 if steps[step, 0] == j and end > steps[step, 1] + SLACK_S:
                                     lost = max(lost, steps[step, 2])
                             now[now.size - 1] += lost
+                            visits = since[label] + 1 if j >= first_target else 0
                             other = head[after, j]
                             while other >= 0:
                                 if (
@@ -154,6 +157,7 @@ def _enumerate(  # noqa: PLR0913
                                     and what[other, 1] >= left
                                     and what[other, 2] <= cost
                                     and more[other, 2] == now[2]
+                                    and (since[other] <= visits or between >= bodies)
                                 ):
                                     worse = False
                                     for column in range(now.size):
@@ -167,11 +171,12 @@ def _enumerate(  # noqa: PLR0913
                                 where = np.concatenate((where, np.empty((room, 3), np.int64)))
                                 what = np.concatenate((what, np.empty((room, 3))))
                                 chain = np.concatenate((chain, np.empty(room, np.int64)))
+                                since = np.concatenate((since, np.empty(room, np.int64)))
                                 more = np.concatenate((more, np.empty((room, now.size))))
                                 room *= 2
                             where[count, 0], where[count, 1], where[count, 2] = after, j, label
                             what[count, 0], what[count, 1], what[count, 2] = end, left, cost
-                            more[count] = now
+                            more[count], since[count] = now, visits
                             chain[count] = head[after, j]
                             head[after, j] = count
                             count += 1
@@ -333,6 +338,7 @@ def labels_and_uses(mission: Mission) -> tuple[np.ndarray, np.ndarray, np.ndarra
             np.array(full),
             np.array(_at_start(chaser, full)),
             bodies if chaser.max_targets is None else chaser.max_targets,
+            chaser.max_visits_between_refuels or bodies,
             takes,
             kits,
             kit,

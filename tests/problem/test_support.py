@@ -223,6 +223,33 @@ def test_methods_refuse_a_new_field_and_a_rule_they_do_not_name(
         monkeypatch.undo()
 
 
+def test_a_refusal_names_methods_of_the_same_kind() -> None:
+    """A planner that is refused names planners, and a bound bounds, each once."""
+    instance = adr_opt.generate("tiny", 0, targets=3)
+    chaser = instance.chaser.replace(max_visits_between_refuels=1)
+    limited = instance.replace(chasers=(chaser,))
+    for call, name, others in (
+        (adr_opt.solve, "local-search", PLANNERS),
+        (adr_opt.bound, "cpsat", BOUNDS),
+    ):
+        with pytest.raises(InputError, match="does not follow visits between") as error:
+            call(limited, name, time_limit=1.0)
+        told = str(error.value).partition("use one of: ")[2].partition(", or ")[0].split(", ")
+        able = [
+            each
+            for each in names(others)
+            if "visits between refuellings" in spec(each, others).follows
+        ]
+        assert told == able
+
+
+def test_files_of_transfers_refuse_several_chasers_as_all_do(tmp_path: Path) -> None:
+    """The sentence is that of the table of rules, with its field and what to do."""
+    instance = rich().replace(keep_out_zones=())
+    with pytest.raises(InputError, match=r"does not follow several chasers \(field chasers\)"):
+        write_matrix(instance, tmp_path / "out.npz", [0.0])
+
+
 NESTED = ("mission", "targets[].orbit", "chasers[].tank")
 """Places of the fields that tools are tried with."""
 

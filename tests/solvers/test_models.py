@@ -25,6 +25,7 @@ from adr_opt.mission.certified import certify
 from adr_opt.mission.mission import Mission
 from solvers.bounds.routing_bound import routing_bound
 from solvers.models import course
+from solvers.models.cp_sat_solver import cp_sat
 from solvers.models.steps import in_steps
 from solvers.planners.cpsat import cpsat
 from solvers.planners.mip import mip
@@ -170,7 +171,7 @@ def test_features_matter():
         lambda rules: rules.start == rules.stations > 0,
         lambda rules: rules.returns,
         lambda rules: rules.ready > 0.0,
-        lambda rules: rules.most_targets == 1,
+        lambda rules: rules.limits.targets == 1,
         lambda rules: rules.opens.max() > rules.ready,
         lambda rules: rules.closes.min() < rules.duration,
     ):
@@ -339,3 +340,9 @@ def test_three_days_with_twenty_targets(method):
     assert result.upper_bound == 12.0
     assert math.isfinite(result.objective)
     assert result.upper_bound - result.objective <= 1.0
+
+
+def test_cp_sat_leaves_out_the_presolving_that_proves_wrong_optima() -> None:
+    """The limit that keeps google/or-tools#5293 away is nothing, however the solver is called."""
+    for seed, remaining_s, effort in ((0, math.inf, math.inf), (2**40, 1.0, 2.0)):
+        assert cp_sat(seed, remaining_s, effort).parameters.presolve_inclusion_work_limit == 0

@@ -66,7 +66,7 @@ def test_paths_are_schedules(seed):
             )
             fresh = ~np.isin(found.destination[legs], [j for j in order if j >= rules.first_target])
             legs = legs[(found.delta_v[legs] <= left) & fresh]
-            done = legs.size == 0 or len(order) == rules.most_targets
+            done = legs.size == 0 or len(order) == rules.limits.targets
             if not done:
                 leg = rng.choice(legs)
                 node = int(found.landing[leg])

@@ -165,7 +165,7 @@ def whole_windows(fleet: Fleet) -> list[Window]:
                 np.empty(0, np.int64),
                 float(rules.duration),
                 2 if rules.stations else 0,
-                int(rules.most_targets),
+                int(rules.limits.targets),
                 pace.times,
                 values,
             )

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from adr_opt.kernels.rules.loads import KITS_BIT, Loads
+from adr_opt.kernels.rules.loads import Loads
+from adr_opt.kernels.rules.resources import COUNT_BITS, CountLimits, kits_alone
 from solvers.labels.pending import is_preceded, more_room, next_of, pending_room, send, take
 from solvers.labels.row_cuts import CutTolls
 from solvers.labels.waiting import (
     Labels,
+    LabelTerms,
     Waiting,
     arrive,
     candidate_of,
@@ -18,6 +20,9 @@ from solvers.labels.waiting import (
 )
 
 LABELS = 900
+
+LIMITED = CountLimits(*(9 for _ in CountLimits._fields))
+"""Counts that all matter."""
 
 
 def random_labels(rng: np.random.Generator, words: int) -> Labels:
@@ -32,7 +37,7 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
         value,
         value,
         rng.integers(0, 300, LABELS) * 10.0,
-        rng.integers(0, 2, LABELS).astype(np.int32),
+        rng.integers(0, 2, LABELS),
         none.astype(np.int16),
         rng.integers(0, 2, LABELS) * 1.0,
         memory,
@@ -41,8 +46,7 @@ def random_labels(rng: np.random.Generator, words: int) -> Labels:
 
 def with_kits(labels: Labels, rng: np.random.Generator) -> Labels:
     """The same with none or one kit aboard each."""
-    kits = rng.integers(0, 2, LABELS).astype(np.int32) << KITS_BIT
-    return labels._replace(visits=labels.visits + kits)
+    return labels._replace(counts=labels.counts + kits_alone(rng.integers(0, 2, LABELS)))
 
 
 def carrying(what: str) -> Loads | None:
@@ -78,7 +82,7 @@ def dominates(
     cuts: CutTolls | None = None,
 ) -> bool:
     """Whether one label dominates another, written once more."""
-    services, kits = labels.visits & ((1 << KITS_BIT) - 1), labels.visits >> KITS_BIT
+    services, kits = labels.counts & ((1 << COUNT_BITS) - 1), labels.counts >> 2 * COUNT_BITS
     more = int(kits[one]) - int(kits[other])
     return bool(
         (what == "nothing" or more == 0 or (what == "counts" and more > 0))
@@ -111,18 +115,16 @@ def test_exactly_those_wait_that_none_dominates(tolled, words, whole, what):
     cuts = random_tolls(rng, words) if tolled else None
     if cuts is not None:
         compared &= ~cuts.bits
-    waiting = room(2, words, 16)
+    terms, waiting = LabelTerms(loads, LIMITED, cuts), room(2, words, 16)
     alive: set[int] = set()
     refused = 0
     for label in range(LABELS):
-        candidate, memory = candidate_of(labels, label, loads), labels.memory[label]
+        candidate, memory = candidate_of(labels, label), labels.memory[label]
         dominated = any(dominates(labels, other, label, compared, what, cuts) for other in alive)
-        assert dominated == is_dominated(
-            waiting, labels, 1, candidate, memory, compared, loads, cuts
-        )
-        if not arrive(waiting, labels, 1, label, compared, loads, cuts):
+        assert dominated == is_dominated(waiting, labels, 1, candidate, memory, compared, terms)
+        if not arrive(waiting, labels, 1, label, compared, terms):
             waiting = larger(waiting, words)
-            assert arrive(waiting, labels, 1, label, compared, loads, cuts)
+            assert arrive(waiting, labels, 1, label, compared, terms)
         refused += dominated
         if not dominated:
             beaten = {n for n in alive if dominates(labels, label, n, compared, what, cuts)}
@@ -155,11 +157,10 @@ def test_all_that_are_sent_arrive_and_precede_others_until_then(tolled, words):
             pending,
             row,
             labels,
-            candidate_of(labels, label, None),
+            candidate_of(labels, label),
             labels.memory[label],
             compared,
-            None,
-            cuts,
+            LabelTerms(None, LIMITED, cuts),
         )
         while not send(pending, row, labels, label):
             pending, grown = more_room(pending, words), grown + 1

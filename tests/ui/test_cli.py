@@ -102,6 +102,20 @@ def test_help_does_not_wait_for_numba(arguments: list[str]) -> None:
     assert ran.returncode == 0, ran.stderr
 
 
+def test_solve_and_check_do_not_wait_for_integrators(tiny_file: Path) -> None:
+    """Planning and checking a small field import none of SciPy's integrators and optimisers."""
+    heavy = "{'scipy.integrate', 'scipy.optimize'}"
+    code = (
+        "import sys; from adr_opt.ui.cli.entry import main; "
+        "main(['solve', 'tiny.json', '--method', 'greedy', '--out', 'plan.json']); "
+        f"sys.exit(main(['check', 'tiny.json', 'plan.json']) or len({heavy} & set(sys.modules)))"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], cwd=tiny_file.parent, capture_output=True, check=False
+    )
+    assert ran.returncode == 0, ran.stderr
+
+
 def test_verb_imports_only_its_own_module() -> None:
     """Calling one verb leaves the modules of the others unimported."""
     code = (

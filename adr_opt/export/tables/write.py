@@ -14,8 +14,8 @@ from ...legs.connections import Choice
 from ...legs.matrices import FloatArray, Matrices
 from ...mission.mission import Mission
 from ...problem.instance import Instance
-from ...problem.rules import FIRST, SUPPLIES, TOURS, Follower
-from ...problem.support import refuse
+from ...problem.rules import FIRST, JUDGED, SUPPLIES, TOURS, Follower
+from ...problem.support import followed, refuse
 from . import models, netcdf, npz, oplib, parquet, tsp, vrp
 from .weights import check_quantity, check_scale
 
@@ -32,6 +32,9 @@ ONE_DEPOT = (".vrp", ".oplib")
 Building = Callable[[float], None]
 """Callback for the share of the timetable that is built."""
 
+
+TRANSFERS = Follower("a file of transfers", JUDGED - {"several chasers"})
+"""All files, which hold the transfers of one chaser."""
 
 MODEL_FILES = Follower(
     "a file of the model",
@@ -221,4 +224,4 @@ def _build(mission: Mission, building: Building) -> None:
 def _mission(instance_or_mission: Instance | Mission) -> Mission:
     if isinstance(instance_or_mission, Mission):
         return instance_or_mission
-    return Mission(instance_or_mission)
+    return Mission(followed(instance_or_mission, TRANSFERS))

@@ -14,10 +14,11 @@ A refined plan (:mod:`adr_opt.fly.refine`) is flown by :func:`fly_refined`: in t
 another integrator than the one it was made with.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from .fly import fly
 from .mean_flight import MeanFlight, fly_mean
-from .refined import fly_refined
-from .refined_result import RefinedFlight, RefinedLegFlight
 from .result import EccentricFlight, Flight, LegFlight, TankFlight
 
 __all__ = [
@@ -32,3 +33,20 @@ __all__ = [
     "fly_mean",
     "fly_refined",
 ]
+
+if TYPE_CHECKING:
+    from .refined import fly_refined
+    from .refined_result import RefinedFlight, RefinedLegFlight
+
+# SciPy's integrators take longer to import than `check` runs: only who asks for them waits.
+_HOME = {
+    "RefinedFlight": "refined_result",
+    "RefinedLegFlight": "refined_result",
+    "fly_refined": "refined",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_HOME[name]}", __name__), name)

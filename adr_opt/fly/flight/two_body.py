@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ...common.errors import MissingExtra
+from ...kernels.core.compile import keep
 from ...problem.orbit import Orbit
 
 Vector = npt.NDArray[np.float64]
@@ -43,10 +44,12 @@ class TwoBody:
         try:
             from astropy import units
             from boinor.bodies import Earth
-            from boinor.core import angles, iod, propagation
+            from boinor.core import angles, elements, iod, propagation
             from boinor.twobody import Orbit as Conic
         except ImportError:
             raise MissingExtra("flying a plan", "boinor", "astro") from None
+        for slowly_compiled in (elements.coe2rv, propagation.vallado, iod.izzo):
+            keep(slowly_compiled)
         self._units, self._earth, self._conic = units, Earth, Conic
         self._angles, self._vallado, self._izzo = angles, propagation.vallado, iod.izzo
         self._mu = float(Earth.k.to_value(units.m**3 / units.s**2))

@@ -14,7 +14,6 @@ from ...common.clock import now_s
 from ...common.errors import InputError
 from ...common.processors import usable_cores
 from ...judge.admit import Admitted, AnyPlan, admit
-from ...judge.refined import check_refined
 from ...mission.result import versions
 from ...plan.plan import InstanceReference, Leg, Plan
 from ...plan.refined_plan import (
@@ -256,6 +255,8 @@ def refined_again(
 
 def _without_low(instance: Instance, plan: Plan, made: RefinedPlan) -> RefinedPlan:
     """A refined plan without legs that come down below the limit of altitude."""
+    from ...judge.refined import check_refined
+
     low = {
         found.leg: Missing(leg=found.leg, reason=found.message)
         for found in check_refined(instance, plan, made)

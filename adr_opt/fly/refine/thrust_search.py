@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.optimize import minimize
 
 from ...kernels.orbits.short_periods import Array
 from ...plan.plan import LowThrustArc
@@ -198,6 +197,8 @@ def _least(task: ThrustTask, programme: Programme, laps: float) -> Programme:
     limits = [(one - reach, one + reach) for one in began[:10]]
     limits += [(LEAST_THRESHOLD, LARGEST_THRESHOLD)] * 2
     limits.append((0.0, (task.end_s - task.start_s) / SCALE_S))
+    from scipy.optimize import minimize
+
     found = minimize(
         lambda unknown: _cost(made(unknown)) / SCALE,
         began,

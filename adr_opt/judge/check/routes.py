@@ -193,8 +193,16 @@ def _check_order(
             yield Violation(number, "refuelling", "no target was visited since the last refuelling")
     elif leg.destination not in bodies.windows:
         yield Violation(number, "order", f"{leg.destination!r} is neither a target nor a station")
-    elif leg.destination in visited:
-        yield Violation(number, "order", f"{leg.destination!r} was visited before")
+    else:
+        if leg.destination in visited:
+            yield Violation(number, "order", f"{leg.destination!r} was visited before")
+        most = now.chaser.max_visits_between_refuels
+        if most is not None and now.since_refuelling >= most:
+            yield Violation(
+                number,
+                "targets",
+                f"{now.chaser.name!r} may visit {most} targets between refuellings",
+            )
     return True
 
 

@@ -18,14 +18,14 @@ from __future__ import annotations
 from ...common.errors import InputError
 from ...plan.plan import Plan
 from ...problem.instance import AnyInstance
-from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.rules import JUDGED, Follower
 from ...problem.support import followed
 from .model import check_model
 from .routes import check_legs, check_routes
 from .totals import check_cost, check_totals
 from .violation import Violation
 
-FOLLOWS = Follower("check", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("check", JUDGED)
 
 
 def check(instance: AnyInstance, plan: Plan) -> tuple[Violation, ...]:

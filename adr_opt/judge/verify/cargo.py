@@ -1,4 +1,4 @@
-"""Cargo of a chaser, and the effect of services on cargo and tank.
+"""Cargo of a chaser, the effect of services on cargo and tank, and what is counted of them.
 
 What is left is counted as ΔV: what the propellant gives to the mass there is. A leg takes its ΔV
 off that, whatever is aboard. A kit that stays behind leaves the propellant p and takes its mass off
@@ -118,3 +118,60 @@ def cargo_of(instance: Instance, chaser: Chaser, towed: dict[str, Towed]) -> Car
             share[body] = math.exp(kept)
             lost[body] = -math.expm1(kept) * (1.0 + tow.mass_kg / empty_kg)
     return Cargo(takes, full, begun, tank.exhaust_m_s, share, lost, heavy)
+
+
+COUNT_BITS, MOST_COUNTED = 15, (1 << 14) - 1
+"""Bits of a count in a packed number, the highest of them always 0, and its greatest value. What
+may be as great is not counted, which leaves more walks."""
+
+GUARDS = sum(1 << COUNT_BITS * (at + 1) - 1 for at in range(4))
+"""The highest bits of all counts."""
+
+
+@inlined
+def none_beyond(counts, most):
+    """Whether none of the counts that are packed in a number is greater than in another one."""
+    return (most | GUARDS) - counts & GUARDS == GUARDS
+
+
+class StayCounts(NamedTuple):
+    """What walks count of their stays, as far as it limits them: counts packed in one number.
+
+    Attributes
+    ----------
+    adds : (bodies,) int64
+        What a stay adds.
+    keeps : (bodies,) int64
+        Mask of the counts that it leaves as they are; it sets the others to nothing before.
+    most : int
+        The most of each count.
+    """
+
+    adds: npt.NDArray[np.int64]
+    keeps: npt.NDArray[np.int64]
+    most: int
+
+
+def counting_of(instance: Instance, chaser: Chaser) -> StayCounts:
+    """What is counted: services, at most so many, each with whether it begins anew at a station."""
+    between = chaser.max_visits_between_refuels
+    limits = [(_most_targets(instance, chaser), False), (between, True)]
+    bodies, first, stations = len(instance.names), instance.first_target, len(instance.stations)
+    adds, keeps, packed = np.zeros(bodies, np.int64), np.full(bodies, -1), 0
+    for at, (most, is_anew) in enumerate(limits):
+        if most is not None and most < min(len(instance.targets), MOST_COUNTED):
+            adds[first:] |= 1 << COUNT_BITS * at
+            packed |= most << COUNT_BITS * at
+            if is_anew:
+                keeps[:stations] &= ~(MOST_COUNTED << COUNT_BITS * at)
+    return StayCounts(adds, keeps, packed)
+
+
+def _most_targets(instance: Instance, chaser: Chaser) -> int | None:
+    """Maximum number of targets; not where the kits aboard set the limit."""
+    limits = [chaser.max_targets]
+    if all(target.removal == "kit" for target in instance.targets):
+        if chaser.kit_mass_kg > 0.0:
+            return None
+        limits.append(chaser.kits)
+    return min((limit for limit in limits if limit is not None), default=None)

@@ -3,7 +3,7 @@
 A *label* is the beginning of a walk: where it is and since when, exact ΔV left, kits aboard, what
 it has collected, how many targets it has serviced, and which it remembers. Labels are gone through
 in order of time. One is dropped if another one at its body is there no later, has as much left, has
-collected as much with no more services, and remembers nothing else: whatever the one can do later
+collected as much, has counted no more, and remembers nothing else: whatever the one can do later
 the other can, if it has as many kits, or more of kits that weigh nothing. Where there are cuts
 (:mod:`.cuts`) it also has to have collected enough to pay for those that it alone has serviced an
 odd number of rows of. And one is not made whose value and the most that is still to be had
@@ -22,7 +22,7 @@ import numpy.typing as npt
 from ...common.constants import SLACK_S
 from ...kernels.core.compile import inlined, kernel
 from .ahead import Ahead, still
-from .cargo import after_service, is_unused
+from .cargo import after_service, is_unused, none_beyond
 from .cuts import Tolls, sum_of, toll_for
 
 FINE = 30
@@ -45,7 +45,9 @@ class WalkLabels(NamedTuple):
 
     Attributes
     ----------
-    body, kits, visits, came_from : (labels,) int32
+    body, kits, came_from : (labels,) int32
+    counts : (labels,) int64
+        As :class:`.cargo.StayCounts` packs them.
     time, left : (labels,) float64
         Ready since [s], and what is left of the tank, with the slack of the model [m/s].
     value : (labels,) int64
@@ -64,8 +66,8 @@ class WalkLabels(NamedTuple):
 
     body: npt.NDArray[np.int32]
     kits: npt.NDArray[np.int32]
-    visits: npt.NDArray[np.int32]
     came_from: npt.NDArray[np.int32]
+    counts: npt.NDArray[np.int64]
     time: npt.NDArray[np.float64]
     left: npt.NDArray[np.float64]
     value: npt.NDArray[np.int64]
@@ -85,8 +87,8 @@ class KeptLabels(NamedTuple):
     ----------
     size : (places,) int64
     left : (places, room) float64
-    value, worth : (places, room) int64
-    visits, came_from : (places, room) int32
+    value, worth, counts : (places, room) int64
+    came_from : (places, room) int32
     memory : (places, words, room) int64
     odd : (places, cut words, room) int64
     """
@@ -95,7 +97,7 @@ class KeptLabels(NamedTuple):
     left: npt.NDArray[np.float64]
     value: npt.NDArray[np.int64]
     worth: npt.NDArray[np.int64]
-    visits: npt.NDArray[np.int32]
+    counts: npt.NDArray[np.int64]
     came_from: npt.NDArray[np.int32]
     memory: npt.NDArray[np.int64]
     odd: npt.NDArray[np.int64]
@@ -140,8 +142,6 @@ class Question(NamedTuple):
         What a walk is to collect [fine units].
     neighbourhoods : (bodies, words) int64
         What a walk that comes to a body still remembers.
-    counts : bool
-        Whether services are to be counted.
     tolls : Tolls
         Of cuts [fine units].
     price : Price
@@ -153,7 +153,6 @@ class Question(NamedTuple):
     gain: npt.NDArray[np.int64]
     need: int
     neighbourhoods: npt.NDArray[np.int64]
-    counts: bool
     tolls: Tolls
     price: Price
     lost: npt.NDArray[np.int64]
@@ -178,7 +177,7 @@ class Compared(NamedTuple):
     Attributes
     ----------
     left : float
-    value, worth, visits : int
+    value, worth, counts : int
     memory : (words,) int64
     odd : (cut words,) int64
     """
@@ -186,7 +185,7 @@ class Compared(NamedTuple):
     left: float
     value: int
     worth: int
-    visits: int
+    counts: int
     memory: npt.NDArray[np.int64]
     odd: npt.NDArray[np.int64]
 
@@ -215,9 +214,9 @@ def _owing(tolls, odd, place, k, label):
 @kernel
 def _is_dominated_at(kept, tolls, place, label):
     """Whether a kept label at one place dominates a label."""
-    left, value, visits, memory = label.left, label.value, label.visits, label.memory
+    left, value, memory = label.left, label.value, label.memory
     words = memory.size
-    lefts, values, counts = kept.left[place], kept.value[place], kept.visits[place]
+    lefts, values, counts = kept.left[place], kept.value[place], kept.counts[place]
     memories = kept.memory[place]
     for begin in range(0, kept.size[place], BLOCK):
         end = min(begin + BLOCK, kept.size[place])
@@ -228,12 +227,12 @@ def _is_dominated_at(kept, tolls, place, label):
                 found |= (
                     (lefts[k] >= left)
                     & (values[k] >= value)
-                    & (counts[k] <= visits)
+                    & none_beyond(counts[k], label.counts)
                     & (own[k] & beyond == 0)
                 )
         else:
             for k in range(begin, end):
-                if lefts[k] >= left and values[k] >= value and counts[k] <= visits:
+                if lefts[k] >= left and values[k] >= value and none_beyond(counts[k], label.counts):
                     more = np.int64(0)
                     for w in range(words):
                         more |= memories[w, k] & ~memory[w]
@@ -243,7 +242,9 @@ def _is_dominated_at(kept, tolls, place, label):
         if found:  # one of them, unless it is for the tolls, or worth less
             for k in range(begin, end):
                 better = kept.worth[place, k] >= label.worth
-                better &= lefts[k] >= left and values[k] >= value and counts[k] <= visits
+                better &= (
+                    lefts[k] >= left and values[k] >= value and none_beyond(counts[k], label.counts)
+                )
                 for w in range(words):
                     better = better and memories[w, k] & ~memory[w] == 0
                 if better and values[k] - _owing(tolls, kept.odd, place, k, label) >= value:
@@ -257,7 +258,7 @@ def _move(kept, place, k, to):
     kept.left[place, to] = kept.left[place, k]
     kept.value[place, to] = kept.value[place, k]
     kept.worth[place, to] = kept.worth[place, k]
-    kept.visits[place, to] = kept.visits[place, k]
+    kept.counts[place, to] = kept.counts[place, k]
     kept.came_from[place, to] = kept.came_from[place, k]
     for w in range(kept.memory.shape[1]):
         kept.memory[place, w, to] = kept.memory[place, w, k]
@@ -274,7 +275,7 @@ def _forget_poorer(kept, tolls, place, label):
     size = 0
     for k in range(kept.size[place]):
         poorer = kept.left[place, k] <= label.left and kept.value[place, k] <= label.value
-        poorer = poorer and kept.visits[place, k] >= label.visits
+        poorer = poorer and none_beyond(label.counts, kept.counts[place, k])
         poorer = poorer and kept.worth[place, k] <= label.worth
         for w in range(label.memory.size):
             poorer = poorer and label.memory[w] & ~kept.memory[place, w, k] == 0
@@ -358,7 +359,7 @@ def _extend(legs, ahead, question, labels, kept, count, label):
     """
     memory, odd = np.empty_like(labels.memory[label]), np.empty_like(labels.odd[label])
     bodies, words, tolls = question.gain.size, memory.size, question.tolls
-    price = question.price
+    price, counting = question.price, legs.terms.counting
     i, time, left = labels.body[label], labels.time[label], labels.left[label]
     kits, cargo, head = labels.kits[label], legs.terms.cargo, labels.head
     came_from = np.int32(-1) if legs.terms.is_station[i] else i
@@ -369,17 +370,17 @@ def _extend(legs, ahead, question, labels, kept, count, label):
         if low == high:
             continue
         if not to_station and (
-            labels.memory[label, j // WORD] >> (j % WORD) & 1
-            or labels.visits[label] == legs.terms.most_targets
-            or kits < cargo.takes[j]
+            labels.memory[label, j // WORD] >> (j % WORD) & 1 or kits < cargo.takes[j]
         ):
+            continue
+        counts = (labels.counts[label] & counting.keeps[j]) + counting.adds[j]
+        if not none_beyond(counts, counting.most):
             continue
         aboard = kits - cargo.takes[j]
         gained = labels.value[label] + question.gain[j] - toll_for(tolls, labels.odd[label], j)
         worth = labels.worth[label] + (price.worth[j] if price.pays else 0)
         for w in range(odd.size):
             odd[w] = labels.odd[label, w] & tolls.memory[j, w] ^ tolls.rows[j, w]
-        visits = labels.visits[label] + (1 if question.counts and not to_station else 0)
         for w in range(words):
             memory[w] = labels.memory[label, w] & question.neighbourhoods[j, w]
         if came_from >= 0:
@@ -415,12 +416,12 @@ def _extend(legs, ahead, question, labels, kept, count, label):
                 continue
             if not _is_worth(price, step, j, aboard, rest, came_from, worth):
                 continue
-            reached = Compared(rest, value, worth, visits, memory, odd)
+            reached = Compared(rest, value, worth, counts, memory, odd)
             if _is_dominated(cargo, tolls, kept, j, aboard, reached):
                 continue
             if count == labels.body.size:
                 return -count
-            labels.body[count], labels.kits[count], labels.visits[count] = j, aboard, visits
+            labels.body[count], labels.kits[count], labels.counts[count] = j, aboard, counts
             labels.came_from[count] = came_from
             labels.time[count], labels.left[count] = legs.end[leg], rest
             labels.value[count], labels.worth[count] = value, worth
@@ -478,7 +479,7 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
                 labels.left[label],
                 labels.value[label],
                 labels.worth[label],
-                labels.visits[label],
+                labels.counts[label],
                 labels.memory[label],
                 labels.odd[label],
             )
@@ -496,7 +497,7 @@ def search(legs, ahead, question, labels, kept, cursor, ready):
                 if count < 0:
                     return FULL
                 kept.left[place, at], kept.value[place, at] = own.left, own.value
-                kept.visits[place, at], kept.worth[place, at] = own.visits, own.worth
+                kept.counts[place, at], kept.worth[place, at] = own.counts, own.worth
                 kept.came_from[place, at] = labels.came_from[label]
                 for w in range(own.memory.size):
                     kept.memory[place, w, at] = own.memory[w]

@@ -8,9 +8,9 @@ from collections.abc import Collection, Iterator
 from ...legs.connection_finder import ConnectionFinder
 from ...problem.chasers import Chaser
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.rules import JUDGED, Follower
 
-FOLLOWS = Follower("verify", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("verify", JUDGED)
 """A station's amount of propellant is ignored: walks may take any; so are the separation of
 missions and the longest leg, which only forbid plans."""
 

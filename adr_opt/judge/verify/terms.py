@@ -16,7 +16,7 @@ from ...problem.chasers import AtStation, Chaser
 from ...problem.drives import drive_of
 from ...problem.instance import Instance
 from ..check.tow import towed_bodies
-from .cargo import Cargo, cargo_of
+from .cargo import Cargo, StayCounts, cargo_of, counting_of, none_beyond
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -46,8 +46,7 @@ class Terms(NamedTuple):
     begun : (most kits + 1,) float64
         What there is in the tank at the start, with so many kits: a full one where the first leg
         pays for what it lacks [m/s].
-    most_targets : int
-        So many services are to be counted.
+    counting : StayCounts
     """
 
     home: int
@@ -64,7 +63,7 @@ class Terms(NamedTuple):
     ready: FloatArray
     cargo: Cargo
     begun: FloatArray
-    most_targets: int
+    counting: StayCounts
 
     @property
     def bodies(self) -> int:
@@ -97,7 +96,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
     may_end = np.ones(bodies, dtype=np.bool_)
     if isinstance(chaser.end, AtStation):
         may_end[:] = [name == chaser.end.station for name in names]
-    most = _most_targets(instance, chaser)
+    counting = counting_of(instance, chaser)
     starts, ready = np.array([home]), np.full(bodies, begin)
     begun = cargo.full if connecting.spent_m_s(home) else cargo.begun
     if chaser.is_launched:
@@ -106,7 +105,8 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         ready = served + tows
         in_time = (served <= closes + SLACK_S) & (ready <= last + SLACK_S)
         in_time &= np.arange(bodies) >= first_target
-        starts = np.append(starts, np.flatnonzero(in_time)[: bodies if most else 0])
+        in_time &= [bool(none_beyond(int(adds), counting.most)) for adds in counting.adds]
+        starts = np.append(starts, np.flatnonzero(in_time))
     return Terms(
         home,
         may_follow,
@@ -122,7 +122,7 @@ def terms_of(instance: Instance, chaser: Chaser, connecting: ConnectionFinder) -
         ready,
         cargo,
         begun,
-        most,
+        counting,
     )
 
 
@@ -176,13 +176,3 @@ def _may_follow(bodies: int, home: int, stations: int, first_target: int) -> npt
     may: npt.NDArray[np.bool_] = np.outer(leaves, is_target) | np.outer(is_target, is_station)
     may[body, body] = False
     return may
-
-
-def _most_targets(instance: Instance, chaser: Chaser) -> int:
-    """Maximum number of targets; all of them where the kits aboard set the limit."""
-    limits = [len(instance.targets), chaser.max_targets]
-    if all(target.removal == "kit" for target in instance.targets):
-        if chaser.kit_mass_kg > 0.0:
-            return len(instance.targets)
-        limits.append(chaser.kits)
-    return min(limit for limit in limits if limit is not None)

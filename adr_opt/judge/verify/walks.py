@@ -102,11 +102,10 @@ def walks_reach(
     remembered = np.zeros((len(gains), of_bodies), dtype=np.int64)
     for i, j in np.argwhere(neighbourhoods):
         remembered[i, j // WORD] |= 1 << (j % WORD)
-    counts = legs.terms.most_targets < int(np.count_nonzero(~legs.terms.is_station))
     tolls = tolls_of(cuts, len(gains), unit)
     price = _price(legs, ahead, unit, slot_m_s, paying)
     lost = lost_on(legs, losses, unit)
-    question = Question(np.array(worth), need, remembered, counts, tolls, price, lost)
+    question = Question(np.array(worth), need, remembered, tolls, price, lost)
     words = of_bodies, tolls.rows.shape[1]
     labels = _labels_room(FIRST_LABELS, words, ahead.last.size)
     kept = _kept_room(len(gains) * legs.terms.cargo.full.size, words, FIRST_KEPT)
@@ -176,7 +175,8 @@ def _begin(
                 continue
             labels.body[at], labels.came_from[at] = body, -1
             labels.time[at], labels.left[at] = legs.terms.ready[body], left
-            labels.kits[at], labels.visits[at] = kits - takes, int(question.counts and is_launch)
+            labels.kits[at] = kits - takes
+            labels.counts[at] = legs.terms.counting.adds[body] if is_launch else 0
             labels.value[at] = launched[body] if is_launch else 0
             pays = question.price.pays and is_launch
             labels.worth[at] = question.price.worth[body] if pays else 0
@@ -189,25 +189,25 @@ def _begin(
 
 def _labels_room(size: int, words: tuple[int, int], steps: int) -> WalkLabels:
     """Storage for labels, by the step they are ready in; with words of memory and of cuts."""
-    body, kits, visits, came_from = (np.empty(size, dtype=np.int32) for _ in range(4))
+    body, kits, came_from = (np.empty(size, dtype=np.int32) for _ in range(3))
     time, left = np.empty(size), np.empty(size)
-    value, worth, following = (np.empty(size, dtype=np.int64) for _ in range(3))
+    counts, value, worth, following = (np.empty(size, dtype=np.int64) for _ in range(4))
     memory, odd = (np.empty((size, each), dtype=np.int64) for each in words)
     head = np.full(steps + 1, -1)
     return WalkLabels(
-        body, kits, visits, came_from, time, left, value, worth, memory, odd, following, head
+        body, kits, came_from, counts, time, left, value, worth, memory, odd, following, head
     )
 
 
 def _kept_room(places: int, words: tuple[int, int], size: int) -> KeptLabels:
     """Storage for labels kept for comparison."""
-    visits, came_from = (np.empty((places, size), dtype=np.int32) for _ in range(2))
+    value, worth, counts = (np.empty((places, size), dtype=np.int64) for _ in range(3))
     return KeptLabels(
         np.zeros(places, dtype=np.int64),
         np.empty((places, size)),
-        np.empty((places, size), dtype=np.int64),
-        np.empty((places, size), dtype=np.int64),
-        visits,
-        came_from,
+        value,
+        worth,
+        counts,
+        np.empty((places, size), dtype=np.int32),
         *(np.empty((places, each, size), dtype=np.int64) for each in words),
     )

@@ -33,11 +33,21 @@ def _compiled(**options: Any) -> Callable[[Function], Function]:
 
     def decorator(function: Function) -> Function:
         dispatcher: Any = decorate(function)
-        dispatcher._cache = KernelCache(dispatcher, find)
+        keep(dispatcher)
         _call_within(dispatcher, decorate_within(function))
         return dispatcher  # type: ignore[no-any-return]
 
     return decorator
+
+
+def keep(dispatcher: Any) -> None:
+    """Keep what is compiled of a function, also of another package that would not, for later runs.
+
+    Parameters
+    ----------
+    dispatcher : numba.core.dispatcher.Dispatcher
+    """
+    dispatcher._cache = KernelCache(dispatcher, find)
 
 
 def _call_within(dispatcher: Any, within: Any) -> None:
@@ -45,7 +55,7 @@ def _call_within(dispatcher: Any, within: Any) -> None:
 
     Code that unpacks a mission from Python objects takes a fifth of all compiling.
     """
-    within._cache = KernelCache(within, find)
+    keep(within)
     own_template, own_overload = dispatcher.get_call_template, dispatcher.get_overload
 
     def template(args: Any, kws: Any) -> Any:

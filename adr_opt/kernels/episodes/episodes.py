@@ -15,10 +15,13 @@ from ...common.constants import SLACK_M_S, SLACK_S, TURN_RAD
 from ..core.compile import inlined, kernel
 from ..core.memory import borrowed
 from ..rules import rules as rule_kernels
-from ..rules.resources import Resources
+from ..rules.resources import Resources, limits_in
 from ..rules.rules import Rules, State
 from ..tables import stacked_timetables, timetable
 from .outlook import HOME, Outlook
+
+BODIES = 0
+"""First column of :attr:`StackedFields.counts`."""
 
 SERVICE, OPENS, CLOSES, PRIZE = range(4)
 """Rows of :attr:`StackedFields.limits`."""
@@ -29,8 +32,9 @@ class StackedFields(NamedTuple):
 
     Attributes
     ----------
-    bodies : (slots,) int32
-        Bodies of each field, the station first.
+    counts : (slots, 1 + limits) int32
+        Bodies of each field, the station first, and then its
+        :class:`adr_opt.kernels.rules.resources.CountLimits`.
     orbits : (slots, bodies, columns) float64
         Rows of :data:`adr_opt.kernels.orbits.ephemeris.ORBIT_COLUMNS`.
     limits : (slots, 4, bodies) float64
@@ -46,7 +50,7 @@ class StackedFields(NamedTuple):
         As in :class:`.outlook.Outlook`, with a leading axis of slots.
     """
 
-    bodies: np.ndarray
+    counts: np.ndarray
     orbits: np.ndarray
     limits: np.ndarray
     is_station: np.ndarray
@@ -113,7 +117,7 @@ def rules_of(pool, episodes, e):
         first_target=1,
         start=HOME,
         ready=0.0,
-        most_targets=int(pool.bodies[slot]),
+        limits=limits_in(pool.counts[slot, 1:]),
         returns=False,
         budget=episodes.budget[e] + SLACK_M_S,
         duration=episodes.duration[e] + SLACK_S,
@@ -161,7 +165,7 @@ def begin(pool, episodes, e):
     episodes.refuelled[e] = 0
     episodes.delta_v[e] = 0.0
     episodes.collected[e] = 0.0
-    bodies = pool.bodies[episodes.slot[e]]
+    bodies = pool.counts[episodes.slot[e], BODIES]
     for j in range(episodes.visited.shape[1]):
         episodes.visited[e, j] = j >= bodies
 
@@ -211,7 +215,7 @@ def make_mask(pool, episodes, e, mask):
     """Legal actions of an episode, written into ``mask`` (actions,) bool; returns their number."""
     pool, episodes, mask = borrowed(pool), borrowed(episodes), borrowed(mask)
     rules = rules_of(pool, episodes, e)
-    bodies = pool.bodies[episodes.slot[e]]
+    bodies = pool.counts[episodes.slot[e], BODIES]
     targets = mask.size - 1
     state = state_of(episodes, e)
     count = 0

@@ -20,7 +20,7 @@ from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
 from ..rules import rules as rule_kernels
 from ..tables.stacked_timetables import lookup_in_column
 from ..tables.timetable import steps_begun
-from .episodes import clip, outlook_of, rules_of, state_of, turned
+from .episodes import BODIES, clip, outlook_of, rules_of, state_of, turned
 from .outlook import AHEAD, DELTA_V_UNIT_M_S, HOME, HOUR_UNIT, M_S_PER_HOUR, NEAR, NOBODY
 
 LIMIT = 5.0
@@ -273,7 +273,7 @@ def observe_transfer(pool, episodes, order, first, last, into, prized):
         rules = rules_of(pool, episodes, e)
         outlook = outlook_of(pool, slot)
         orbits = pool.orbits[slot]
-        bodies = pool.bodies[slot]
+        bodies = pool.counts[slot, BODIES]
         visited = episodes.visited[e]
         out = moves[e]
         state = state_of(episodes, e)

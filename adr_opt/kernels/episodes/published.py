@@ -9,7 +9,7 @@ import math
 from ..core.compile import kernel
 from ..core.memory import borrowed
 from ..orbits.ephemeris import inclination_at, latitude_at, node_at, radius_at
-from .episodes import clip, make_mask, turned
+from .episodes import BODIES, clip, make_mask, turned
 from .observation import DEGREES, LIMIT, PER_50_KM
 from .outlook import HOME
 
@@ -53,7 +53,7 @@ def observe_published(pool, episodes, order, first, last, out, mask, legal):
         for row in range(targets + 1):
             j = episodes.body[e] if row == 0 else row
             at = targets + 2 + 6 * row
-            if j >= pool.bodies[slot]:
+            if j >= pool.counts[slot, BODIES]:
                 for column in range(6):
                     out[e, at + column] = 0.0
                 continue

@@ -9,7 +9,7 @@ import math
 from ..core.compile import inlined, kernel
 from ..core.draws import delay_at, lognormal_at
 from ..core.memory import borrowed
-from .episodes import SERVICE, clip, rules_of, state_of
+from .episodes import BODIES, SERVICE, clip, rules_of, state_of
 from .observation import LEGAL, LIMIT, NEEDED, PER_HOUR, PER_KM_S, PER_TEN, PRIZE, observe_transfer
 from .outlook import HOME
 from .worlds import (
@@ -119,7 +119,7 @@ def observe_worlds(pool, episodes, order, first, last, into, worlds):
         e = order[place]
         slot, out, visited = episodes.slot[e], moves[e], episodes.visited[e]
         left = max(episodes.left[e], 0.0) * PER_KM_S
-        for j in range(pool.bodies[slot]):
+        for j in range(pool.counts[slot, BODIES]):
             row = targets if j == HOME else j - 1
             if j != HOME and visited[j]:
                 continue

@@ -131,34 +131,6 @@ def most_kits(loads):
     return loads.full.size - 1
 
 
-KITS_BIT = 16
-"""Number of low bits of a packed count that hold the services; the kits lie above them."""
-
-
-@inlined
-def with_kits(loads, services, kits):
-    """Services and kits packed in one number; the services alone without loads."""
-    if loads is None:
-        return services
-    return services + (kits << KITS_BIT)
-
-
-@inlined
-def kits_in(loads, packed):
-    """Number of kits in a packed count."""
-    if loads is None:
-        return 0
-    return np.int64(packed) >> KITS_BIT
-
-
-@inlined
-def services_in(loads, packed):
-    """Number of services in a packed count."""
-    if loads is None:
-        return packed
-    return packed & ((1 << KITS_BIT) - 1)
-
-
 @inlined
 def may_stand_for(loads, kits, other):
     """Whether a chaser with ``kits`` aboard can do everything that one with ``other`` kits can.

@@ -4,7 +4,9 @@ The resources of the resource-constrained shortest paths that all planners look 
 service or refuelling that follows it extends them by :func:`extend`, and one set of them dominates
 another by :func:`dominates`. Both stand here alone, but for :mod:`adr_opt.judge`, which states them
 again, on purpose. A further resource (a variance, a class of masses) is a field of
-:class:`Resources`, what these two functions say of it, and a column of :func:`columns`.
+:class:`Resources`, what these two functions say of it, and a column of :func:`columns`; a limit on
+what is counted is a field of :class:`CountLimits` and a line of :func:`may_service`. Searches that
+keep millions of labels hold counts as one number, :func:`counts_of`.
 
 Code that relaxes or sorts resources has no sets of them to compare, and says so. Walks count ΔV in
 whole slots, sixteen at a time (:mod:`solvers.walks.sweeps`). Networks know the least that has been
@@ -50,6 +52,37 @@ class Resources(NamedTuple):
     kits: One
 
 
+class CountLimits(NamedTuple):
+    """The most that a chaser may count; :data:`ANY` where that does not limit it.
+
+    Attributes
+    ----------
+    targets : int
+        Targets serviced.
+    between : int
+        Targets serviced since the last refuelling.
+    """
+
+    targets: int
+    between: int
+
+
+ANY = (1 << 20) - 1
+"""A number that no mission reaches."""
+
+
+@inlined
+def limits_in(row):
+    """Limits from a row of numbers, in the order of their fields."""
+    return CountLimits(int(row[0]), int(row[1]))
+
+
+@inlined
+def may_service(here, limits):
+    """Whether counts allow one more service."""
+    return here.serviced < limits.targets and here.since < limits.between
+
+
 @inlined
 def at_start(ready, kits, loads, budget):
     """Resources at the start, from a ready time [s] and a number of kits aboard."""
@@ -91,23 +124,25 @@ def extend(here, destination, refuels, delta_v, end, loads, budget):
 
 
 @inlined
-def dominates(one, other, loads):
+def dominates(one, other, loads, limits):
     """Whether one route dominates another at the same body: it allows every continuation of it.
 
-    It is free no later, which is enough since a chaser may wait, has no less left, has serviced no
-    more of those that it may, and its kits will do for those of the other. Which targets are done
-    is for the caller to compare. Whether they may refuel is not compared: at one body either all
-    have serviced a target since they refuelled, or none has.
+    It is free no later, which is enough since a chaser may wait, has no less left, has counted no
+    more of what is limited, and its kits will do for those of the other. Which targets are done is
+    for the caller to compare. Whether they may refuel is not compared: at one body either all have
+    serviced a target since they refuelled, or none has.
 
     Parameters
     ----------
     one, other : Resources
     loads : Loads or None
+    limits : CountLimits
     """
     return (
         one.time <= other.time
         and one.left >= other.left
-        and one.serviced <= other.serviced
+        and (limits.targets == ANY or one.serviced <= other.serviced)
+        and (limits.between == ANY or one.since <= other.since)
         and may_stand_for(loads, one.kits, other.kits)
     )
 
@@ -142,3 +177,32 @@ def put(held, place, resources):
     held.time[place], held.left[place] = resources.time, resources.left
     held.since[place], held.serviced[place] = resources.since, resources.serviced
     held.kits[place] = resources.kits
+
+
+COUNT_BITS = 21
+"""Bits of a count in a packed number."""
+
+
+@inlined
+def counts_of(resources):
+    """Counts packed in one number: services, those since the last refuelling, kits."""
+    since = resources.since << COUNT_BITS
+    return resources.serviced + since + (resources.kits << 2 * COUNT_BITS)
+
+
+@inlined
+def with_counts(time, left, counts):
+    """Resources with packed counts."""
+    mask = (1 << COUNT_BITS) - 1
+    return Resources(
+        time,
+        left,
+        np.int64(counts >> COUNT_BITS & mask),
+        np.int64(counts & mask),
+        np.int64(counts >> 2 * COUNT_BITS),
+    )
+
+
+def kits_alone(kits):
+    """Packed counts of chasers that have done nothing yet, by their kits aboard."""
+    return kits << 2 * COUNT_BITS

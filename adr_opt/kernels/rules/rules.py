@@ -25,7 +25,7 @@ from ..tables import timetable
 from . import resources as resource_kernels
 from .falls import Falls, lost_at
 from .loads import Loads, flown_in_service, most_kits
-from .resources import Resources
+from .resources import CountLimits, Resources
 
 
 class Rules(NamedTuple):
@@ -53,8 +53,8 @@ class Rules(NamedTuple):
         Body at which the chaser is in the beginning.
     ready : float
         Since when [s].
-    most_targets : int
-        Targets that it may service.
+    limits : CountLimits
+        On what it may count, as on targets that it services.
     returns : bool
         Whether there are bodies where the mission may not end.
     budget : float
@@ -81,7 +81,7 @@ class Rules(NamedTuple):
     first_target: int
     start: int
     ready: float
-    most_targets: int
+    limits: CountLimits
     returns: bool
     budget: float
     duration: float
@@ -185,7 +185,7 @@ def step(rules, state, destination):
         legal = legal and here.since > 0
     else:
         delta_v += flown_in_service(rules.loads, destination)
-        legal = legal and here.serviced < rules.most_targets and after.left >= 0.0
+        legal = legal and resource_kernels.may_service(here, rules.limits) and after.left >= 0.0
     if rules.returns and legal and not rules.may_end[destination]:
         legal = _reaches_an_end(rules, destination, end, after.left)
     return legal, delta_v, State(np.int64(destination), after)

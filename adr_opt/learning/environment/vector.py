@@ -16,6 +16,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv, VecEnvStepRetu
 from ...common.errors import InputError
 from ...kernels.episodes import episodes as kernels
 from ...kernels.episodes import worlds as world_kernels
+from ...kernels.episodes.episodes import BODIES
 from ...mission.mission import Mission
 from ...problem.instance import AnyInstance, Instance, instance_of
 from ..episodes import (
@@ -266,7 +267,7 @@ class MissionVecEnv(VecEnv):
     def _last_words(self, ended: npt.NDArray[np.int32], infos: list[dict[str, Any]]) -> None:
         """Add the information on ended episodes that Stable-Baselines3 expects."""
         episodes, seen = self.episodes, self._board.copy(ended)
-        targets = self.pool.arrays.bodies[episodes.slot[ended]] - 1
+        targets = self.pool.arrays.counts[episodes.slot[ended], BODIES] - 1
         told = last_words(episodes, self.worlds, ended, seen, self._rewards, targets)
         for index, said in zip(ended.tolist(), told, strict=True):
             infos[index] = said

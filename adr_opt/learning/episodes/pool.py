@@ -18,11 +18,12 @@ from ...kernels.episodes.episodes import (
     begin,
 )
 from ...kernels.orbits.ephemeris import ORBIT_COLUMNS
+from ...kernels.rules.resources import CountLimits
 from ...kernels.tables import stacked_timetables
 from ...kernels.tables import timetable as timetable_kernels
 from ...mission.mission import Mission
 from ...problem.instance import Instance
-from ...problem.rules import FIRST, Follower
+from ...problem.rules import PLAYED, Follower
 from ...problem.support import follows_all, refuse
 from ...run.method_call import able
 
@@ -66,7 +67,7 @@ class FieldPool:
         tables, home = stacked_timetables.allocate_slots(slots, bodies, events, regular=regular)
         steps = timetable_kernels.most_steps(tables)
         self.arrays = StackedFields(
-            bodies=np.zeros(slots, dtype=np.int32),
+            counts=np.zeros((slots, 1 + len(CountLimits._fields)), dtype=np.int32),
             orbits=np.zeros((slots, bodies, len(ORBIT_COLUMNS))),
             limits=np.zeros((slots, 4, bodies)),
             is_station=np.arange(bodies) < 1,
@@ -114,7 +115,7 @@ class FieldPool:
         table = mission.timetable.table
         bodies = len(mission.names)
         orbits = mission.transfer_inputs[1]
-        arrays.bodies[slot] = bodies
+        arrays.counts[slot] = bodies, *mission.limits
         arrays.orbits[slot, :bodies] = orbits
         limits = arrays.limits[slot]
         limits[SERVICE, :bodies] = mission.rules.service
@@ -138,23 +139,7 @@ class FieldPool:
         self.instances[slot] = mission.instance
 
 
-FOLLOWS = Follower(
-    "the environment with its policies",
-    FIRST
-    - {
-        "bodies without an orbit",
-        "prizes that fall",
-        "number of stations",
-        "start orbits",
-        "launches",
-        "late availability",
-        "ends",
-        "most targets",
-        "tanks not full",
-    },
-)
-"""Episodes begin at the only station, at t = 0, may service any number of targets, know no kits and
-no tows, and may end anywhere. Windows, prizes and zones are as they are."""
+FOLLOWS = Follower("the environment with its policies", PLAYED)
 
 
 def check_playable(mission: Mission) -> None:

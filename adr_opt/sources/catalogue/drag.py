@@ -8,7 +8,6 @@ from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
-from scipy.integrate import simpson
 
 from ...common.constants import DAY_S
 from ...common.wording import counted
@@ -73,6 +72,8 @@ def drag_warning(records: Sequence[ElementSet], epoch: datetime, duration_s: flo
 
 def _by_bstar(record: ElementSet, epoch: datetime, duration_s: float) -> float | None:
     """Displacement by B* in SGP4 [km]; None if the object decays meanwhile."""
+    from scipy.integrate import simpson
+
     times = (epoch - record.epoch).total_seconds() + duration_s * SHARES
     axes = _axes(record, times)
     if axes is None:

@@ -25,7 +25,7 @@ from ...plan.plan import Plan
 from ...plan.refined_plan import RefinedPlan
 from ...plan.routes import several
 from ...problem.instance import Instance
-from ...problem.rules import CAMPAIGNS, FIRST, TOGETHER, TOURS, Follower
+from ...problem.rules import JUDGED, Follower
 from ...problem.support import refuse
 from ..plot.courses import arcs_of
 from ..plot.segments import segments
@@ -66,7 +66,7 @@ class Report:
     complaints: tuple[str, ...] = ()
 
 
-FOLLOWS = Follower("report", FIRST | CAMPAIGNS | TOURS | TOGETHER | {"functions of time"})
+FOLLOWS = Follower("report", JUDGED)
 
 
 def write_report(

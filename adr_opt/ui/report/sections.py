@@ -460,6 +460,9 @@ def _asked_of(instance: Instance, chaser: Chaser) -> Iterator[str]:
         yield f"{it} has to end at {chaser.end.station}"
     if chaser.max_targets is not None:
         yield f"{it} may service {counted(chaser.max_targets, 'target')}"
+    if chaser.max_visits_between_refuels is not None:
+        most = counted(chaser.max_visits_between_refuels, "target")
+        yield f"{it} may service {most} between refuellings"
 
 
 def _prices(expense: Expense) -> str:

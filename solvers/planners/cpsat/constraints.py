@@ -79,8 +79,8 @@ class CpSatConstraints:
     def _not_too_many_targets(self) -> None:
         """Service at most the chaser's maximum number of targets."""
         visits = list(self._variables.visit.values())
-        if self._rules.most_targets < len(visits):
-            self._block.add(sum(visits) <= self._rules.most_targets)
+        if self._rules.limits.targets < len(visits):
+            self._block.add(sum(visits) <= self._rules.limits.targets)
 
     def _delta_v_adds_up(self) -> None:
         """At each target, accumulate the ΔV used before it and on the way to it."""

@@ -110,7 +110,7 @@ def anneal(rules, order, length, labels, kept, weights, schedule, rng):
         # The latest end that is accepted.
         latest = end + (new_prize - prize + slack) / schedule.worth
         new_end = np.inf
-        if new_length > rules.most_targets:
+        if new_length > rules.limits.targets:
             new_end = np.inf
         elif new_length == 0:
             new_end = rules.ready

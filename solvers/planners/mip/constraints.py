@@ -74,9 +74,9 @@ class MipConstraints:
         """Enter at most the chaser's maximum number of targets."""
         move, into = self._variables.move, self._into_targets()
         self._block.number = pyo.ConstraintList()
-        if self._rules.most_targets < len(into):
+        if self._rules.limits.targets < len(into):
             moves = sum(move[leg] for legs in into.values() for leg in legs)
-            self._block.number.add(moves <= self._rules.most_targets)
+            self._block.number.add(moves <= self._rules.limits.targets)
 
     def _delta_v_adds_up(self) -> None:
         """Leave a target with the ΔV used before it and on the way to it.

@@ -35,7 +35,7 @@ def best_insertion(rules, sequence, bodies, times, lefts, count):
     for j in sequence:
         given[j] = True
     best, best_place, best_prize, best_end = -1, -1, 0.0, math.inf
-    if count >= rules.most_targets:
+    if count >= rules.limits.targets:
         return best, best_place
     for place in range(sequence.size + 1):
         for new in range(rules.first_target, given.size):

@@ -217,7 +217,7 @@ def _window(
         rest,
         latest,
         (int(np.count_nonzero(stations)) + 1) if rules.stations else 0,
-        int(rules.most_targets) - order.targets + int(np.count_nonzero(~stations)),
+        int(rules.limits.targets) - order.targets + int(np.count_nonzero(~stations)),
         ends[: moves + 1],
         values[: moves + 1],
     )

@@ -42,6 +42,7 @@ WORDS = {
         "Available", "earliest and latest time since the epoch; no latest one: for ever"
     ),
     "max_targets": FieldWords("Most targets", "empty for no limit"),
+    "max_visits_between_refuels": FieldWords("Most targets on a tank", "empty for no limit"),
     "tank": FieldWords("Tank", "counted in ΔV, or by mass"),
     "delta_v_m_s": FieldWords("ΔV of a full tank"),
     "initial_delta_v_m_s": FieldWords("ΔV at the start", "empty for a full tank"),
