@@ -50,8 +50,8 @@ def timetable(runs: int = 9) -> None:
     Medians of several runs in one process after a warm-up.
     """
     instance = adr_opt.generate("nominal", 0)
-    table = adr_opt.Timetable(instance)
-    cores, entries = usable_cores(), table.entries
+    built = adr_opt.Timetable(instance)
+    cores, entries = usable_cores(), built.entries
     head("work", "min", "median", "max")
     one, many = (
         times_s(lambda jobs=jobs: adr_opt.Timetable(instance, jobs), runs) for jobs in (1, cores)
@@ -61,7 +61,7 @@ def timetable(runs: int = 9) -> None:
         cells = (f"{t:.3f} s ({t / entries * 1e6:.3f} µs/entry)" for t in least_median_most)
         row(f"timetable, {name}", *cells)
     row(f"speed-up on {cores} cores", "", f"{median(one) / median(many):.2f} ×", "")
-    mission = adr_opt.Mission(instance, table)
+    mission = adr_opt.Mission(instance, built)
     mission.rules  # noqa: B018  the arrays of the rules are part of a ready timetable
     plans = [adr_opt.solve(mission, "greedy").runtime_s for _ in range(runs)]
     _spread("greedy sequence from a ready timetable", plans, "ms", 1e3)

@@ -73,15 +73,16 @@ def tables(script: Path) -> dict[str, set[str]]:
         for each in call.args[1:]
         if isinstance(each, ast.Name)
     }
-    files = [script]
-    for node in syntax(script).body:
-        if isinstance(node, ast.ImportFrom) and node.module is not None:
-            files.append(script.parent.joinpath(*node.module.split(".")).with_suffix(".py"))
+    files = [
+        script.parent.joinpath(*node.module.split(".")).with_suffix(".py")
+        for node in syntax(script).body
+        if isinstance(node, ast.ImportFrom) and node.module is not None
+    ]
     return {
         node.name.replace("_", "-"): {
             f"--{each.arg.replace('_', '-')}" for each in (*node.args.args, *node.args.kwonlyargs)
         }
-        for file in files
+        for file in (*files, script)
         if file.is_file()
         for node in syntax(file).body
         if isinstance(node, ast.FunctionDef) and node.name in named

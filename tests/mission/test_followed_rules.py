@@ -7,13 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from adr_opt.analysis.rehearse.ground import FOLLOWS as REHEARSED
 from brute_force import brute_force, brute_force_campaign
 from random_rules import DRAWS
 
 import adr_opt
 from adr_opt.analysis import price, replan
 from adr_opt.analysis.priced import FOLLOWS as PRICED
-from adr_opt.analysis.rehearse.ground import FOLLOWS as REHEARSED
 from adr_opt.analysis.rehearse.sampling import rehearse
 from adr_opt.analysis.replan import FOLLOWS as REPLANNED
 from adr_opt.mission.certified import certify
