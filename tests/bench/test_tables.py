@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Literal
 
@@ -71,3 +72,17 @@ def test_tables_are_markdown(capsys) -> None:
     tables.head("a", "b")
     tables.row(1, "x")
     assert capsys.readouterr().out == "\n| a | b |\n|---|---|\n| 1 | x |\n"
+
+
+def test_every_experiment_is_listed() -> None:
+    """The page for contributors names each script of the bench, and no other."""
+    root = Path(__file__).parents[2]
+    page = (root / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    rows = page.partition("| script | asks |")[2].partition("\n\n")[0]
+    listed = set(re.findall(r"`([a-z_/]+\.py)`", rows))
+    scripts = {
+        str(path.relative_to(root / "bench"))
+        for path in (root / "bench").rglob("*.py")
+        if '__name__ == "__main__"' in path.read_text(encoding="utf-8")
+    }
+    assert listed == scripts
